@@ -1,0 +1,157 @@
+"""One function a verb; its docstring is its help."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+import modelgen
+from modelgen.cli.options import (
+    AsJson,
+    Form,
+    OutPicture,
+    OutRun,
+    Quality,
+    RealName,
+    Samples,
+    SceneFile,
+    Style,
+    Tolerance,
+    Until,
+)
+from modelgen.cli.output import check_outputs, exit_with, guarded, print_facts, write_run
+from modelgen.cli.street import accuracy_of, build_scene, derive_scene, read_scene, run_scene
+
+app = typer.Typer(
+    help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+@app.callback(invoke_without_command=True)
+def version(
+    show: Annotated[bool, typer.Option("--version", help="print the version", is_eager=True)] = False,
+) -> None:
+    if show:
+        typer.echo(f"modelgen {modelgen.__version__}")
+        raise typer.Exit
+
+
+@app.command()
+@guarded
+def check(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
+    """Say what a scene requires: kinds, forms, instruction counts. Compiles nothing."""
+    from modelgen.report.check import check_facts, print_check
+
+    facts = check_facts(derive_scene(read_scene(scene, form)))
+    print_facts(facts, as_json, lambda: print_check(facts, Console()))
+
+
+@app.command()
+@guarded
+def build(
+    scene: SceneFile,
+    out: Annotated[Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER")] = None,
+    real: Annotated[RealName, typer.Option(help="the real type of the library")] = RealName.double,
+    form: Form = None,
+    as_json: AsJson = False,
+) -> None:
+    """Generate and compile the library of a scene; compiles nothing that is already there."""
+    library = build_scene(read_scene(scene, form), real, out)
+    manifest = library.manifest
+    facts = {
+        "scene": manifest.sentence["name"],
+        "library": str(library.path),
+        "real": library.real,
+        "hash": manifest.hash,
+        "instructions": {name: entry["instructions"] for name, entry in manifest.functions.items()},
+    }
+    print_facts(facts, as_json, lambda: typer.echo(library.path))
+
+
+@app.command()
+@guarded
+def simulate(
+    scene: SceneFile,
+    until: Until = None,
+    accuracy: Quality = None,
+    tolerance: Tolerance = None,
+    samples: Samples = None,
+    form: Form = None,
+    out: OutRun = None,
+    plot: OutPicture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a scene; print its summary, write the run and its picture. Ctrl-C keeps what was computed."""
+    from modelgen.report.summary import print_summary
+
+    check_outputs(out, plot)
+    settings = accuracy_of(accuracy, tolerance)
+    trajectory, library = run_scene(read_scene(scene, form), until, settings, samples)
+    write_run(trajectory, library, out, plot)
+    summary = trajectory.summary()
+    print_facts(summary, as_json, lambda: print_summary(summary, Console()))
+    exit_with(trajectory)
+
+
+@app.command()
+@guarded
+def plot(
+    source: Annotated[Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE")],
+    as_json: AsJson = False,
+) -> None:
+    """Draw motion, forces, gaps, energy and the contact curves on both surfaces."""
+    from modelgen.report.export import load
+    from modelgen.report.plot import draw
+    from modelgen.report.record import record_of
+
+    check_outputs(None, out)
+    trajectory = None
+    if source.suffix == ".npz":
+        record = load(source)
+    else:
+        trajectory, library = run_scene(read_scene(source, None), None, None, None)
+        record = record_of(trajectory, library)
+    draw(record, out)
+    facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
+    print_facts(facts, as_json, lambda: typer.echo(out))
+    if trajectory:
+        exit_with(trajectory)
+
+
+@app.command()
+@guarded
+def inspect(
+    source: Annotated[str, typer.Argument(metavar="KIND|SCENE", help="a scene, or SHAPE-SHAPE[:FORM]")],
+    formula: Annotated[str | None, typer.Option(help="only the formula of this name")] = None,
+    style: Annotated[Style, typer.Option("--format", help="how formulas are written")] = Style.text,
+    as_json: AsJson = False,
+) -> None:
+    """Print the formulas of a scene or of a kind of contact: source, units, cost, definition."""
+    from modelgen.report.derivation import formula_facts, formula_text, kind_scene
+
+    is_scene = source.endswith(".toml") or Path(source).exists()
+    scene = read_scene(Path(source), None) if is_scene else kind_scene(source)
+    facts = formula_facts(derive_scene(scene), formula, style.value)
+    text = "\n\n".join(formula_text(fact, style.value) for fact in facts)
+    print_facts({"source": source, "formulas": facts}, as_json, lambda: typer.echo(text))
+
+
+@app.command()
+@guarded
+def schema(as_json: AsJson = False) -> None:
+    """Print the JSON Schema of scene files; `$defs.result` is that of what `simulate --json` prints."""
+    from modelgen.report.result import result_schema
+    from modelgen.scene.schema import scene_schema
+
+    document = scene_schema()
+    document["$defs"] = {**document.get("$defs", {}), "result": result_schema()}
+    typer.echo(json.dumps(document, indent=None if as_json else 2, allow_nan=False))

@@ -1,0 +1,102 @@
+"""What leaves a verb: facts, files, messages and the exit code."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec
+
+import typer
+
+from modelgen.errors import ModelgenError
+
+if TYPE_CHECKING:
+    from modelgen.codegen.library import Library
+    from modelgen.runtime.trajectory import Trajectory
+
+FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+
+P = ParamSpec("P")
+
+
+def guarded(command: Callable[P, None]) -> Callable[P, None]:
+    """Errors of the user become one message on standard error and an exit code, never a traceback."""
+
+    @functools.wraps(command)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            command(*args, **kwargs)
+        except ModelgenError as error:
+            message, code = str(error), REFUSED
+        except OSError as error:
+            message, code = f"{error.filename}: {error.strerror}", REFUSED
+        except KeyboardInterrupt:
+            message, code = "interrupted before anything was computed", INTERRUPTED
+        else:
+            return
+        typer.echo(message, err=True)
+        raise typer.Exit(code)
+
+    return wrapper
+
+
+def check_outputs(run: Path | None, picture: Path | None) -> None:
+    """Refuse what cannot be written before anything is computed."""
+    from modelgen.report import export
+    from modelgen.report.plot import FORMATS, require_matplotlib
+
+    for path, formats in ((run, export.FORMATS), (picture, FORMATS)):
+        if path is None:
+            continue
+        if path.suffix not in formats:
+            allowed = f"allowed are {', '.join(formats)}"
+            raise ModelgenError(
+                str(path), f"no known format {path.suffix!r}", allowed, "give one of these suffixes"
+            )
+        if not path.parent.is_dir():
+            raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
+    if picture is not None:
+        require_matplotlib()
+
+
+def write_run(trajectory: Trajectory, library: Library, run: Path | None, picture: Path | None) -> None:
+    if run is None and picture is None:
+        return
+    from modelgen.report.export import save
+    from modelgen.report.record import record_of
+
+    record = record_of(trajectory, library)
+    if run is not None:
+        save(record, run)
+    if picture is not None:
+        from modelgen.report.plot import draw
+
+        draw(record, picture)
+
+
+def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) -> None:
+    if as_json:
+        typer.echo(json.dumps(_finite(facts), allow_nan=False))
+    else:
+        show()
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity and no NaN: null stands for both."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def exit_with(trajectory: Trajectory) -> None:
+    outcome = trajectory.outcome
+    if outcome.succeeded:
+        return
+    place = f" ({trajectory.outcome_contact})" if trajectory.outcome_contact else ""
+    typer.echo(f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}", err=True)
+    raise typer.Exit(INTERRUPTED if outcome.name == "INTERRUPTED" else FAILED)

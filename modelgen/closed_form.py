@@ -1,0 +1,202 @@
+"""The smooth right-hand side of a small scene as one expression, with all contacts held closed.
+
+M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma), a = a_free + M^-1 J^T lambda
+(Section 3). It serves users of CasADi and instruction counts; the core never compiles it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+import casadi as ca
+
+from modelgen.dynamics import kernel, mass_and_inertia
+from modelgen.geometry.frames import dot, zeros
+from modelgen.model import BodyEntry, BodyKind, ContactEntry, Model
+
+MAX_CONTACTS = 4
+
+Functions = Mapping[str, ca.Function]
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """Inputs of the composed function; `parameters` holds those of bodies, contacts and loads, one after the other."""
+
+    t: ca.SX
+    q: ca.SX
+    u: ca.SX
+    eta: ca.SX
+    gravity: ca.SX
+    parameters: ca.SX
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A body of the sentence as expressions; `accel` without contact forces."""
+
+    kind: BodyKind
+    parameters: ca.SX
+    pose: ca.SX
+    twist: ca.SX
+    qdot: ca.SX
+    accel: ca.SX
+
+    def weigh(self, row: ca.SX) -> ca.SX:
+        """M^-1 J^T of this body's columns of J; zero where the motion is given."""
+        if self.kind.motion not in ("point", "free"):
+            return zeros(int(row.numel()))
+        mass, inertia = mass_and_inertia(self.kind, self.parameters)
+        if self.kind.motion == "point":
+            return row / mass
+        return ca.vertcat(row[0:3] / mass, solve_symmetric(inertia, row[3:6]))
+
+
+@dataclass(frozen=True)
+class Row:
+    """A contact of the sentence as expressions: J and M^-1 J^T by body."""
+
+    J: Mapping[int, ca.SX]
+    MJ: Mapping[int, ca.SX]
+    gamma: ca.SX
+    eta_dot: ca.SX
+
+
+def right_hand_side(model: Model, functions: Functions) -> ca.Function:
+    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_contact) N)."""
+    blocks = (model.bodies, model.contacts, model.loads)
+    sizes = [len(entry.parameters) for block in blocks for entry in block]
+    symbols = Symbols(
+        ca.SX.sym("t"),
+        ca.SX.sym("q", model.n_q),
+        ca.SX.sym("u", model.n_u),
+        ca.SX.sym("eta", model.n_eta),
+        ca.SX.sym("gravity", 3),
+        ca.SX.sym("parameters", sum(sizes)),
+    )
+    parameters = [symbols.parameters[a:b] for a, b in pairwise(accumulate(sizes, initial=0))]
+    n, m = len(model.bodies), len(model.contacts)
+    bodies = _bodies(model, symbols, parameters[:n], parameters[n + m :], functions)
+    rows = [
+        _row(model, entry, bodies, symbols.eta, given, functions)
+        for entry, given in zip(model.contacts, parameters[n : n + m], strict=True)
+    ]
+    force = _forces(bodies, rows)
+    outputs = {
+        "qdot": ca.vertcat(*(body.qdot for body in bodies)),
+        "udot": ca.vertcat(*(_acceleration(index, body, rows, force) for index, body in enumerate(bodies))),
+        "eta_dot": ca.vertcat(*(row.eta_dot for row in rows)),
+        "force": force,
+    }
+    return kernel("mg_rhs", vars(symbols), outputs)
+
+
+def solve_symmetric(matrix: ca.SX, vector: ca.SX) -> ca.SX:
+    """Solution (n,) of a symmetric positive definite system by elimination without pivoting."""
+    n = int(vector.numel())
+    if matrix.sparsity().is_diag():
+        return vector / ca.diag(matrix)
+    first = matrix[1:, 0] / matrix[0, 0]
+    schur = matrix[1:, 1:] - ca.mtimes(first, matrix[0, 1:])
+    rest = solve_symmetric(schur, vector[1:n] - first * vector[0])
+    return ca.vertcat((vector[0] - ca.mtimes(matrix[0, 1:], rest)) / matrix[0, 0], rest)
+
+
+def _bodies(
+    model: Model, symbols: Symbols, parameters: list[ca.SX], of_loads: list[ca.SX], functions: Functions
+) -> list[Moving]:
+    bodies = [
+        _placed(model.body_kinds[entry.kind], entry, symbols, given, functions)
+        for entry, given in zip(model.bodies, parameters, strict=True)
+    ]
+    wrenches = [zeros(6) for _ in bodies]
+    for load, given in zip(model.loads, of_loads, strict=True):
+        function = functions[f"mg_{model.load_kinds[load.kind].name}_wrench"]
+        partners = [(bodies[index].pose, bodies[index].twist) for index in load.bodies]
+        known = [argument for pair in partners for argument in pair]
+        pads = [ca.SX(0, 1)] * (4 - len(known))
+        arguments = _fit(function, [symbols.t, *known, *pads, given])
+        for index, wrench in zip(load.bodies, function.call(arguments), strict=False):
+            wrenches[index] += wrench
+    return [
+        _accelerated(body, entry, symbols, wrench, functions)
+        for body, entry, wrench in zip(bodies, model.bodies, wrenches, strict=True)
+    ]
+
+
+def _placed(
+    kind: BodyKind, entry: BodyEntry, symbols: Symbols, parameters: ca.SX, functions: Functions
+) -> Moving:
+    none = ca.SX(0, 1)
+    if kind.motion == "fixed":
+        return Moving(kind, parameters, parameters, zeros(6), none, zeros(6))
+    if kind.motion == "driven":
+        pose, twist, accel = functions[f"mg_{kind.name}_path"].call([symbols.t, parameters])
+        return Moving(kind, parameters, pose, twist, none, accel)
+    q, u = _state(kind, entry, symbols)
+    if kind.motion == "point":
+        return Moving(
+            kind, parameters, ca.vertcat(q, ca.vec(ca.SX.eye(3))), ca.vertcat(u, zeros(3)), none, none
+        )
+    (pose,) = functions[f"mg_{kind.name}_pose"].call([q])
+    return Moving(kind, parameters, pose, u, none, none)
+
+
+def _state(kind: BodyKind, entry: BodyEntry, symbols: Symbols) -> tuple[ca.SX, ca.SX]:
+    n_q, n_u = (3, 3) if kind.motion == "point" else (7, 6)
+    return symbols.q[entry.q : entry.q + n_q], symbols.u[entry.u : entry.u + n_u]
+
+
+def _accelerated(
+    body: Moving, entry: BodyEntry, symbols: Symbols, wrench: ca.SX, functions: Functions
+) -> Moving:
+    kind = body.kind
+    if kind.motion not in ("point", "free"):
+        return body
+    q, u = _state(kind, entry, symbols)
+    push = wrench[0 : u.numel()] if kind.loaded else ca.SX(0, 1)
+    motion = functions[f"mg_{kind.name}_motion"]
+    qdot, accel = motion.call([q, u, push, symbols.gravity, body.parameters])
+    return Moving(kind, body.parameters, body.pose, body.twist, qdot, accel)
+
+
+def _fit(function: ca.Function, arguments: list[ca.SX]) -> list[ca.SX]:
+    """Arguments of size 0 where the function takes none."""
+    return [argument if function.numel_in(index) else ca.SX(0, 1) for index, argument in enumerate(arguments)]
+
+
+def _row(
+    model: Model,
+    entry: ContactEntry,
+    bodies: list[Moving],
+    eta: ca.SX,
+    parameters: ca.SX,
+    functions: Functions,
+) -> Row:
+    o, f = bodies[entry.o], bodies[entry.f]
+    rates = functions[f"mg_{model.contact_kinds[entry.kind].name}_rates"]
+    own = eta[entry.eta : entry.eta + rates.numel_in("eta")]
+    arguments = _fit(rates, [o.pose, o.twist, f.pose, f.twist, own, parameters])
+    _, J_o, J_f, gamma, eta_dot, _ = rates.call(arguments)
+    J = {entry.o: J_o, entry.f: J_f}
+    return Row(J, {index: bodies[index].weigh(row) for index, row in J.items()}, gamma, eta_dot)
+
+
+def _forces(bodies: list[Moving], rows: list[Row]) -> ca.SX:
+    m = len(rows)
+    A, b = zeros(m, m), zeros(m)
+    for i, row in enumerate(rows):
+        b[i] = -row.gamma - sum(dot(J, bodies[k].accel[0 : J.numel()]) for k, J in row.J.items() if J.numel())
+        for j, other in enumerate(rows):
+            shared = [k for k in row.J if k in other.J and row.J[k].numel()]
+            A[i, j] = sum((dot(row.J[k], other.MJ[k]) for k in shared), ca.SX(0))
+    return solve_symmetric(A, b) if m else zeros(0)
+
+
+def _acceleration(index: int, body: Moving, rows: list[Row], force: ca.SX) -> ca.SX:
+    if body.kind.motion not in ("point", "free"):
+        return ca.SX(0, 1)
+    pushes = [row.MJ[index] * force[i] for i, row in enumerate(rows) if index in row.MJ]
+    return sum(pushes, body.accel)

@@ -1,0 +1,86 @@
+"""From text to a loaded library, at most once for each content."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from modelgen.codegen.compiler import REALS, Compiler, compile_library, cpu_target, find_compiler
+from modelgen.codegen.emit import Package
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import Manifest
+from modelgen.errors import LibraryError, nearest
+
+
+def build(package: Package, *, real: str = "double", folder: Path | None = None) -> Library:
+    """The library of a package, compiled if no library of the same content lies in `folder`.
+
+    Args:
+        package: what `emit` returned.
+        real: "double", "float" or "long double".
+        folder: where C, header, manifest and library go; `generated/<scene>` when None.
+
+    Raises:
+        CompilerMissing: there is no C compiler.
+        LibraryError: the compiler fails; the message names the command and the log.
+    """
+    if real not in REALS:
+        raise LibraryError("real", repr(real), f"allowed: {', '.join(REALS)}", nearest(real, REALS))
+    folder = (folder or Path("generated") / package.name).absolute()
+    compiler = find_compiler()
+    flags = compiler.flags(real)
+    key = content_hash(package, flags, compiler)
+    path = folder / f"lib{package.name}-{key[:16]}.so"
+    folder.mkdir(parents=True, exist_ok=True)
+    if not path.exists():
+        _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), path)
+    versions = {**package.manifest.versions, "compiler": compiler.version.partition("\n")[0]}
+    manifest = replace(package.manifest, hash=key, real=real, file=path.name, versions=versions)
+    library = Library(manifest, path)
+    _write(folder, package.files, manifest)
+    return library
+
+
+def content_hash(package: Package, flags: tuple[str, ...], compiler: Compiler) -> str:
+    """SHA-256 (hex) of all that decides what the library does: text, flags, compiler, CPU target, ABI."""
+    digest = hashlib.sha256()
+    sources = [part for name in sorted(package.files) for part in (name, package.files[name])]
+    for part in (
+        *sources,
+        *flags,
+        *compiler.command,
+        compiler.version,
+        cpu_target(),
+        str(package.manifest.abi),
+    ):
+        digest.update(f"{len(part)}:{part}".encode())
+    return digest.hexdigest()
+
+
+def manifest_name(real: str) -> str:
+    """File name of the manifest of a library over one real type."""
+    return "manifest.json" if real == "double" else f"manifest-{real.replace(' ', '-')}.json"
+
+
+def _compile(files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
+    """Compile in a folder of its own, then move the library into place, so that no one sees half of it."""
+    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
+        scratch = Path(name)
+        for file, text in files.items():
+            (scratch / file).write_text(text, encoding="utf-8")
+        target = scratch / path.name
+        compile_library(compiler, flags, scratch / "model.c", target, path.with_suffix(".log"))
+        os.replace(target, path)
+
+
+def _write(folder: Path, files: Mapping[str, str], manifest: Manifest) -> None:
+    for name, text in {**files, manifest_name(manifest.real): manifest.to_json()}.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            scratch = folder / f".{name}.{os.getpid()}"
+            scratch.write_text(text, encoding="utf-8")
+            os.replace(scratch, path)

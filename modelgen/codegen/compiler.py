@@ -1,0 +1,110 @@
+"""The C compiler of this machine: which one, its flags, and how a translation unit becomes a shared library."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from modelgen.errors import CompilerMissing, LibraryError
+
+CANDIDATES = ("cc", "gcc", "clang")
+FLAGS = ("-std=c99", "-O3", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
+LIBRARIES = ("-lm",)
+REALS: Mapping[str, tuple[str, ...]] = {
+    "double": (),
+    "float": ("-DMG_REAL_FLOAT",),
+    "long double": ("-DMG_REAL_LONG",),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Compiler:
+    """A command that compiles C, and what it says of itself."""
+
+    command: tuple[str, ...]
+    version: str  # what --version prints
+
+    @property
+    def is_zig(self) -> bool:
+        return "ziglang" in self.command or Path(self.command[0]).stem == "zig"
+
+    def flags(self, real: str) -> tuple[str, ...]:
+        """All flags that decide what the library does, for one real type."""
+        native = (
+            ("-fno-sanitize=undefined",) if self.is_zig else ("-march=native",)
+        )  # zig targets this CPU anyway
+        strict = ("-Wl,-z,defs",) if sys.platform == "linux" else ()
+        return (*FLAGS, *native, *strict, *REALS[real])
+
+
+def find_compiler() -> Compiler:
+    """The compiler named by CC, else cc, gcc, clang, else zig from PyPI; raises CompilerMissing if there is none."""
+    wanted = os.environ.get("CC", "")
+    command = tuple(shlex.split(wanted)) or _first_installed()
+    if shutil.which(command[0]) is None:
+        raise CompilerMissing(
+            "CC", f"no program {command[0]!r}", "", "correct CC, or unset it to use cc, gcc or clang"
+        )
+    return Compiler(command, _version(command))
+
+
+def _first_installed() -> tuple[str, ...]:
+    for name in CANDIDATES:
+        if shutil.which(name):
+            return (name,)
+    if importlib.util.find_spec("ziglang"):
+        return (sys.executable, "-m", "ziglang", "cc")
+    raise CompilerMissing(
+        "",
+        f"no C compiler was found (CC, {', '.join(CANDIDATES)})",
+        "",
+        'run: pip install "modelgen[compiler]"',
+    )
+
+
+def _version(command: tuple[str, ...]) -> str:
+    try:
+        answer = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        found = f"`{shlex.join(command)} --version` fails: {error}"
+        raise CompilerMissing("CC", found, "", "name a C compiler that works") from None
+    return answer.stdout.strip()
+
+
+def cpu_target() -> str:
+    """What the compiler takes from this machine's processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    facts = {
+        line.partition(":")[0].strip(): line.partition(":")[2].strip() for line in reversed(lines) if line
+    }
+    known = [facts[key] for key in ("vendor_id", "cpu family", "model", "flags", "Features") if key in facts]
+    return "; ".join([platform.machine(), *(known or [platform.processor()])])
+
+
+def compile_library(
+    compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path
+) -> None:
+    """Compile `source` to `target`; a failure raises LibraryError and leaves the compiler's words in `log`."""
+    command = [*compiler.command, *flags, "-o", str(target), source.name, *LIBRARIES]
+    answer = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
+    if answer.returncode == 0:
+        return
+    log.write_text(f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}", encoding="utf-8")
+    first = next((line for line in answer.stderr.splitlines() if "error" in line), "no message")
+    raise LibraryError(
+        shlex.join(command),
+        f"the compiler ended with {answer.returncode}: {first}",
+        "",
+        f"its words are in {log}",
+    )

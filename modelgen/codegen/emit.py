@@ -1,0 +1,128 @@
+"""From formulas to text: the kernels, the dispatchers, the core, and the manifest. Nothing touches the disk."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata, resources
+
+import casadi as ca
+
+from modelgen.codegen.kinds_c import kinds_text, prototypes
+from modelgen.codegen.manifest import Json, Manifest
+from modelgen.codegen.sentence import kinds_of, sentence_of
+from modelgen.derive import Derivation, Formula
+from modelgen.notation import notation
+
+PREFIX = "mg_kernels"
+
+MODEL_HEAD = """/* One translation unit: the kernels of the scene's vocabulary, and the core that runs them. */
+#include "kinds.h"
+#include "modelgen.h"
+
+#if defined(__GNUC__)
+#define MG_INLINE __attribute__((always_inline))
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#else
+#define MG_INLINE
+#endif
+
+#define casadi_real mg_real
+#define CASADI_SYMBOL_EXPORT MG_API
+"""
+
+MODEL_MIDDLE = """#include "kernels.c"
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#include "kinds.c"
+
+"""
+
+
+@dataclass(frozen=True)
+class Package:
+    """File names with their texts, and the manifest; `files` is what is compiled and nothing else."""
+
+    name: str
+    files: Mapping[str, str]
+    manifest: Manifest
+
+
+def emit(derivation: Derivation) -> Package:
+    """The C text and the manifest of a derivation; equal derivations give equal text."""
+    compiled = [formula for formula in derivation.formulas if formula.role != "rhs"]
+    core = core_files()
+    internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
+    files = {
+        **core,
+        "kernels.c": _kernels(compiled),
+        "kinds.c": kinds_text(derivation, internal),
+        "model.c": _model(core, internal),
+    }
+    manifest = Manifest(
+        abi=abi_of(core["modelgen.h"]),
+        functions={formula.name: _entry(formula) for formula in compiled},
+        kinds=kinds_of(derivation.model),
+        sentence=sentence_of(derivation.model),
+        versions={
+            "modelgen": _version("modelgen"),
+            "casadi": str(ca.CasadiMeta.version()),
+            "python": ".".join(str(part) for part in sys.version_info[:3]),
+        },
+    )
+    return Package(derivation.model.scene.name, files, manifest)
+
+
+def core_files() -> dict[str, str]:
+    """The hand-written C files, by name in alphabetical order."""
+    folder = resources.files("modelgen.core")
+    found = {item.name: item for item in folder.iterdir() if item.name.endswith((".c", ".h"))}
+    return {name: found[name].read_text(encoding="utf-8") for name in sorted(found)}
+
+
+def abi_of(header: str) -> int:
+    """The ABI number that the public header defines."""
+    match = re.search(r"#define MG_ABI (\d+)", header)
+    assert match is not None
+    return int(match.group(1))
+
+
+def _kernels(formulas: list[Formula]) -> str:
+    options = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
+    generator = ca.CodeGenerator("kernels.c", options)
+    for formula in formulas:
+        generator.add(formula.function)
+    return str(generator.dump())
+
+
+def _model(core: Mapping[str, str], internal: Mapping[str, str]) -> str:
+    includes = "".join(f'#include "{name}"\n' for name in core if name.endswith(".c"))
+    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + includes
+
+
+def _entry(formula: Formula) -> Json:
+    function = formula.function
+    return {
+        "inputs": [_argument(name, function.numel_in(name)) for name in function.name_in()],
+        "outputs": [_argument(name, function.numel_out(name)) for name in function.name_out()],
+        "instructions": formula.instructions,
+        "citation": formula.citation,
+    }
+
+
+def _argument(name: str, size: int) -> Json:
+    return {"name": name, "shape": [int(size)], "unit": notation(name).unit}
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "unknown"

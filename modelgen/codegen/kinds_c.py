@@ -1,0 +1,150 @@
+"""The text of kinds.c: the tables of the vocabulary and one dispatcher a role."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from modelgen.codegen.sentence import J_SIZE
+from modelgen.derive import Derivation, Formula
+from modelgen.require import Q_SIZE, U_SIZE, eta_size
+
+MOTIONS = ("fixed", "driven", "point", "free")
+
+HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
+#include "kinds.h"
+#include "modelgen.h"
+
+#if defined(__GNUC__)
+#define MG_NEVER __builtin_unreachable()
+#else
+#define MG_NEVER break
+#endif
+#define MG_GIVEN(pointer) if (!(pointer)) MG_NEVER
+
+#ifndef MG_HASH
+#define MG_HASH ""
+#endif
+
+MG_API const char *mg_hash(void) { return MG_HASH; }
+"""
+
+
+@dataclass(frozen=True)
+class Dispatcher:
+    """One function of kinds.h: its name and arguments; the first of them are inputs of the kernel."""
+
+    role: str
+    function: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+DISPATCHERS = (
+    Dispatcher("pose", "mg_body_pose", ("q",), ("pose",)),
+    Dispatcher("motion", "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")),
+    Dispatcher(
+        "energy", "mg_body_energy", ("q", "u", "gravity", "parameters"),
+        ("kinetic", "potential", "momentum", "spin"),
+    ),
+    Dispatcher("path", "mg_body_path", ("t", "parameters"), ("pose", "twist", "accel")),
+    Dispatcher(
+        "wrench", "mg_load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("wrench_a", "wrench_b"),
+    ),
+    Dispatcher(
+        "rates", "mg_contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
+        ("d", "J_o", "J_f", "gamma", "eta_dot", "normal"),
+    ),
+    Dispatcher(
+        "place", "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
+        ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
+    ),
+)  # fmt: skip
+
+
+def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
+    """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
+    parts = [HEAD, *_tables(derivation)]
+    for dispatcher in DISPATCHERS:
+        formulas = [formula for formula in derivation.formulas if formula.role == dispatcher.role]
+        parts.append(_dispatcher(dispatcher, formulas, internal))
+    return "\n".join(parts)
+
+
+def prototypes(internal: Iterable[str]) -> str:
+    """Declarations that let the dispatchers inline the kernels, and drop their tests for null with them."""
+    arguments = "(const mg_real **arg, mg_real **res, long long *iw, mg_real *w, int mem)"
+    lines = [f"static inline MG_INLINE int {name}{arguments};" for name in internal]
+    return "\n".join(lines) + "\n"
+
+
+def _tables(derivation: Derivation) -> list[str]:
+    model = derivation.model
+    sizes = {
+        (formula.role, formula.kind): int(formula.function.numel_in("parameters"))
+        for formula in derivation.formulas
+        if formula.role in ("motion", "wrench", "rates")
+    }
+    bodies = [
+        f"MG_{kind.motion.upper()}, {Q_SIZE[kind.motion]}, {U_SIZE[kind.motion]}, {sizes.get(('motion', i), 12)}"
+        for i, kind in enumerate(model.body_kinds)
+    ]
+    contacts = [
+        f"{J_SIZE[kind.o.motion]}, {J_SIZE[kind.f.motion]}, {eta_size(kind)}, {sizes['rates', i]}"
+        for i, kind in enumerate(model.contact_kinds)
+    ]
+    loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
+    return [
+        _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
+        _table("mg_contact_kind", contacts, [kind.name for kind in model.contact_kinds], "0, 0, 0, 0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
+    ]
+
+
+def _table(struct: str, rows: list[str], names: list[str], empty: str) -> str:
+    lines = [f"  {{{row}}}, /* {name} */" for row, name in zip(rows, names, strict=True)]
+    body = "\n".join(lines or [f"  {{{empty}}}, /* none */"])
+    return f"static const {struct} {struct}s[] = {{\n{body}\n}};\n"
+
+
+def _dispatcher(dispatcher: Dispatcher, formulas: list[Formula], internal: Mapping[str, str]) -> str:
+    arguments = ["int kind", *(f"const mg_real *{name}" for name in dispatcher.inputs)]
+    arguments += [f"mg_real *{name}" for name in dispatcher.outputs]
+    cases = [line for formula in formulas for line in _case(formula, internal[formula.name])]
+    used = {name for formula in formulas for name in _given(formula) + _wanted(formula)}
+    unused = [name for name in (*dispatcher.inputs, *dispatcher.outputs) if name not in used]
+    lines = [f"static void {dispatcher.function}({', '.join(arguments)}) {{"]
+    lines += [f"  (void){name};" for name in unused]
+    lines += [
+        "  switch (kind) {",
+        *cases,
+        "    default: /* not of this vocabulary */",
+        "      MG_NEVER;",
+        "  }",
+    ]
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+def _given(formula: Formula) -> list[str]:
+    function = formula.function
+    return [name if function.numel_in(name) else "0" for name in function.name_in()]
+
+
+def _wanted(formula: Formula) -> list[str]:
+    function = formula.function
+    return [name if function.numel_out(name) else "0" for name in function.name_out()]
+
+
+def _case(formula: Formula, internal: str) -> list[str]:
+    given, wanted = _given(formula), _wanted(formula)
+    known = [f"      MG_GIVEN({name});" for name in (*given, *wanted) if name != "0"]
+    return [
+        f"    case {formula.kind}: {{ /* {formula.name} */",
+        *known,
+        f"      const mg_real *arg[] = {{{', '.join(given)}}};",
+        f"      mg_real *res[] = {{{', '.join(wanted)}}};",
+        f"      {internal}(arg, res, 0, 0, 0);",
+        "      break;",
+        "    }",
+    ]

@@ -1,0 +1,127 @@
+"""A compiled library and its manifest: loaded, checked, and called with exact shapes. No symbols."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelgen.codegen.manifest import Manifest
+from modelgen.errors import LibraryError, nearest
+
+Array = np.ndarray[Any, Any]
+
+DTYPES: Mapping[str, type[np.floating[Any]]] = {
+    "double": np.float64,
+    "float": np.float32,
+    "long double": np.longdouble,
+}
+
+
+class Library:
+    """The functions of one built scene.
+
+    Raises LibraryError when the file is missing, foreign, stale, or of another real type than its manifest says.
+    """
+
+    def __init__(self, manifest: Manifest, path: Path) -> None:
+        self.manifest = manifest
+        self.path = path
+        self.real = manifest.real
+        if self.real not in DTYPES:
+            raise LibraryError(
+                str(path), f"real type {self.real!r}", f"allowed: {', '.join(DTYPES)}", "build again"
+            )
+        self.dtype = np.dtype(DTYPES[self.real])
+        if not path.is_file():
+            raise LibraryError(str(path), "there is no such file", "", "build again")
+        try:
+            self.cdll = ctypes.CDLL(str(path))
+        except OSError as error:
+            raise LibraryError(str(path), f"it cannot be loaded: {error}", "", "build again") from None
+        self.check()
+
+    @classmethod
+    def load(cls, manifest_path: Path) -> Library:
+        """The library that lies beside a manifest file."""
+        try:
+            text = manifest_path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise LibraryError(
+                str(manifest_path), f"it cannot be read: {error.strerror}", "", "build first"
+            ) from None
+        manifest = Manifest.from_json(text, str(manifest_path))
+        return cls(manifest, manifest_path.parent / manifest.file)
+
+    def check(self) -> None:
+        """Raises LibraryError unless ABI, hash, file name and real type agree with the manifest."""
+        try:
+            self.cdll.mg_hash.restype = ctypes.c_char_p
+            abi, key = self.cdll.mg_abi(), self.cdll.mg_hash().decode()
+            size = self.cdll.mg_real_size()
+        except AttributeError:
+            raise LibraryError(str(self.path), "it is not a library of modelgen", "", "build again") from None
+        wanted = self.manifest
+        for what, found, allowed in (
+            ("ABI", abi, wanted.abi),
+            ("hash", key, wanted.hash),
+            ("hash in the file name", self.path.stem.rpartition("-")[2], wanted.hash[:16]),
+            ("size of the real type", size, self.dtype.itemsize),
+        ):
+            if found != allowed:
+                raise LibraryError(
+                    str(self.path),
+                    f"{what} {found}",
+                    f"the manifest says {allowed}",
+                    "it is stale: build again",
+                )
+
+    def kernel(self, name: str) -> Kernel:
+        """The kernel of that name; LibraryError if the manifest has none."""
+        if name not in self.manifest.functions:
+            known = self.manifest.functions
+            raise LibraryError(
+                str(self.path), f"no kernel {name!r}", f"kernels: {', '.join(known)}", nearest(name, known)
+            )
+        return Kernel(self, name)
+
+
+class Kernel:
+    """One kernel: takes arrays of the manifest's shapes and the library's type, returns new arrays."""
+
+    def __init__(self, library: Library, name: str) -> None:
+        entry = library.manifest.functions[name]
+        self.name = name
+        self.dtype = library.dtype
+        self.inputs = [(argument["name"], tuple(argument["shape"])) for argument in entry["inputs"]]
+        self.outputs = [(argument["name"], tuple(argument["shape"])) for argument in entry["outputs"]]
+        self._function = library.cdll[name]
+        self._function.argtypes = [ctypes.c_void_p] * 4 + [ctypes.c_int]
+
+    def __call__(self, *arrays: Array) -> tuple[Array, ...]:
+        """Raises LibraryError for a wrong number of arrays, a wrong shape or a wrong type."""
+        if len(arrays) != len(self.inputs):
+            names = ", ".join(name for name, _ in self.inputs)
+            raise LibraryError(self.name, f"{len(arrays)} arguments", f"it takes {len(self.inputs)}: {names}")
+        for array, (name, shape) in zip(arrays, self.inputs, strict=True):
+            self._check(array, name, shape)
+        results = tuple(np.zeros(shape, dtype=self.dtype) for _, shape in self.outputs)
+        self._function(_pointers(arrays), _pointers(results), None, None, 0)
+        return results
+
+    def _check(self, array: Array, name: str, shape: tuple[int, ...]) -> None:
+        exact = isinstance(array, np.ndarray) and array.dtype == self.dtype and array.shape == shape
+        if not exact or not array.flags.c_contiguous:
+            found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+            raise LibraryError(
+                f"{self.name}: {name}",
+                found,
+                f"a contiguous array of {self.dtype} with shape {shape} is needed",
+            )
+
+
+def _pointers(arrays: tuple[Array, ...]) -> ctypes.Array[ctypes.c_void_p]:
+    return (ctypes.c_void_p * max(1, len(arrays)))(*(array.ctypes.data for array in arrays))

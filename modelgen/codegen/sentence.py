@@ -1,0 +1,172 @@
+"""The kinds and the sentence of a Model as plain values for the manifest."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from math import isfinite
+from typing import Any
+
+from modelgen.contact.kinds import FORMS, eta_layout
+from modelgen.geometry.catalogue import surface_of
+from modelgen.masses import pose_numbers
+from modelgen.model import BodyEntry, BodyKind, ContactKind, LoadKind, Model, ShapeKind, Side
+from modelgen.require import ETA_SIZE, Q_SIZE, U_SIZE
+from modelgen.scene.types import Shape
+
+J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
+_INERTIA_NAMES = {
+    "none": (),
+    "isotropic": ("I",),
+    "diagonal": ("Ixx", "Iyy", "Izz"),
+    "full": ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"),
+}
+_POSE_NAMES = ("p_x", "p_y", "p_z", *(f"R_{i}{j}" for j in "xyz" for i in "xyz"))
+
+
+def kinds_of(model: Model) -> dict[str, Any]:
+    """The vocabulary, each group in the order of its indices."""
+    return {
+        "body": [_body_kind(kind) for kind in model.body_kinds],
+        "contact": [_contact_kind(kind, model) for kind in model.contact_kinds],
+        "load": [_load_kind(kind) for kind in model.load_kinds],
+        "shape": [_shape_kind(kind) for kind in model.shape_kinds],
+    }
+
+
+def _body_kind(kind: BodyKind) -> dict[str, Any]:
+    moves = kind.motion in ("point", "free")
+    names = ("mass", *_INERTIA_NAMES[kind.inertia]) if moves else _POSE_NAMES
+    return {
+        "name": kind.name,
+        "motion": kind.motion,
+        "inertia": kind.inertia,
+        "loaded": kind.loaded,
+        "n_q": Q_SIZE[kind.motion],
+        "n_u": U_SIZE[kind.motion],
+        "parameters": [] if kind.folded is not None else list(names),
+    }
+
+
+def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
+    layout = eta_layout(kind)
+    return {
+        "name": kind.name,
+        "form": kind.form,
+        "citation": FORMS[kind.form].citation,
+        "eta": list(layout),
+        "n_eta": sum(ETA_SIZE[carrier] for carrier in layout),
+        "n_o": J_SIZE[kind.o.motion],
+        "n_f": J_SIZE[kind.f.motion],
+        "shapes": [model.shape_kinds.index(side.shape) for side in (kind.o, kind.f)],
+        "sides": [_side(kind.o), _side(kind.f)],
+        "parameters": [*_side_parameters(kind.o, "o"), *_side_parameters(kind.f, "f")],
+    }
+
+
+def _side(side: Side) -> dict[str, Any]:
+    return {
+        "shape": side.shape.name, "motion": side.motion, "pose": side.pose, "placement": side.placement
+    }  # fmt: skip
+
+
+def _side_parameters(side: Side, name: str) -> list[str]:
+    lengths = [] if side.shape.folded is not None else list(side.shape.parameter_names)
+    placement = _POSE_NAMES if side.placement == "general" else ()
+    return [f"{name}.{each}" for each in (*lengths, *placement)]
+
+
+def _load_kind(kind: LoadKind) -> dict[str, Any]:
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "motions": list(kind.motions),
+        "expressions": list(kind.expressions),
+        "n_parameters": 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0),
+    }
+
+
+def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
+    surface = surface_of(kind)
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "parameters": list(kind.parameter_names),
+        "folded": None if kind.folded is None else list(kind.folded),
+        "cavity": kind.cavity,
+        "domain": [[_finite(bound) for bound in interval] for interval in surface.domain],
+        "periodic": list(surface.periodic),
+    }
+
+
+def _finite(value: float) -> float | None:
+    """The value, or None in place of infinity, which JSON lacks."""
+    return float(value) if isfinite(value) else None
+
+
+def sentence_of(model: Model) -> dict[str, Any]:
+    """The scene as tables over the kinds."""
+    scene = model.scene
+    return {
+        "name": scene.name,
+        "source": scene.source,
+        "bodies": [_body(model, entry) for entry in model.bodies],
+        "contacts": [_contact(model, index) for index in range(len(model.contacts))],
+        "loads": [
+            {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
+            for load in model.loads
+        ],
+        "n_q": model.n_q,
+        "n_u": model.n_u,
+        "n_eta": model.n_eta,
+        "scales": asdict(model.scales),
+        "initial_q": list(model.initial_q),
+        "initial_u": list(model.initial_u),
+        "gravity": list(scene.gravity),
+        "observe": list(scene.observe),
+        "left_out": list(model.left_out),
+        "run": asdict(scene.run),
+    }
+
+
+def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "motion": model.body_kinds[entry.kind].motion,
+        "q": entry.q,
+        "u": entry.u,
+        "parameters": list(entry.parameters),
+        "mass_inverse": list(entry.mass_inverse),
+        "com": list(entry.com),
+    }
+
+
+def _contact(model: Model, index: int) -> dict[str, Any]:
+    entry, kind = model.contacts[index], model.contact_kinds[model.contacts[index].kind]
+    partners = model.scene.contacts[index].between
+    o, f = reversed(partners) if entry.swapped else partners
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "o": entry.o,
+        "f": entry.f,
+        "eta": entry.eta,
+        "parameters": list(entry.parameters),
+        "restitution": entry.restitution,
+        "swapped": entry.swapped,
+        "shape_o": _shape(model, entry.o, o[1], kind.o),
+        "shape_f": _shape(model, entry.f, f[1], kind.f),
+    }
+
+
+def _shape(model: Model, body: int, name: str, side: Side) -> dict[str, Any]:
+    """The shape of one side: its kind, its lengths, its placement in the centre-of-mass axes, its extent."""
+    shape: Shape = next(each for each in model.scene.bodies[body].shapes if each.name == name)
+    lengths = [value for _, value in shape.parameters]
+    return {
+        "name": name,
+        "kind": model.shape_kinds.index(side.shape),
+        "parameters": lengths,
+        "placement": list(pose_numbers(shape.pose, model.bodies[body].com)),
+        "bounding": _finite(surface_of(shape).bounding(lengths)),
+    }

@@ -1,0 +1,54 @@
+"""Which carrier of a contact point stands on each side, and the tangent-plane form over them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import casadi as ca
+
+from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.newton import tangent_place
+from modelgen.contact.points import Carrier, chart_point, implicit_point, plane_point
+from modelgen.contact.sides import Layout, Pair, Partner
+from modelgen.contact.tangent import tangent_rates
+from modelgen.geometry.catalogue import surface_of
+from modelgen.model import ShapeKind
+
+_CARRIERS: Mapping[str, Callable[[Partner, ca.SX], Carrier]] = {
+    "none": lambda partner, eta: plane_point(partner),
+    "chart": chart_point,
+    "point": implicit_point,
+}
+
+
+def point_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """Points on implicit surfaces; a plane o needs none."""
+    return ("none" if o.kind == "plane" else "point", "point")
+
+
+def chart_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    return ("chart", "chart")
+
+
+def mixed_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """The chart stands on the side without an implicit equation; on f if both have one."""
+    if surface_of(o).implicit is None:
+        return ("chart", "point")
+    return (point_layout(o, f)[0], "chart")
+
+
+def no_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    return ("none", "none")
+
+
+def carrier_rates(pair: Pair) -> Rates:
+    """The tangent-plane form over whatever carries the points."""
+    return tangent_rates(pair, *_carriers(pair))
+
+
+def carrier_place(pair: Pair) -> Placement:
+    return tangent_place(pair, *_carriers(pair))
+
+
+def _carriers(pair: Pair) -> tuple[Carrier, Carrier]:
+    return _CARRIERS[pair.layout[0]](pair.o, pair.eta_o), _CARRIERS[pair.layout[1]](pair.f, pair.eta_f)

@@ -1,0 +1,95 @@
+"""How each form builds its kernels; the table that lists them is in `contact.kinds`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from modelgen.contact.block import block_place, block_rates
+from modelgen.contact.carriers import (
+    carrier_place,
+    carrier_rates,
+    chart_layout,
+    mixed_layout,
+    no_layout,
+    point_layout,
+)
+from modelgen.contact.explicit import sphere_place, sphere_rates
+from modelgen.contact.extremal import differentiated_place, differentiated_rates
+from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
+from modelgen.contact.sides import Layout, Pair, pair
+from modelgen.contact.support import support_place, support_rates
+from modelgen.contact.surface_surface import paper_rates
+from modelgen.model import ContactKind, ShapeKind
+
+
+def _build(
+    kind: ContactKind,
+    layout: Callable[[ShapeKind, ShapeKind], Layout],
+    rates: Callable[[Pair], Rates],
+    place: Callable[[Pair], Placement],
+) -> ContactKernels:
+    symbols = pair(kind, layout(kind.o.shape, kind.f.shape))
+    return kernels(kind.name, symbols, rates(symbols), place(symbols))
+
+
+def build_explicit(kind: ContactKind) -> ContactKernels:
+    """Two centres, or a centre and a plane; no eta.
+
+    N = s (C_f - C_o)/|C_f - C_o|,  d = s |C_f - C_o| - rho_o - rho_f,  rho and s negative for a cavity;
+    against a plane N is the plane's normal and d = N.(C_f - p_o) - rho_f.
+    """
+    if kind.o.shape.kind == "plane":
+        return build_support(kind)
+    return _build(kind, no_layout, sphere_rates, sphere_place)
+
+
+def build_support(kind: ContactKind) -> ContactKernels:
+    """A plane and the support map x_f(n_f) of a convex shape, n_f = -N; no eta.
+
+    d = N.(p_f - p_o) - h(n_f),  gamma = -m.x_f'(n_f) m + centripetal terms of (3.11), signs corrected,
+    with m = (w_f - w_o) x N.
+    """
+    return _build(kind, no_layout, support_rates, support_place)
+
+
+def build_implicit(kind: ContactKind) -> ContactKernels:
+    """Theorem 4.1 in one tangent frame; eta = contact points in the shape frames, on phi(x) = 0.
+
+    n = phi'/|phi'| and K = T^T phi'' T/|phi'|: no chart, no pole, no trigonometry. A plane needs no eta.
+    (K_f + K_o + d K_o K_f) b = (I + d K_o) w^t - K_o V,  nu = w^t - K_f b,  a = V + b - d nu.
+    """
+    return _build(kind, point_layout, carrier_rates, carrier_place)
+
+
+def build_mixed(kind: ContactKind) -> ContactKernels:
+    """As "implicit", with chart coordinates on one side: alpha_dot = M^-1 [x y]^T (slide over the surface).
+
+    M is upper triangular (Gram-Schmidt), where the paper's diagonal M holds for orthogonal charts only.
+    """
+    return _build(kind, mixed_layout, carrier_rates, carrier_place)
+
+
+def build_block(kind: ContactKind) -> ContactKernels:
+    """The block form of the extremality system on two charts: no frames, no orthogonality, no psi.
+
+    [I + d B_o, -X; X^T I^-1 B_o, B_f] (alpha_o_dot, alpha_f_dot)
+        = (E_o^T (dV - d w_o x N), E_f^T (w_f - w_o) x N)
+    """
+    return _build(kind, chart_layout, block_rates, block_place)
+
+
+def build_paper(kind: ContactKind) -> ContactKernels:
+    """Theorem 4.1, (4.1) and (4.2), and Lemma 4.2 as the paper writes them, with M, K and R_psi.
+
+    Departures: M upper triangular, the basis [x_o y_o] of (4.5) written, d_dot = -v_z in (4.4), and the
+    centripetal signs of (3.11) reversed.
+    """
+    return _build(kind, chart_layout, paper_rates, carrier_place)
+
+
+def build_differentiated(kind: ContactKind) -> ContactKernels:
+    """Implicit differentiation of g = (E_o^T (P_f - P_o), E_f^T N) = 0 in the place of (2.1).
+
+    eta_dot = -g_eta^-1 g_q q_dot, gamma = d/dt (J u) with u held.
+    """
+    return _build(kind, chart_layout, differentiated_rates, differentiated_place)

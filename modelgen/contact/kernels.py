@@ -1,0 +1,69 @@
+"""What a form delivers, and its wrapping as kernels with the names and shapes of the generated C."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.contact.sides import Pair
+
+RATES_INPUTS = ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters")
+RATES_OUTPUTS = ("d", "J_o", "J_f", "gamma", "eta_dot", "normal")
+PLACE_INPUTS = ("pose_o", "pose_f", "eta", "parameters")
+PLACE_OUTPUTS = ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f")
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Instantaneous quantities of a contact on its extremal pair of points."""
+
+    d: ca.SX  # (1,) m, positive when apart
+    J_o: ca.SX  # (columns of o,)
+    J_f: ca.SX  # (columns of f,)
+    gamma: ca.SX  # (1,) m/s^2, the second derivative of d without accelerations
+    eta_dot: ca.SX  # (n_eta,) m/s for points, parameter/s for charts
+    normal: ca.SX  # (3,) world, from o to f
+    normal_rate: ca.SX  # (3,) 1/s, world
+
+
+@dataclass(frozen=True)
+class Placement:
+    """One Newton step of the extremality system, and what holds at the given eta."""
+
+    eta_next: ca.SX  # (n_eta,)
+    d: ca.SX  # (1,) m
+    residual: ca.SX  # (2,) m along and off the surfaces; 1 for parallelism
+    margin: ca.SX  # (2,) mu, and sigma_min(A) in 1/m
+    normal: ca.SX  # (3,) world
+    point_o: ca.SX  # (3,) m, world
+    point_f: ca.SX  # (3,) m, world
+
+
+@dataclass(frozen=True)
+class ContactKernels:
+    """The two kernels of a contact kind, and the rate of its normal for inspection and tests."""
+
+    rates: ca.Function
+    place: ca.Function
+    normal_rate: ca.Function
+
+
+def kernels(name: str, pair: Pair, rates: Rates, placement: Placement) -> ContactKernels:
+    """The kernels `mg_<name>_rates`, `mg_<name>_place`, `mg_<name>_normal_rate`."""
+    o, f = pair.o, pair.f
+    parameters = ca.vertcat(o.argument, f.argument)
+    moving = [o.pose, o.twist, f.pose, f.twist, pair.eta, parameters]
+    resting = [o.pose, f.pose, pair.eta, parameters]
+    return ContactKernels(
+        _function(f"mg_{name}_rates", moving, RATES_INPUTS, rates, RATES_OUTPUTS),
+        _function(f"mg_{name}_place", resting, PLACE_INPUTS, placement, PLACE_OUTPUTS),
+        _function(f"mg_{name}_normal_rate", moving, RATES_INPUTS, rates, ("normal_rate",)),
+    )
+
+
+def _function(
+    name: str, inputs: list[ca.SX], in_names: tuple[str, ...], record: object, out_names: tuple[str, ...]
+) -> ca.Function:
+    outputs = ca.cse([ca.densify(getattr(record, out)) for out in out_names])
+    return ca.Function(name, inputs, outputs, list(in_names), list(out_names))

@@ -1,0 +1,159 @@
+"""The one table of forms: when each applies, where it is regular, what its eta is, and its kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+
+from modelgen.contact import forms
+from modelgen.contact.carriers import chart_layout, mixed_layout, no_layout, point_layout
+from modelgen.contact.kernels import ContactKernels
+from modelgen.contact.sides import Layout, pair
+from modelgen.contact.surface_surface import angle_function
+from modelgen.errors import SceneError, nearest
+from modelgen.geometry.catalogue import SURFACES, surface_of
+from modelgen.model import ContactKind, ShapeKind, Side
+
+
+@dataclass(frozen=True)
+class Form:
+    """One way to write the equations of a contact, for a pair of shapes in canonical order."""
+
+    name: str
+    applies: Callable[[ShapeKind, ShapeKind], bool]
+    regular: Callable[[Layout, ShapeKind, ShapeKind], bool]  # given that it applies
+    layout: Callable[[ShapeKind, ShapeKind], Layout]
+    build: Callable[[ContactKind], ContactKernels]
+    citation: str
+
+
+def _is_plane(shape: ShapeKind) -> bool:
+    return shape.kind == "plane"
+
+
+def _has_equation(shape: ShapeKind) -> bool:
+    return surface_of(shape).implicit is not None
+
+
+def _plane_and_support(o: ShapeKind, f: ShapeKind) -> bool:
+    return _is_plane(o) and surface_of(f).support is not None and not f.cavity
+
+
+def _have_centres(o: ShapeKind, f: ShapeKind) -> bool:
+    spheres = o.kind == f.kind == "sphere" and not (o.cavity and f.cavity)
+    return spheres or (f.kind == "sphere" and _plane_and_support(o, f))
+
+
+def _not_two_planes(o: ShapeKind, f: ShapeKind) -> bool:
+    return not _is_plane(f)
+
+
+def _always(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
+    return True
+
+
+def _without_poles(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
+    """Every chart that carries eta is regular everywhere, or the only way to carry it."""
+    sides = zip(layout, (o, f), strict=True)
+    return all(surface_of(shape).chart_regular for carrier, shape in sides if carrier == "chart")
+
+
+def _have_equations(o: ShapeKind, f: ShapeKind) -> bool:
+    return _has_equation(o) and _has_equation(f) and not _is_plane(f)
+
+
+def _has_one_equation(o: ShapeKind, f: ShapeKind) -> bool:
+    return (_has_equation(o) or _has_equation(f)) and not _is_plane(f)
+
+
+_ROW = "Lemma 3.1, Corollary 3.2 (signs corrected)"
+_TABLE = (
+    Form(
+        "explicit", _have_centres, _always, no_layout, forms.build_explicit,
+        f"{_ROW} for two centres, or a centre and a plane",
+    ),
+    Form(
+        "support", _plane_and_support, _always, no_layout, forms.build_support,
+        f"{_ROW} for a plane and a support map",
+    ),
+    Form(
+        "implicit", _have_equations, _always, point_layout, forms.build_implicit,
+        f"Theorem 4.1, {_ROW} in one tangent frame; eta = points of implicit surfaces",
+    ),
+    Form(
+        "mixed", _has_one_equation, _without_poles, mixed_layout, forms.build_mixed,
+        f"Theorem 4.1, {_ROW} in one tangent frame; eta = a point and chart coordinates",
+    ),
+    Form(
+        "block", _not_two_planes, _without_poles, chart_layout, forms.build_block,
+        f"Theorem 4.1 as the block form of the extremality system, {_ROW}; eta = two charts",
+    ),
+    Form(
+        "paper", _not_two_planes, _without_poles, chart_layout, forms.build_paper,
+        f"Theorem 4.1, Lemma 4.2, {_ROW}; eta = two charts",
+    ),
+    Form(
+        "differentiated", _not_two_planes, _without_poles, chart_layout, forms.build_differentiated,
+        "implicit differentiation of the extremality system that replaces (2.1); eta = two charts",
+    ),
+)  # fmt: skip
+
+FORMS: Mapping[str, Form] = {form.name: form for form in _TABLE}
+
+_RANK = {name: rank for rank, name in enumerate((*SURFACES, "chart"))}
+
+
+def order(a: ShapeKind, b: ShapeKind) -> bool:
+    """True if (a, b) must be swapped to stand as (o, f): in the order of the catalogue, the plane first."""
+    return _RANK[a.kind] > _RANK[b.kind]
+
+
+def eta_layout(kind: ContactKind) -> Layout:
+    """How eta carries the points of o and f: "point" (3), "chart" (2) or "none" (0)."""
+    return FORMS[kind.form].layout(kind.o.shape, kind.f.shape)
+
+
+def regular_forms(o: Side, f: Side) -> tuple[str, ...]:
+    """Names of the forms that apply to the pair and have no singularity of their own."""
+    pair = (o.shape, f.shape)
+    return tuple(
+        form.name for form in _TABLE if form.applies(*pair) and form.regular(form.layout(*pair), *pair)
+    )
+
+
+@cache
+def contact_kernels(kind: ContactKind) -> ContactKernels:
+    """The kernels `mg_<name>_rates` and `mg_<name>_place`; SceneError if the kind's form does not apply."""
+    where = f"contact {kind.o.shape.name}-{kind.f.shape.name}"
+    form = FORMS.get(kind.form)
+    if form is None:
+        known = "forms: " + " ".join(FORMS)
+        raise SceneError(where, f"no form {kind.form!r}", known, nearest(kind.form, FORMS))
+    if not form.applies(kind.o.shape, kind.f.shape):
+        fitting = [name for name, other in FORMS.items() if other.applies(kind.o.shape, kind.f.shape)]
+        raise SceneError(where, f"the form {kind.form!r} does not apply", "forms: " + " ".join(fitting))
+    return form.build(kind)
+
+
+def contact_angle_function(kind: ContactKind) -> ca.Function:
+    """`mg_<name>_angle`: inputs as the rates of the form "paper" -> psi (rad), psi_dot (rad/s) of (4.3)."""
+    return angle_function(pair(kind, chart_layout(kind.o.shape, kind.f.shape)), f"mg_{kind.name}_angle")
+
+
+@cache
+def choose_form(o: Side, f: Side) -> str:
+    """The regular form whose rates take the fewest instructions; SceneError if there is none."""
+    names = regular_forms(o, f)
+    if not names:
+        raise SceneError(
+            f"contact {o.shape.name}-{f.shape.name}", "no form has isolated contact points for this pair"
+        )
+    return min(names, key=lambda name: instructions(ContactKind("candidate", name, o, f)))
+
+
+def instructions(kind: ContactKind) -> int:
+    """Instruction count of the kind's rates."""
+    return int(contact_kernels(kind).rates.n_instructions())

@@ -1,0 +1,71 @@
+"""The normal row of a contact in world axes: Lemma 3.1 and the corrected Corollary 3.2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.contact.kernels import Rates
+from modelgen.contact.sides import Pair
+from modelgen.geometry.frames import cross, dot
+
+
+@dataclass(frozen=True)
+class Levers:
+    """Contact points as levers from the centres of mass and as points, world axes."""
+
+    r_o: ca.SX  # (3,) m
+    r_f: ca.SX  # (3,) m
+    point_o: ca.SX  # (3,) m
+    point_f: ca.SX  # (3,) m
+    velocity_o: ca.SX  # (3,) m/s, of the material point
+    velocity_f: ca.SX  # (3,) m/s
+
+
+def levers(pair: Pair, x_o: ca.SX, x_f: ca.SX) -> Levers:
+    """From points of the two shapes, each in its shape frame."""
+    r_o = ca.mtimes(pair.o.rotation, x_o + pair.o.arm)
+    r_f = ca.mtimes(pair.f.rotation, x_f + pair.f.arm)
+    return Levers(
+        r_o,
+        r_f,
+        pair.o.centre + r_o,
+        pair.f.centre + r_f,
+        pair.o.velocity + cross(pair.o.spin_world, r_o),
+        pair.f.velocity + cross(pair.f.spin_world, r_f),
+    )
+
+
+def jacobian_rows(pair: Pair, N: ca.SX, at: Levers) -> tuple[ca.SX, ca.SX]:
+    """Lemma 3.1 (3.3) by side: (-N, -(r_o x N)) and (N, r_f x N), the angular part in body axes."""
+    moment_o = ca.mtimes(pair.o.rotation.T, cross(at.r_o, N))
+    moment_f = ca.mtimes(pair.f.rotation.T, cross(at.r_f, N))
+    return pair.o.row(-N, -moment_o), pair.f.row(N, moment_f)
+
+
+def gap_bias(pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> ca.SX:
+    """Corollary 3.2 (3.11) in compact form, with the two centripetal signs of the print reversed (erratum).
+
+    gamma = N.(w_f x (w_f x r_f) - w_o x (w_o x r_o)) + N_dot.(V_f - V_o) + N.(w_f x slide_f - w_o x slide_o),
+    slide = velocity (3,) of the contact point over its surface, world axes.
+    """
+    w_o, w_f = pair.o.spin_world, pair.f.spin_world
+    pull = cross(w_f, cross(w_f, at.r_f) + slide_f) - cross(w_o, cross(w_o, at.r_o) + slide_o)
+    return dot(N, pull) + dot(N_dot, at.velocity_f - at.velocity_o)
+
+
+def rates_of(
+    pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX, eta_dot: ca.SX
+) -> Rates:
+    """All rates from N, the levers, and the motion of the contact points over the surfaces."""
+    J_o, J_f = jacobian_rows(pair, N, at)
+    return Rates(
+        d=dot(N, at.point_f - at.point_o),
+        J_o=J_o,
+        J_f=J_f,
+        gamma=gap_bias(pair, N, N_dot, at, slide_o, slide_f),
+        eta_dot=eta_dot,
+        normal=N,
+        normal_rate=N_dot,
+    )

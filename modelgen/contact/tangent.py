@@ -1,0 +1,109 @@
+"""The tangent-plane form: Theorem 4.1 in one orthonormal frame [t1 t2 n] shared by both surfaces.
+
+The frame belongs to o's point; columns are written in the axes where they are needed (shape o, shape f,
+world), so that no relative rotation is formed. With K_o, K_f in this frame (convex positive),
+a = velocity of the contact point over o, b = that over f, V = tangential velocity of f's material point
+relative to o's material frame, w_i^t = w_i x n, w^t = w_f^t - w_o^t, Theorem 4.1 reads
+
+    (K_f + K_o + d K_o K_f) b = (I + d K_o) w^t - K_o V                              (4.1)
+    nu = w^t - K_f b                       rate of the normal seen from o             (B.5)
+    a = V + b - d nu                                                                  (4.2)
+    gamma = nu.V - b.w^t - w_f^t.(w_f x l_f) + w_o^t.(w_o x l_o) + 2 w_o^t.V          (3.11)
+
+(3.11) with the centripetal signs corrected: the print has them reversed (erratum). n.(w x (w x l)) is
+written -(w x n).(w x l). eta needs neither psi nor an orthogonal chart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.contact.kernels import Rates
+from modelgen.contact.margin import relative_curvature
+from modelgen.contact.points import Carrier
+from modelgen.contact.sides import Pair, Partner
+from modelgen.geometry.frames import cross, dot, is_zero, solve2, zeros
+
+
+@dataclass(frozen=True)
+class ContactFrame:
+    """[t1 t2 n] of o's point in the axes of both shapes and of the world."""
+
+    T_o: ca.SX  # (3,2)
+    T_f: ca.SX  # (3,2)
+    T_w: ca.SX  # (3,2)
+    n_o: ca.SX  # (3,)
+    n_f: ca.SX  # (3,) minus f's exterior normal on extremal pairs
+    n_w: ca.SX  # (3,) N
+
+
+def contact_frame(pair: Pair, o: Carrier) -> ContactFrame:
+    T_w, n_w = _turn(pair.o.rotation, o.tangents, o.normal)
+    T_f, n_f = _turn(pair.f.rotation.T, T_w, n_w)
+    return ContactFrame(o.tangents, T_f, T_w, o.normal, n_f, n_w)
+
+
+def _turn(rotation: ca.SX, T: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """The frame in other axes; its third vector by the cheaper of two ways."""
+    turned = ca.mtimes(rotation, T)
+    sparse = bool(rotation.is_eye()) or n.nnz() == 1
+    return turned, ca.mtimes(rotation, n) if sparse else cross(turned[:, 0], turned[:, 1])
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The contact in tangent coordinates (t1, t2); levers from the centres of mass, each in shape axes."""
+
+    d: ca.SX  # (1,) m
+    l_o: ca.SX  # (3,) m
+    l_f: ca.SX  # (3,) m
+    K_o: ca.SX  # (2,2) 1/m
+    K_f: ca.SX  # (2,2) 1/m
+
+
+def touch(pair: Pair, frame: ContactFrame, o: Carrier, f: Carrier) -> Touch:
+    """Gap, levers and curvatures at the points that eta carries."""
+    assert f.x is not None
+    between = pair.f.centre - pair.o.centre
+    l_f = f.x + pair.f.arm
+    if o.x is None:
+        foot = ca.mtimes(frame.T_w.T, between) + ca.mtimes(frame.T_f.T, l_f)
+        foot -= ca.mtimes(frame.T_o.T, pair.o.arm)
+        l_o = ca.mtimes(frame.T_o, foot) + pair.o.arm
+    else:
+        l_o = o.x + pair.o.arm
+    d = dot(frame.n_w, between) + dot(frame.n_f, l_f) - dot(frame.n_o, l_o)
+    return Touch(d, l_o, l_f, o.curvature(frame.T_o), f.curvature(frame.T_f))
+
+
+def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
+    """Lemma 3.1, corrected Corollary 3.2 and Theorem 4.1 with d_dot = J u."""
+    frame = contact_frame(pair, o)
+    at = touch(pair, frame, o, f)
+    turn_o, slip_o = _spin(pair.o, frame.T_o, at.l_o)
+    turn_f, slip_f = _spin(pair.f, frame.T_f, at.l_f)
+    turn = turn_f - turn_o
+    V = ca.mtimes(frame.T_w.T, pair.f.velocity - pair.o.velocity) + slip_f - slip_o - at.d * turn_o
+    A = relative_curvature(at.K_o, at.K_f, at.d)
+    b = solve2(A, turn + ca.mtimes(at.K_o, at.d * turn - V))
+    nu = zeros(2) if is_zero(at.K_o) else turn - ca.mtimes(at.K_f, b)
+    a = V + b - at.d * nu
+    gamma = dot(nu, V) - dot(b, turn) - dot(turn_f, slip_f)
+    gamma += dot(turn_o, slip_o + at.d * turn_o + 2 * V)
+    return Rates(
+        d=at.d,
+        J_o=pair.o.row(-frame.n_w, -cross(at.l_o, frame.n_o)),
+        J_f=pair.f.row(frame.n_w, cross(at.l_f, frame.n_f)),
+        gamma=gamma,
+        eta_dot=ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), f.eta_rate(ca.mtimes(frame.T_f, b))),
+        normal=frame.n_w,
+        normal_rate=ca.mtimes(frame.T_w, nu) + cross(pair.o.spin_world, frame.n_w),
+    )
+
+
+def _spin(partner: Partner, T: ca.SX, lever: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """w x n and w x l in tangent coordinates: t1 x n = -t2, t2 x n = t1."""
+    along = ca.mtimes(T.T, partner.spin)
+    return ca.vertcat(along[1], -along[0]), ca.mtimes(T.T, cross(partner.spin, lever))

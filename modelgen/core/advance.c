@@ -1,0 +1,111 @@
+/* The loop: step, search for events, commit, project, change mode, keep the ledger. */
+#include "core.h"
+
+static mg_real mg_growth(mg_real error, mg_real most) {
+  if (error <= 0) return most;
+  const mg_real factor = (mg_real)0.8 * pow(error, -(mg_real)1 / 8);
+  return factor > most ? most : factor < (mg_real)0.2 ? (mg_real)0.2 : factor;
+}
+
+static int mg_finite(const mg_real *x, int n) {
+  for (int i = 0; i < n; i++)
+    if (!(fabs(x[i]) <= MG_MAX)) return 0;
+  return 1;
+}
+
+/* Tries steps from *h down until one is accurate enough; *h is then its size, and run->h the next to try. */
+static int mg_accurate_step(mg_context *c, mg_real *h) {
+  mg_run *run = c->run;
+  mg_real most = 6;
+  for (;;) {
+    const mg_real error = mg_try_step(c, run->t, run->x, *h);
+    const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
+    if (finite && error <= 1) {
+      const mg_real next = *h * mg_growth(error, most);
+      if (c->set->method == MG_DOP853 && (next > run->h || *h >= run->h || most < 6)) run->h = next;
+      return MG_DONE;
+    }
+    run->rejected++;
+    if (c->set->method == MG_RK4) return MG_NOT_FINITE;
+    most = 1;
+    *h *= finite ? mg_growth(error, most) : (mg_real)0.2;
+    run->h = *h;
+    if (*h < c->set->step_min * c->sys->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
+  }
+}
+
+static int mg_check_margins(mg_context *c, mg_events *events) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && c->run->margin[i] < c->set->margin_refuse) {
+      c->run->failed_contact = i;
+      mg_emit(events, c->run->t, MG_EVENT_MARGIN, i, 0);
+      return MG_MARGIN;
+    }
+  return MG_DONE;
+}
+
+static void mg_commit(mg_context *c, mg_real h) {
+  for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->x_next[i];
+  c->run->t += h;
+  c->run->steps++;
+  mg_normalise(c, c->run->x);
+}
+
+static int mg_settle_drift(mg_context *c) {
+  if (!mg_place_all(c, c->run->t, c->run->x)) return MG_NOT_FINITE;
+  mg_refresh(c);
+  if (!c->set->project || ++c->run->since_projection < c->set->project) return MG_DONE;
+  c->run->since_projection = 0;
+  return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
+}
+
+/* One accepted step of at most h, ended by the first event within it. */
+static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  mg_run *run = c->run;
+  int outcome = mg_accurate_step(c, &h), event = 0;
+  if (outcome) return outcome;
+  mg_finish_step(c, run->t, h);
+  if (mg_fired(c) || c->suspect) {
+    mg_make_dense(c, run->t, run->x, h);
+    const mg_real shorter = mg_locate(c, h);
+    event = shorter > 0;
+    if (event) h = shorter;
+  }
+  mg_record_until(c, record, h);
+  mg_commit(c, h);
+  outcome = mg_settle_drift(c);
+  if (outcome) return outcome;
+  if (event) outcome = mg_transition(c, events);
+  else if (mg_unsettled(c)) {
+    for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
+    outcome = mg_solve_modes(c, events);
+  }
+  mg_ledger(c);
+  return outcome ? outcome : mg_check_margins(c, events);
+}
+
+static mg_real mg_first_step(const mg_context *c) {
+  if (c->set->step > 0) return c->set->step;
+  return c->sys->time * pow(c->set->tolerance, (mg_real)1 / 8) / 4;
+}
+
+MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
+                      long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_refresh(&c);
+  mg_record_now(&c, record);
+  if (!(run->h > 0)) run->h = mg_first_step(&c);
+  for (long step = 0; run->t < t_stop; step++) {
+    if (step >= max_steps) return MG_CONTINUE;
+    if (events->count + 2 * system->n_contact + 2 > events->capacity) return MG_FULL;
+    const mg_real left = t_stop - run->t;
+    const int last = run->h >= left * (1 - 8 * MG_EPS);
+    const mg_real t_before = run->t;
+    const int outcome = mg_step(&c, last ? left : run->h, record, events);
+    if (outcome) return outcome;
+    if (last && run->t - t_before >= left * (1 - 8 * MG_EPS)) run->t = t_stop;
+    mg_record_now(&c, record);
+  }
+  return MG_DONE;
+}

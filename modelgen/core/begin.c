@@ -1,0 +1,55 @@
+/* The start of a run: extrema, closed contacts, first impacts, first forces. */
+#include "core.h"
+
+static int mg_find_extrema(mg_context *c) {
+  const mg_system *s = c->sys;
+  const mg_real touching = c->set->start_gap * s->length;
+  for (int i = 0; i < s->n_contact; i++) {
+    c->run->failed_contact = i;
+    if (mg_settle_in(c, i, c->run->x + s->n_q + s->n_u + s->contact_eta[i]) < 0) return MG_NO_EXTREMUM;
+    if (c->place[0] < -touching) return MG_PENETRATION;
+    c->run->closed[i] = c->place[0] <= touching;
+    c->run->active[i] = 0;
+  }
+  c->run->failed_contact = -1;
+  return MG_DONE;
+}
+
+/* Contacts at zero gap that already separate are open. */
+static void mg_open_leaving(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && c->d_dot[i] > c->set->rest_speed * c->sys->length / c->sys->time) c->run->closed[i] = 0;
+}
+
+static void mg_reset(mg_run *run) {
+  run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
+  run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
+  run->margin_min = MG_MAX;
+  run->t_event = run->t;
+}
+
+MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events,
+                    mg_real *work, int *iwork) {
+  mg_context c;
+  mg_real kinetic;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_reset(run);
+  run->x[c.work_index] = 0;
+  mg_normalise(&c, run->x);
+  mg_poses(&c, run->t, run->x);
+  int outcome = mg_find_extrema(&c);
+  if (outcome) return outcome;
+  mg_refresh(&c);
+  mg_open_leaving(&c);
+  if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
+  run->energy_0 = mg_energy(&c, &kinetic);
+  for (int i = 0; i < system->n_contact; i++) c.fired[i] = 0;
+  outcome = mg_impact(&c, events);
+  if (!outcome) outcome = mg_solve_modes(&c, events);
+  if (!outcome && settings->project && !mg_project(&c)) outcome = MG_NO_EXTREMUM;
+  if (outcome) return outcome;
+  if (!mg_place_all(&c, run->t, run->x)) return MG_NO_EXTREMUM;
+  mg_refresh(&c);
+  mg_ledger(&c);
+  return MG_DONE;
+}

@@ -1,0 +1,81 @@
+/* The rows of the contacts: J, Gamma2, M^-1 J^T, and the matrix J M^-1 J^T. */
+#include "core.h"
+
+static void mg_rates(mg_context *c, const mg_real *x) {
+  const mg_system *s = c->sys;
+  for (int i = 0; i < s->n_contact; i++) {
+    const int kind = s->contact_kind[i], o = s->contact_o[i], f = s->contact_f[i];
+    mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
+                     x + s->n_q + s->n_u + s->contact_eta[i], s->parameters + s->contact_parameters[i], c->d + i,
+                     c->J + 12 * i, c->J + 12 * i + 6, c->gamma + i, c->eta_dot + s->contact_eta[i],
+                     c->normal + 3 * i);
+    if (!c->set->use_gamma) c->gamma[i] = 0;
+  }
+}
+
+static inline mg_real mg_dot6(const mg_real *a, const mg_real *b) {
+  return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5]);
+}
+
+/* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
+static inline mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body) {
+  const mg_contact_kind *kind = mg_contact_kinds + c->sys->contact_kind[contact];
+  const mg_real *J = c->J + 12 * contact;
+  mg_real sum = 0;
+  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->sys->contact_o[contact]);
+  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->sys->contact_f[contact]);
+  return sum;
+}
+
+static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ) {
+  const mg_real x = J[3], y = J[4], z = J[5];
+  for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
+  for (int k = 0; k < 3; k++) MJ[3 + k] = w[1 + k] * x + w[4 + k] * y + w[7 + k] * z;
+}
+
+/* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
+static inline mg_real mg_weigh(mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  const int o = s->contact_o[contact], f = s->contact_f[contact];
+  mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
+  if (mg_moves(c, o)) mg_weigh_side(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
+  if (mg_moves(c, f)) mg_weigh_side(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
+  return sum;
+}
+
+/* per_body += M^-1 J_i^T amount. */
+static inline void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
+  const int o = c->sys->contact_o[contact], f = c->sys->contact_f[contact];
+  const mg_real *MJ = c->MJ + 12 * contact;
+  if (mg_moves(c, o))
+    for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
+  if (mg_moves(c, f))
+    for (int k = 0; k < 6; k++) per_body[6 * f + k] += MJ[6 + k] * amount;
+}
+
+static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int contact, int body) {
+  return rows + 12 * contact + (c->sys->contact_f[contact] == body ? 6 : 0);
+}
+
+/* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
+static void mg_assemble(mg_context *c, const int *list, int n) {
+  const mg_system *s = c->sys;
+  for (int i = 0; i < s->n_contact; i++) c->mask[i] = -1;
+  for (int r = 0; r < n; r++) c->mask[list[r]] = r, mg_weigh(c, list[r]);
+  for (int k = 0; k < n * n; k++) c->A[k] = 0;
+  for (int r = 0; r < n; r++)
+    for (int side = 0; side < 2; side++) {
+      const int body = side ? s->contact_f[list[r]] : s->contact_o[list[r]];
+      const mg_real *J = mg_half(c, c->J, list[r], body);
+      for (int k = c->first[body]; k < c->first[body + 1]; k++) {
+        const int column = c->mask[c->incident[k]];
+        if (column < 0) continue;
+        const mg_real *MJ = mg_half(c, c->MJ, c->incident[k], body);
+        c->A[r + n * column] += mg_dot6(J, MJ);
+      }
+    }
+}
+
+static void mg_gap_rates(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
+}

@@ -1,0 +1,87 @@
+/* The scratch of one call, carved from the caller's memory. */
+#include "core.h"
+
+static mg_real *mg_take(mg_real **next, long n) {
+  mg_real *block = *next;
+  *next += n;
+  return block;
+}
+
+static int *mg_take_int(int **next, long n) {
+  int *block = *next;
+  *next += n;
+  return block;
+}
+
+static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
+
+MG_API long mg_work_size(const mg_system *s) {
+  const long b = s->n_body, m = s->n_contact, x = mg_states(s);
+  return 30 * b + m * (24 + 8) + s->n_eta + m * m + 2 * m + mg_lcp_work_size((int)m) + (MG_STAGES + 10) * x +
+         32 + 2 * s->n_eta;
+}
+
+MG_API long mg_iwork_size(const mg_system *s) {
+  return 5L * s->n_contact + mg_lcp_iwork_size(s->n_contact) + s->n_body + 1;
+}
+
+MG_API int mg_abi(void) { return MG_ABI; }
+MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
+
+static void mg_incidence(mg_context *c) {
+  const mg_system *s = c->sys;
+  int n = 0;
+  for (int b = 0; b < s->n_body; b++) {
+    c->first[b] = n;
+    for (int i = 0; i < s->n_contact && mg_moves(c, b); i++)
+      if (s->contact_o[i] == b || s->contact_f[i] == b) c->incident[n++] = i;
+  }
+  c->first[s->n_body] = n;
+}
+
+static void mg_zero(mg_real *a, long n) {
+  for (long i = 0; i < n; i++) a[i] = 0;
+}
+
+static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
+  const mg_system *s = c->sys;
+  const long b = s->n_body, m = s->n_contact, x = c->n_x;
+  c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
+  c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
+  c->J = mg_take(&work, 12 * m), c->MJ = mg_take(&work, 12 * m);
+  c->d = mg_take(&work, m), c->gamma = mg_take(&work, m), c->d_dot = mg_take(&work, m);
+  c->normal = mg_take(&work, 3 * m), c->force = mg_take(&work, m), c->eta_dot = mg_take(&work, s->n_eta + m);
+  c->A = mg_take(&work, m * m), c->b = mg_take(&work, m), c->z = mg_take(&work, m);
+  c->lcp = mg_take(&work, mg_lcp_work_size((int)m));
+  c->K = mg_take(&work, MG_STAGES * x), c->x_next = mg_take(&work, x), c->x_stage = mg_take(&work, x);
+  c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
+  c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);
+  c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)m));
+  c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * m);
+}
+
+static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
+                    int *iwork) {
+  c->sys = sys, c->set = set, c->run = run;
+  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0;
+  mg_carve(c, work, iwork);
+  mg_zero(c->pose, 30L * sys->n_body);
+  mg_zero(c->J, 24L * sys->n_contact); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero(c->force, sys->n_contact);
+  mg_incidence(c);
+  mg_set_fixed(c);
+}
+
+/* Poses that never change are written once: fixed bodies whole, point bodies their identity rotation. */
+static void mg_set_fixed(mg_context *c) {
+  const mg_system *s = c->sys;
+  c->driven = c->moving = 0;
+  for (int b = 0; b < s->n_body; b++) {
+    const int motion = mg_body_kinds[mg_kind_of(c, b)].motion;
+    mg_real *pose = c->pose + 12 * b;
+    c->driven += motion == MG_DRIVEN, c->moving += motion >= MG_POINT;
+    if (motion == MG_FIXED)
+      for (int i = 0; i < 12; i++) pose[i] = s->parameters[s->body_parameters[b] + i];
+    if (motion == MG_POINT) pose[3] = pose[7] = pose[11] = 1;
+  }
+}

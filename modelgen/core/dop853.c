@@ -1,0 +1,65 @@
+/* Dormand and Prince's method of order 8(5,3) with dense output of order 7. */
+#include "core.h"
+#include "dop853_coefficients.h"
+
+static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
+  const int n = c->n_x;
+  for (int i = 0; i < n; i++) out[i] = 0;
+  for (int k = mg_dop_row[row]; k < mg_dop_row[row + 1]; k++) {
+    const mg_real weight = mg_dop_value[k], *slope = c->K + mg_dop_column[k] * n;
+    for (int i = 0; i < n; i++) out[i] += weight * slope[i];
+  }
+  for (int i = 0; i < n; i++) out[i] = x[i] + h * out[i];
+}
+
+static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
+  const mg_real time = t + mg_dop_time[stage] * h;
+  mg_dop_combine(c, stage, x, h, c->x_stage);
+  if (c->set->newton > 1) mg_place_all(c, time, c->x_stage);
+  mg_slope(c, time, c->x_stage, c->K + stage * c->n_x);
+}
+
+/* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
+static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
+  const int n = c->n_x;
+  mg_real fifth = 0, third = 0;
+  for (int i = 0; i < n; i++) {
+    mg_real e5 = 0, e3 = (c->x_next[i] - x[i]) / h;
+    for (int j = 0; j < 12; j++) {
+      const mg_real slope = c->K[j * n + i];
+      e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
+    }
+    const mg_real size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+    const mg_real weight = 1 / (c->set->tolerance * size);
+    fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
+  }
+  if (fifth == 0) return 0;
+  return fabs(h) * fifth / sqrt((fifth + third / 100) * n);
+}
+
+/* K[0] holds the slope at (t, x); writes c->x_next. Returns the error relative to the tolerance. */
+static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  for (int stage = 1; stage < 12; stage++) {
+    mg_dop_stage(c, stage, t, x, h);
+    if (stage > 2) mg_watch(c);
+  }
+  mg_dop_combine(c, 12, x, h, c->x_next);
+  return mg_dop_error(c, x, h);
+}
+
+/* The interpolant's rows in c->dense; needs the slope at the end of the step in K[12]. */
+static void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const int n = c->n_x;
+  for (int stage = 13; stage < 16; stage++) mg_dop_stage(c, stage, t, x, h);
+  for (int i = 0; i < n; i++) {
+    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[12 * n + i];
+    c->dense[i] = delta;
+    c->dense[n + i] = h * first - delta;
+    c->dense[2 * n + i] = 2 * delta - h * (first + last);
+    for (int row = 0; row < 4; row++) {
+      mg_real sum = 0;
+      for (int j = 0; j < 16; j++) sum += mg_dop_dense[row][j] * c->K[j * n + i];
+      c->dense[(3 + row) * n + i] = h * sum;
+    }
+  }
+}

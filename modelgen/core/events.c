@@ -1,0 +1,81 @@
+/* Which event functions have fired at a state, and when the first of them fires within a step. */
+#include "core.h"
+
+#define MG_SCAN 16 /* sub-intervals of a step in which the first event is sought */
+
+static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
+
+/* After mg_rhs and mg_gap_rates: an open gap that closes, an active force that turns to pulling. */
+static int mg_fired(mg_context *c) {
+  const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
+  int count = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->run->closed[i])
+      c->fired[i] = c->run->active[i] && c->force[i] < 0;
+    else
+      c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
+    count += c->fired[i];
+  }
+  return count;
+}
+
+static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
+  mg_interpolate(c, c->run->x, theta, c->x_stage);
+  mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
+  mg_gap_rates(c);
+  return mg_fired(c);
+}
+
+static int mg_first_fired(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->fired[i]) return i;
+  return -1;
+}
+
+static mg_real mg_event_value(const mg_context *c, int contact) {
+  return c->run->closed[contact] ? c->force[contact] : c->d[contact];
+}
+
+/* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function. */
+static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real limit) {
+  const mg_real t = c->run->t, close = c->set->event * c->sys->time;
+  for (int round = 0; round < 4; round++) {
+    mg_try_step(c, t, c->run->x, h);
+    mg_finish_step(c, t, h);
+    const mg_real change = slope != 0 ? -mg_event_value(c, contact) / slope : 0;
+    if (fabs(change) <= close || h + change <= 0 || h + change > limit) break;
+    h += change;
+  }
+  return h;
+}
+
+/* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
+   c->fired; 0 when none fires. Needs the interpolant of that step. */
+static mg_real mg_locate(mg_context *c, mg_real h) {
+  mg_real low = 0, high = 0;
+  for (int j = 1; j <= MG_SCAN && high == 0; j++) {
+    if (mg_fired_at(c, h, (mg_real)j / MG_SCAN)) high = (mg_real)j / MG_SCAN;
+    else low = (mg_real)j / MG_SCAN;
+  }
+  if (high == 0) return 0;
+  const mg_real width = c->set->event * c->sys->time / h;
+  for (int j = 0; j < 60 && high - low > width; j++) {
+    const mg_real middle = (low + high) / 2;
+    if (mg_fired_at(c, h, middle)) high = middle;
+    else low = middle;
+  }
+  mg_fired_at(c, h, high);
+  const int first = mg_first_fired(c);
+  if (first < 0) return 0;
+  const mg_real step = high > (mg_real)0.01 ? (mg_real)0.01 : high / 2, value = mg_event_value(c, first);
+  mg_fired_at(c, h, high - step);
+  const mg_real slope = (value - mg_event_value(c, first)) / (step * h);
+  mg_fired_at(c, h, high);
+  return mg_polish(c, first, high * h, slope, h);
+}
+
+static void mg_emit(mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
+  if (events->count >= events->capacity) return;
+  const int k = events->count++;
+  events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
+}

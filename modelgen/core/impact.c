@@ -1,0 +1,69 @@
+/* Impacts: Newton's restitution at every closed contact at once, frictionless, as a complementarity problem of
+   velocities: 0 <= P, 0 <= d_dot_after + e d_dot_before, complementary. */
+#include "core.h"
+
+static int mg_approaching(const mg_context *c, int contact) {
+  return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
+}
+
+static int mg_list_closed(mg_context *c) {
+  int n = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i]) c->list[n++] = i;
+  return n;
+}
+
+/* Adds the impulses to u and their work to the ledger. */
+static void mg_apply_impulses(mg_context *c, int n) {
+  const mg_system *s = c->sys;
+  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int r = 0; r < n; r++) {
+    const mg_real before = c->d_dot[c->list[r]], after = before + mg_row(c, c->list[r], c->wrench);
+    c->run->x[c->work_index] += c->z[r] * (before + after) / 2;
+  }
+  for (int b = 0; b < s->n_body; b++)
+    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
+      c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
+  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+}
+
+/* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time. */
+static mg_real mg_bounces_left(mg_context *c, int contact) {
+  const mg_real e = c->sys->restitution[contact], pull = -mg_separation(c, contact);
+  if (e >= 1 || pull <= mg_slack(c)) return 0;
+  return -2 * e * c->d_dot[contact] / (pull * (1 - e));
+}
+
+/* Opens the contacts that rebound, and reports every contact that was struck. */
+static void mg_after_impact(mg_context *c, mg_events *events, int n) {
+  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  for (int r = 0; r < n; r++) {
+    const int i = c->list[r];
+    const int bounces = mg_row(c, i, c->twist) > rest;
+    if (bounces && mg_approaching(c, i)) mg_emit(events, c->run->t, MG_EVENT_IMPACT, i, -c->d_dot[i]);
+    else if (bounces) mg_emit(events, c->run->t, MG_EVENT_LIFT_OFF, i, 0);
+    if (bounces) c->run->closed[i] = c->run->active[i] = 0;
+  }
+}
+
+/* Needs the rows at run->x. Does nothing unless a closed contact approaches. */
+static int mg_impact(mg_context *c, mg_events *events) {
+  const int n = mg_list_closed(c);
+  int struck = 0;
+  mg_lcp_report report;
+  for (int r = 0; r < n; r++) struck += mg_approaching(c, c->list[r]);
+  if (!struck) return MG_DONE;
+  mg_assemble(c, c->list, n);
+  for (int r = 0; r < n; r++) {
+    const int i = c->list[r];
+    c->b[r] = c->d_dot[i] * (mg_approaching(c, i) ? 1 + c->sys->restitution[i] : 1), c->mask[r] = 1;
+  }
+  mg_qp(n, c->A, c->b, c->set->lcp_iterations, c->z, c->mask, &report, c->lcp, c->lcp_i);
+  c->run->lcp_solves++;
+  if (report.outcome != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  mg_apply_impulses(c, n);
+  mg_poses(c, c->run->t, c->run->x);
+  mg_after_impact(c, events, n);
+  return MG_DONE;
+}

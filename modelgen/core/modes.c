@@ -1,0 +1,94 @@
+/* Transitions: which contacts stay closed and which of them carry force, decided by the complementarity problem
+   of accelerations (2.6), (2.7): 0 <= force, 0 <= d_ddot, complementary. */
+#include "core.h"
+
+#define MG_NEW 2 /* mark in c->fired: the contact has just closed */
+
+static mg_real mg_slack(const mg_context *c) {
+  return c->set->rest_acceleration * c->sys->length / (c->sys->time * c->sys->time);
+}
+
+/* The rows at run->x with the slope in K[0]. */
+static void mg_refresh(mg_context *c) {
+  mg_rhs(c, c->run->t, c->run->x, c->K);
+  mg_gap_rates(c);
+  for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
+}
+
+/* Solves for the active set among the closed contacts that are not skipped. */
+static int mg_choose_active(mg_context *c, const int *skip) {
+  const int m = c->sys->n_contact;
+  mg_lcp_report report;
+  int n = 0;
+  for (int i = 0; i < m; i++) c->run->active[i] = 0;
+  mg_refresh(c);
+  for (int i = 0; i < m; i++)
+    if (c->run->closed[i] && !skip[i]) c->list[n++] = i;
+  if (n == 0) return MG_DONE;
+  mg_assemble(c, c->list, n);
+  for (int r = 0; r < n; r++) c->b[r] = mg_separation(c, c->list[r]), c->mask[r] = 1;
+  mg_qp(n, c->A, c->b, c->set->lcp_iterations, c->z, c->mask, &report, c->lcp, c->lcp_i);
+  c->run->lcp_solves++;
+  if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
+  if (report.outcome != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  for (int r = 0; r < n; r++) c->run->active[c->list[r]] = c->mask[r] != 0;
+  mg_refresh(c);
+  return MG_DONE;
+}
+
+static void mg_lift(mg_context *c, mg_events *events, int contact) {
+  c->run->closed[contact] = c->run->active[contact] = 0;
+  mg_emit(events, c->run->t, MG_EVENT_LIFT_OFF, contact, 0);
+}
+
+/* Contacts marked in c->fired are tried open first: their force has just reached zero. */
+static int mg_solve_modes(mg_context *c, mg_events *events) {
+  const int m = c->sys->n_contact;
+  int held = 0;
+  int outcome = mg_choose_active(c, c->fired);
+  if (outcome) return outcome;
+  for (int i = 0; i < m; i++)
+    if (c->fired[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);
+  if (held) {
+    for (int i = 0; i < m; i++) c->fired[i] = 0;
+    outcome = mg_choose_active(c, c->fired);
+    if (outcome) return outcome;
+  }
+  for (int i = 0; i < m; i++)
+    if (c->run->closed[i] && !c->run->active[i] && (c->fired[i] || mg_separation(c, i) > mg_slack(c)))
+      mg_lift(c, events, i);
+  return MG_DONE;
+}
+
+/* A closed contact without force whose gap no longer stays at rest: the active set must be chosen anew. */
+static int mg_unsettled(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && !c->run->active[i] && fabs(mg_separation(c, i)) > mg_slack(c)) return 1;
+  return 0;
+}
+
+static int mg_too_many(mg_context *c) {
+  mg_run *run = c->run;
+  if (run->t - run->t_event > c->set->event * c->sys->time) run->events_at_t = 0;
+  run->t_event = run->t;
+  return ++run->events_at_t > c->set->events_at_once;
+}
+
+/* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
+static int mg_transition(mg_context *c, mg_events *events) {
+  const mg_real touching = c->set->gap * c->sys->length;
+  if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && c->d_dot[i] < 0))) {
+      c->run->closed[i] = 1, c->run->active[i] = 0, c->fired[i] = MG_NEW;
+    }
+  const int outcome = mg_impact(c, events);
+  if (outcome) return outcome;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->fired[i] != MG_NEW) continue;
+    c->fired[i] = 0;
+    if (c->run->closed[i])
+      mg_emit(events, c->run->t + mg_bounces_left(c, i), MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+  }
+  return mg_solve_modes(c, events);
+}

@@ -1,0 +1,91 @@
+/* Drift off d = 0 and d_dot = 0 is removed along M^-1 J^T: the least change in the kinetic metric. */
+#include "core.h"
+
+static int mg_collect_closed(mg_context *c) {
+  int n = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i]) c->list[n++] = i;
+  return n;
+}
+
+static mg_real mg_largest(const mg_context *c, const mg_real *value, int n) {
+  mg_real largest = 0;
+  for (int r = 0; r < n; r++)
+    if (fabs(value[c->list[r]]) > largest) largest = fabs(value[c->list[r]]);
+  return largest;
+}
+
+static void mg_clear(mg_context *c) {
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+}
+
+/* M^-1 J^T z with A z = -value, six numbers a body, in c->wrench. */
+static void mg_correction(mg_context *c, const mg_real *value, int n) {
+  mg_assemble(c, c->list, n);
+  for (int r = 0; r < n; r++) c->b[r] = value[c->list[r]], c->mask[r] = 1;
+  mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
+  mg_clear(c);
+  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+}
+
+static void mg_turn(mg_real *e, const mg_real *angle) {
+  const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
+  const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
+  e[0] = q0 - q1 * x - q2 * y - q3 * z;
+  e[1] = q1 + q0 * x + q2 * z - q3 * y;
+  e[2] = q2 + q0 * y + q3 * x - q1 * z;
+  e[3] = q3 + q0 * z + q1 * y - q2 * x;
+}
+
+static void mg_move(mg_context *c) {
+  const mg_system *s = c->sys;
+  for (int b = 0; b < s->n_body; b++) {
+    if (!mg_moves(c, b)) continue;
+    mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
+    for (int k = 0; k < 3; k++) q[k] += change[k];
+    if (mg_body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_turn(q + 3, change + 3);
+  }
+  mg_normalise(c, c->run->x);
+  mg_clear(c);
+}
+
+static void mg_push(mg_context *c) {
+  const mg_system *s = c->sys;
+  for (int b = 0; b < s->n_body; b++)
+    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
+      c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
+  mg_clear(c);
+}
+
+/* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
+static int mg_project(mg_context *c) {
+  const mg_real drift = c->set->drift * c->sys->length;
+  const int n = mg_collect_closed(c);
+  if (mg_largest(c, c->d, n) > drift) {
+    mg_correction(c, c->d, n);
+    mg_move(c);
+    if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
+    mg_refresh(c);
+    mg_collect_closed(c);
+  }
+  if (mg_largest(c, c->d_dot, n) > drift / c->sys->time) {
+    mg_correction(c, c->d_dot, n);
+    mg_push(c);
+    mg_refresh(c);
+  }
+  return 1;
+}
+
+/* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
+static int mg_project_start(mg_context *c) {
+  for (int round = 0; round < 5; round++) {
+    const int n = mg_collect_closed(c);
+    if (mg_largest(c, c->d, n) <= c->set->drift * c->sys->length) return 1;
+    mg_correction(c, c->d, n);
+    mg_move(c);
+    for (int extra = 0; extra < 3; extra++)
+      if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
+    mg_refresh(c);
+  }
+  return 1;
+}

@@ -1,0 +1,32 @@
+/* The one real type of the core. Build with -DMG_REAL_FLOAT or -DMG_REAL_LONG for another precision. */
+#ifndef MG_REAL_H
+#define MG_REAL_H
+
+#include <float.h>
+#include <math.h>
+
+#if defined(MG_REAL_LONG)
+typedef long double mg_real;
+#define MG_EPS LDBL_EPSILON
+#define MG_MAX LDBL_MAX
+#include <tgmath.h>
+#elif defined(MG_REAL_FLOAT)
+typedef float mg_real;
+#define MG_EPS FLT_EPSILON
+#define MG_MAX FLT_MAX
+#include <tgmath.h>
+#else
+typedef double mg_real;
+#define MG_EPS DBL_EPSILON
+#define MG_MAX DBL_MAX
+#endif
+
+#if defined(_WIN32)
+#define MG_API __declspec(dllexport)
+#elif defined(__GNUC__)
+#define MG_API __attribute__((visibility("default")))
+#else
+#define MG_API
+#endif
+
+#endif

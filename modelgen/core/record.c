@@ -1,0 +1,61 @@
+/* Samples of a run at the times that the caller asked for. */
+#include "core.h"
+
+static void mg_copy(mg_real *to, const mg_real *from, int n) {
+  for (int i = 0; i < n; i++) to[i] = from[i];
+}
+
+static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
+  const long k = (long)row * c->sys->n_contact + contact;
+  mg_place(c, contact, eta, c->place + 32);
+  record->force[k] = c->force[contact];
+  record->gap[k] = c->place[0];
+  mg_copy(record->normal + 3 * k, c->place + 5, 3);
+  mg_copy(record->point_o + 3 * k, c->place + 8, 3);
+  mg_copy(record->point_f + 3 * k, c->place + 11, 3);
+}
+
+static mg_real mg_energy_of(mg_context *c, mg_real *x) {
+  mg_real *kept = c->run->x, kinetic;
+  c->run->x = x;
+  const mg_real energy = mg_energy(c, &kinetic);
+  c->run->x = kept;
+  return energy;
+}
+
+/* One sample of the state x; needs its poses, twists and forces fresh. */
+static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
+  const mg_system *s = c->sys;
+  const long row = record->count++;
+  const mg_real *eta = x + s->n_q + s->n_u;
+  mg_copy(record->pose + row * 12 * s->n_body, c->pose, 12 * s->n_body);
+  mg_copy(record->twist + row * 6 * s->n_body, c->twist, 6 * s->n_body);
+  mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
+  for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
+  record->energy[row] = mg_energy_of(c, x);
+  record->work[row] = x[c->work_index];
+}
+
+static int mg_due(const mg_record *record, mg_real t) {
+  return record->count < record->capacity && record->t[record->count] <= t;
+}
+
+/* Samples within the step h from run->x to c->x_next. */
+static void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
+  const mg_real t = c->run->t;
+  if (!mg_due(record, t + h)) return;
+  mg_finish_step(c, t, h);
+  mg_make_dense(c, t, c->run->x, h);
+  while (mg_due(record, t + h)) {
+    const mg_real theta = (record->t[record->count] - t) / h;
+    mg_interpolate(c, c->run->x, theta, c->x_stage);
+    mg_normalise(c, c->x_stage);
+    mg_rhs(c, t + theta * h, c->x_stage, c->K + 16 * c->n_x);
+    mg_record_row(c, record, c->x_stage);
+  }
+}
+
+/* Samples that are due at run->t itself; needs its rows fresh. */
+static void mg_record_now(mg_context *c, mg_record *record) {
+  while (mg_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
+}

@@ -1,0 +1,48 @@
+/* One step of the chosen method, its interpolant, and the watch on event functions at the stages. */
+#include "core.h"
+
+static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
+
+/* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
+static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  c->suspect = 0;
+  if (c->set->method == MG_DOP853) return mg_dop853(c, t, x, h);
+  mg_rk4(c, t, x, h);
+  return 0;
+}
+
+/* The slope, forces and gaps at the end of the step. */
+static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
+  mg_rhs(c, t + h, c->x_next, c->K + mg_end_row(c) * c->n_x);
+  mg_gap_rates(c);
+}
+
+static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const int n = c->n_x;
+  if (c->set->method == MG_DOP853) {
+    mg_dop853_dense(c, t, x, h);
+    return;
+  }
+  for (int i = 0; i < n; i++) {
+    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[4 * n + i];
+    c->dense[i] = delta, c->dense[n + i] = h * first - delta, c->dense[2 * n + i] = 2 * delta - h * (first + last);
+    for (int row = 3; row < 7; row++) c->dense[row * n + i] = 0;
+  }
+}
+
+/* The state at t + theta h. */
+static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
+  const int n = c->n_x;
+  for (int i = 0; i < n; i++) {
+    mg_real y = 0;
+    for (int row = 6; row >= 0; row--) y = (y + c->dense[row * n + i]) * (row % 2 ? 1 - theta : theta);
+    out[i] = x[i] + y;
+  }
+}
+
+/* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
+static void mg_watch(mg_context *c) {
+  const mg_real deep = -c->set->gap * c->sys->length;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
+}

@@ -1,0 +1,106 @@
+"""From the Model to its formulas: one CasADi function per kind and role, each with its source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+
+from modelgen.closed_form import MAX_CONTACTS, right_hand_side
+from modelgen.contact.kinds import FORMS, contact_kernels
+from modelgen.dynamics import body_kernels
+from modelgen.geometry.surface import surface_kernel
+from modelgen.loads import load_kernel
+from modelgen.model import Model
+
+Role = Literal["pose", "motion", "energy", "path", "wrench", "surface", "rates", "place", "rhs"]
+
+CITATIONS: dict[str, str] = {
+    "pose": "rotation matrix of a unit quaternion",
+    "motion": "Newton-Euler equations, Section 3",
+    "energy": "kinetic and potential energy, linear and angular momentum",
+    "path": "exponential map of the prescribed rotation vector, differentiated twice",
+    "force": "wrench of a force about the centre of mass",
+    "torque": "wrench of a torque",
+    "spring": "Hooke's law with viscous damping along the line of the anchors",
+    "surface": "surface point and exterior unit normal, Section 2",
+    "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
+}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function with named inputs and outputs, its source, its role, and the index of its kind."""
+
+    name: str
+    function: ca.Function
+    citation: str
+    role: Role
+    kind: int
+
+    @property
+    def instructions(self) -> int:
+        return int(self.function.n_instructions())
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """The formulas of one Model, in the order of the generated code."""
+
+    model: Model
+    formulas: tuple[Formula, ...]
+
+    def rhs(self) -> ca.Function | None:
+        """The composed right-hand side with all contacts closed; None above four contacts."""
+        return next((formula.function for formula in self.formulas if formula.role == "rhs"), None)
+
+    def function(self, name: str) -> ca.Function:
+        """The function of that name; KeyError if there is none."""
+        return {formula.name: formula.function for formula in self.formulas}[name]
+
+
+def derive(model: Model) -> Derivation:
+    """All formulas that the Model needs: bodies, loads, surfaces, contacts, and the composed right-hand side."""
+    formulas = (*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model))
+    if len(model.contacts) > MAX_CONTACTS:
+        return Derivation(model, formulas)
+    rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
+    return Derivation(model, (*formulas, _formula(rhs, "rhs", 0, CITATIONS["rhs"])))
+
+
+def _formula(function: ca.Function, role: Role, kind: int, citation: str) -> Formula:
+    return Formula(function.name(), function, citation, role, kind)
+
+
+def _of_bodies(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    roles: dict[str, Role] = {"pose": "pose", "motion": "motion", "energy": "energy", "path": "path"}
+    for index, kind in enumerate(model.body_kinds):
+        for function in body_kernels(kind):
+            role = roles[function.name().rsplit("_", 1)[1]]
+            found.append(_formula(function, role, index, CITATIONS[role]))
+    return found
+
+
+def _of_loads(model: Model) -> list[Formula]:
+    return [
+        _formula(load_kernel(kind), "wrench", index, CITATIONS[kind.kind])
+        for index, kind in enumerate(model.load_kinds)
+    ]
+
+
+def _of_shapes(model: Model) -> list[Formula]:
+    return [
+        _formula(surface_kernel(kind), "surface", index, CITATIONS["surface"])
+        for index, kind in enumerate(model.shape_kinds)
+    ]
+
+
+def _of_contacts(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.contact_kinds):
+        kernels, citation = contact_kernels(kind), FORMS[kind.form].citation
+        found.append(_formula(kernels.rates, "rates", index, citation))
+        found.append(_formula(kernels.place, "place", index, citation))
+    return found

@@ -1,0 +1,60 @@
+"""From an expression of the scene to a CasADi expression."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import casadi as ca
+
+from modelgen.errors import ExpressionError
+from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+
+_BINARY: Mapping[str, Callable[[ca.SX, ca.SX], ca.SX]] = {
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "**": lambda a, b: a**b,
+}
+
+_FUNCTIONS: Mapping[str, Callable[..., ca.SX]] = {
+    "sin": ca.sin,
+    "cos": ca.cos,
+    "tan": ca.tan,
+    "asin": ca.asin,
+    "acos": ca.acos,
+    "atan": ca.atan,
+    "atan2": ca.atan2,
+    "sinh": ca.sinh,
+    "cosh": ca.cosh,
+    "tanh": ca.tanh,
+    "exp": ca.exp,
+    "log": ca.log,
+    "sqrt": ca.sqrt,
+    "abs": ca.fabs,
+    "sign": ca.sign,
+    "min": ca.fmin,
+    "max": ca.fmax,
+}
+
+
+def lower(expression: Expression, symbols: Mapping[str, ca.SX]) -> ca.SX:
+    """The scalar SX of `expression`, each name its symbol; ExpressionError for a name without one."""
+    missing = sorted(expression.names - symbols.keys())
+    if missing:
+        raise ExpressionError(repr(expression.text), f"no symbol for {missing[0]!r}")
+    return _lower(expression.tree, symbols)
+
+
+def _lower(node: Node, symbols: Mapping[str, ca.SX]) -> ca.SX:
+    match node:
+        case Number(value):
+            return ca.SX(value)
+        case Name(name):
+            return symbols[name]
+        case Unary(_, x):
+            return -_lower(x, symbols)
+        case Binary(op, a, b):
+            return _BINARY[op](_lower(a, symbols), _lower(b, symbols))
+        case Call(fn, args):
+            return _FUNCTIONS[fn](*(_lower(arg, symbols) for arg in args))

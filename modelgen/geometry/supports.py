@@ -1,0 +1,68 @@
+"""Support maps of convex shapes: the point of the surface where the exterior normal is n.
+
+A support is a core point plus `offset` times n. The offset moves the surface along its normal and changes
+neither levers x cross n nor, against a plane, any rate, so kernels leave it out of the core point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.geometry.frames import dot, zeros
+from modelgen.geometry.implicit import TINY
+
+
+@dataclass(frozen=True)
+class Support:
+    """The support map at a unit normal n in the shape frame."""
+
+    core: ca.SX  # (3,) m
+    offset: ca.SX  # (1,) m
+    height: ca.SX  # (1,) m, n . core
+    form: Callable[[ca.SX], ca.SX]  # m (3,), tangential -> m . (d core/dn) m, m
+
+
+def sphere(n: ca.SX, p: ca.SX) -> Support:
+    return Support(zeros(3), p[0], zeros(1), lambda m: zeros(1))
+
+
+def ellipsoid(n: ca.SX, p: ca.SX) -> Support:
+    """x = D n / h with D = diag(a^2, b^2, c^2) and h = sqrt(n.D n)."""
+    squares = p * p
+    height = ca.sqrt(dot(n, squares * n))
+    x = squares * n / height
+    return Support(x, zeros(1), height, lambda m: (dot(m, squares * m) - dot(x, m) ** 2) / height)
+
+
+def torus(n: ca.SX, p: ca.SX) -> Support:
+    """The outer part: the support of the circle of tube centres, offset by the tube's radius."""
+    nx = n[0] + TINY
+    across = ca.sqrt(nx * nx + n[1] * n[1])
+    ex, ey = nx / across, n[1] / across
+
+    core = ca.vertcat(p[0] * ex, p[0] * ey, zeros(1))
+    return Support(core, p[1], p[0] * across, lambda m: p[0] / across * (m[1] * ex - m[0] * ey) ** 2)
+
+
+def superellipsoid(n: ca.SX, p: ca.SX) -> Support:
+    """The gradient of the dual gauge h = ((|a n_x|^P + |b n_y|^P)^(Q/P) + |c n_z|^Q)^(1/Q).
+
+    P = p/(p-1) and Q = q/(q-1). Its derivative has no bound where a curvature of the shape vanishes.
+    """
+    symbol = ca.SX.sym("n", 3)
+    P, Q = p[3] / (p[3] - 1), p[4] / (p[4] - 1)
+    size = ca.fabs(p[0:3] * symbol)
+    s = (size[0] ** P + size[1] ** P) ** (1 / P)
+    height = (s**Q + size[2] ** Q) ** (1 / Q)
+    across = (s / height) ** (Q - 1) * (size[0:2] / ca.fmax(s, TINY)) ** (P - 1)
+    along = (size[2] / height) ** (Q - 1)
+    x = ca.vertcat(across, along) * p[0:3] * ca.sign(symbol)
+    core, h = ca.substitute([x, height], [symbol], [n])
+
+    def form(m: ca.SX) -> ca.SX:
+        return ca.substitute(dot(m, ca.jtimes(x, symbol, m)), symbol, n)
+
+    return Support(core, zeros(1), h, form)

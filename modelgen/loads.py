@@ -1,0 +1,99 @@
+"""Kernels of the loads: forces, torques and springs as wrenches on the bodies' centres of mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.dynamics import kernel
+from modelgen.geometry.frames import cross, dot, frame_of, zeros
+from modelgen.geometry.lower import lower
+from modelgen.model import BodyMotion, LoadKind
+from modelgen.scene.types import ForceLoad, TorqueLoad
+from modelgen.turning import quaternion
+
+NO_LENGTH = 1e-30  # m: guards the direction of a spring of length zero, which then exerts no force
+
+
+@dataclass(frozen=True)
+class Point:
+    """A material point of a body, and the symbols that it hangs on."""
+
+    pose: ca.SX  # argument
+    twist: ca.SX  # argument
+    arm: ca.SX  # (3,) m, body axes, from the centre of mass
+    rotation: ca.SX  # (3,3) body -> world
+
+    @property
+    def position(self) -> ca.SX:
+        return self.pose[0:3] + ca.mtimes(self.rotation, self.arm)
+
+    @property
+    def velocity(self) -> ca.SX:
+        if not self.twist.numel():
+            return zeros(3)
+        return self.twist[0:3] + ca.mtimes(self.rotation, cross(self.twist[3:6], self.arm))
+
+    def wrench(self, force: ca.SX) -> ca.SX:
+        """[force; torque in body axes] of a force (3,) in world axes at the point."""
+        return ca.vertcat(force, cross(self.arm, ca.mtimes(self.rotation.T, force)))
+
+
+def load_kernel(kind: LoadKind) -> ca.Function:
+    """`mg_<kind>_wrench`: (t, pose_a, twist_a, pose_b, twist_b, parameters) -> (wrench_a(6), wrench_b(6))."""
+    t = ca.SX.sym("t")
+    spring = kind.kind == "spring"
+    numbers = ca.SX.sym("parameters", 3 * sum(kind.arms) + (3 if spring else 0))
+    points: list[Point] = []
+    used = 0
+    for motion, off in zip(kind.motions, kind.arms or (False,), strict=True):
+        points.append(_point("ab"[len(points)], motion, numbers[used : used + 3] if off else zeros(3)))
+        used += 3 * off
+    a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
+    wrench_a, wrench_b = _spring(a, b, numbers[used:]) if spring else (_given(kind, t, a), ca.SX(0, 1))
+    inputs = {
+        "t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist, "parameters": numbers,
+    }  # fmt: skip
+    return kernel(f"mg_{kind.name}_wrench", inputs, {"wrench_a": wrench_a, "wrench_b": wrench_b})
+
+
+def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
+    pose = ca.SX.sym(f"pose_{name}", 12)
+    twist = ca.SX.sym(f"twist_{name}", 0 if motion == "fixed" else 6)
+    return Point(pose, twist, arm, ca.SX.eye(3) if motion == "point" else frame_of(pose).rotation)
+
+
+def _given(kind: LoadKind, t: ca.SX, point: Point) -> ca.SX:
+    """The wrench of a force or torque that the scene gives as expressions of t and the body's state."""
+    load = kind.load
+    assert load is not None
+    symbols = _state_symbols(t, point, kind.motions[0])
+    vector = ca.vertcat(*(lower(component, symbols) for component in load.components))
+    match load:
+        case ForceLoad(frame=frame):
+            return point.wrench(vector if frame == "world" else ca.mtimes(point.rotation, vector))
+        case TorqueLoad(frame=frame):
+            return ca.vertcat(zeros(3), vector if frame == "body" else ca.mtimes(point.rotation.T, vector))
+
+
+def _state_symbols(t: ca.SX, point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
+    """What expressions may name: t, and position, velocity, spin, quaternion of the centre of mass in the world."""
+    velocity = point.twist[0:3] if motion != "fixed" else zeros(3)
+    turns = motion in ("driven", "free")
+    spin = ca.mtimes(point.rotation, point.twist[3:6]) if turns else zeros(3)
+    columns = {"xyz": point.pose[0:3], "v": velocity, "w": spin, "q": quaternion(point.rotation)}
+    symbols = {axis: columns["xyz"][i] for i, axis in enumerate("xyz")}
+    symbols |= {f"{letter}{axis}": columns[letter][i] for letter in "vw" for i, axis in enumerate("xyz")}
+    return symbols | {f"q{axis}": columns["q"][i] for i, axis in enumerate("wxyz")} | {"t": t}
+
+
+def _spring(a: Point, b: Point, numbers: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Force k (L - L_0) + c L_dot along the line from a to b, pulling them together."""
+    stiffness, damping, rest_length = ca.vertsplit(numbers)
+    between = b.position - a.position
+    length = ca.sqrt(dot(between, between))
+    direction = between / ca.fmax(length, NO_LENGTH)
+    rate = dot(direction, b.velocity - a.velocity)
+    force = (stiffness * (length - rest_length) + damping * rate) * direction
+    return a.wrench(force), b.wrench(-force)

@@ -1,0 +1,117 @@
+"""Mass, centre of mass and inertia of a body: as written, or from the density and the shapes."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modelgen.errors import SceneError
+from modelgen.geometry.solid import mass_properties
+from modelgen.model import InertiaKind
+from modelgen.scene.types import Body, Pose, Vector
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+ROUNDING = 1024 * sys.float_info.epsilon  # what a quadrature leaves of an exact zero or an exact equality
+
+
+@dataclass(frozen=True, slots=True)
+class Mass:
+    """mass kg; centre (3) m in the body axes as written; inertia (3,3) kg m^2 about the centre, body axes."""
+
+    mass: float
+    centre: Vector
+    inertia: Array | None = None
+
+
+def rotation_of(quaternion: tuple[float, float, float, float]) -> Array:
+    """The rotation matrix (3,3) of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def pose_numbers(pose: Pose, shift: Vector = (0.0, 0.0, 0.0)) -> tuple[float, ...]:
+    """The 12 numbers [p; R column by column] of a pose seen from a frame moved by `shift`."""
+    position = (a - b for a, b in zip(pose.position, shift, strict=True))
+    return (*position, *(float(x) for x in rotation_of(pose.quaternion).ravel(order="F")))
+
+
+def mass_of(body: Body, where: str) -> Mass:
+    """The mass of a dynamic body; raises SceneError if it has none."""
+    if body.density is not None:
+        return _from_density(body, body.density)
+    if body.mass is None or not body.mass > 0:
+        raise SceneError(
+            where,
+            f"the dynamic body {body.name!r} has mass {body.mass}",
+            "a positive mass or a density",
+            "add mass",
+        )
+    inertia = None if body.inertia is None else np.array(body.inertia)
+    return Mass(body.mass, body.center_of_mass, inertia)
+
+
+def _from_density(body: Body, density: float) -> Mass:
+    parts = [_part(shape.pose, *mass_properties(shape, density)) for shape in body.shapes]
+    mass = sum(part[0] for part in parts)
+    centre = sum((part[0] * part[1] for part in parts), np.zeros(3)) / mass
+    size = max(float(np.linalg.norm(shape.pose.position)) for shape in body.shapes) + np.sqrt(
+        np.trace(parts[0][2]) / parts[0][0]
+    )
+    centre = np.where(np.abs(centre) < ROUNDING * size, 0.0, centre)
+    inertia = np.zeros((3, 3))
+    for part_mass, part_centre, part_inertia in parts:
+        arm = part_centre - centre
+        inertia += part_inertia + part_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    x, y, z = (float(value) for value in centre)
+    return Mass(float(mass), (x, y, z), _clean(inertia))
+
+
+def _part(pose: Pose, mass: float, centre: Any, inertia: Any) -> tuple[float, Array, Array]:
+    """Mass properties given in shape axes, in body axes."""
+    R = rotation_of(pose.quaternion)
+    return mass, np.array(pose.position) + R @ np.asarray(centre), R @ np.asarray(inertia) @ R.T
+
+
+def _clean(inertia: Array) -> Array:
+    """The symmetric matrix with zeros and equal moments that differ by rounding alone made exact."""
+    inertia = (inertia + inertia.T) / 2
+    limit = ROUNDING * float(np.abs(inertia).max())
+    inertia = np.where(np.abs(inertia) < limit, 0.0, inertia)
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        if abs(inertia[i, i] - inertia[j, j]) < limit:
+            inertia[j, j] = inertia[i, i]
+    return inertia
+
+
+def inertia_kind(inertia: Array) -> InertiaKind:
+    """The structure of the matrix (3,3), from exact zeros and exact equalities."""
+    if inertia[0, 1] or inertia[0, 2] or inertia[1, 2]:
+        return "full"
+    return "isotropic" if inertia[0, 0] == inertia[1, 1] == inertia[2, 2] else "diagonal"
+
+
+def inertia_numbers(inertia: Array) -> tuple[float, ...]:
+    """The parameters of the matrix's kind: [I], [Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]."""
+    count = {"isotropic": 1, "diagonal": 3, "full": 6}[inertia_kind(inertia)]
+    entries = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))[:count]
+    return tuple(float(inertia[entry]) for entry in entries)
+
+
+def inverse_numbers(mass: Mass, turns: bool) -> tuple[float, ...]:
+    """[1/m, inverse inertia (9, column by column)]; the latter zero for a body that does not turn."""
+    inverse = np.zeros((3, 3))
+    if turns and mass.inertia is not None:
+        inverse = np.linalg.inv(mass.inertia)
+        if inertia_kind(mass.inertia) != "full":
+            inverse = np.diag(1 / np.diag(mass.inertia))
+    return (1 / mass.mass, *(float(x) for x in inverse.ravel(order="F")))

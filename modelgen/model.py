@@ -1,0 +1,130 @@
+"""The Model: the vocabulary of kinds that a scene needs, and the sentence that says which bodies use them.
+
+The vocabulary decides what is generated and compiled; the sentence is run-time data. Two scenes with the
+same vocabulary share one library.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from modelgen.scene.types import Chart, ForceLoad, Path, Scene, TorqueLoad
+
+BodyMotion = Literal["fixed", "driven", "point", "free"]
+InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
+Posing = Literal["identity", "general"]
+
+
+@dataclass(frozen=True, slots=True)
+class ShapeKind:
+    """The structure of a surface; its lengths are parameters."""
+
+    name: str  # C identifier, unique within a Model; equals `kind` for shapes of the catalogue
+    kind: str  # name in the catalogue, or "chart"
+    parameter_names: tuple[str, ...]
+    cavity: bool = False
+    chart: Chart | None = None
+    folded: tuple[float, ...] | None = None  # values when numbers are folded; then it has no parameters at run time
+
+
+@dataclass(frozen=True, slots=True)
+class BodyKind:
+    name: str  # C identifier
+    motion: BodyMotion
+    inertia: InertiaKind = "none"
+    path: Path | None = None
+    loaded: bool = False  # a load acts on it; otherwise its wrench has size 0
+    folded: tuple[float, ...] | None = None  # mass and inertia when numbers are folded
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One partner of a contact as the generated code sees it."""
+
+    shape: ShapeKind
+    motion: BodyMotion
+    pose: Posing = "general"  # identity: a fixed body that sits at the world frame
+    placement: Posing = "identity"  # of the shape in the body's centre-of-mass axes
+
+
+@dataclass(frozen=True, slots=True)
+class ContactKind:
+    """A distinct pair of sides and the form of its equations. `o` and `f` as in the paper."""
+
+    name: str  # C identifier
+    form: str
+    o: Side
+    f: Side
+
+
+@dataclass(frozen=True, slots=True)
+class LoadKind:
+    name: str  # C identifier
+    kind: Literal["force", "torque", "spring"]
+    motions: tuple[BodyMotion, ...]  # one body, or two for a spring
+    expressions: tuple[str, ...] = ()  # texts, for the identity of the kind
+    load: ForceLoad | TorqueLoad | None = None  # whose expressions it compiles; without its body and point
+    arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
+
+
+@dataclass(frozen=True, slots=True)
+class BodyEntry:
+    """A body of the sentence: offsets into q, u and the parameter vector."""
+
+    name: str
+    kind: int
+    q: int
+    u: int
+    parameters: tuple[float, ...]  # free: mass + inertia as its kind lists; fixed: pose (12)
+    mass_inverse: tuple[float, ...]  # 1/m and the inverse inertia (9, column-major, body axes); zeros if not dynamic
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEntry:
+    """A contact slot of the sentence."""
+
+    name: str  # "egg-table"
+    kind: int
+    o: int  # body index
+    f: int
+    eta: int  # offset
+    parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
+    restitution: float
+    swapped: bool  # the user named f first
+
+
+@dataclass(frozen=True, slots=True)
+class LoadEntry:
+    kind: int
+    bodies: tuple[int, ...]
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Characteristic length (m), mass (kg) and time (s); every tolerance is dimensionless against them."""
+
+    length: float
+    mass: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    scene: Scene
+    shape_kinds: tuple[ShapeKind, ...]
+    body_kinds: tuple[BodyKind, ...]
+    contact_kinds: tuple[ContactKind, ...]
+    load_kinds: tuple[LoadKind, ...]
+    bodies: tuple[BodyEntry, ...]
+    contacts: tuple[ContactEntry, ...]
+    loads: tuple[LoadEntry, ...]
+    n_q: int
+    n_u: int
+    n_eta: int
+    scales: Scales
+    initial_q: tuple[float, ...]
+    initial_u: tuple[float, ...]
+    left_out: tuple[str, ...] = ()  # what pruning removed, in words

@@ -1,0 +1,99 @@
+"""The one dictionary of names: what each argument and result of a generated function means.
+
+The paper's letters collide (R: rotation, reflection R_psi, radius; T: torsion, tangent; N: normal, principal
+normal; l: lever, arc length), so each name here stands for one thing. Equations: (n.m), Theorem, Lemma and
+Corollary of Anitescu, Cremer and Potra, Formulating 3D contact dynamics problems, with the corrections that
+the docstrings name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Notation:
+    """One name: its symbol in the paper, meaning, unit (entries in order), shape, frame and equation."""
+
+    name: str
+    symbol: str
+    meaning: str
+    unit: str
+    shape: str
+    frame: str = ""
+    equation: str = ""
+
+
+_ETA = "point of a surface: 3, chart: 2, plane or no eta: 0, o first"
+_ROW = "6, 3 or 0"
+_SIDES = (("o", "o"), ("f", "f"))
+
+_TABLE = (
+    Notation("t", "t", "time", "s", "1"),
+    Notation("q", "q", "position coordinates: p, then quaternion (w, x, y, z)", "m, 1", "7 or 3", "world"),
+    Notation("u", "v", "velocity of the centre of mass, then angular velocity", "m/s, rad/s", "6 or 3",
+             "world, then body axes"),
+    Notation("qdot", "\\dot q", "rate of q", "m/s, 1/s", "7 or 3", "world"),
+    Notation("udot", "\\dot v", "rate of u", "m/s^2, rad/s^2", "6 or 3", "world, then body axes", "(2.6)"),
+    Notation("pose", "(p, R)", "centre of mass, then rotation body -> world, column by column", "m, 1",
+             "12", "world"),
+    Notation("twist", "(\\dot p, \\omega)", "velocity of the centre of mass, then angular velocity",
+             "m/s, rad/s",
+             "6", "world, then body axes"),
+    Notation("accel", "(\\ddot p, \\dot\\omega)", "rate of the twist", "m/s^2, rad/s^2", "6",
+             "world, then body axes"),
+    Notation("wrench", "F", "force, then torque about the centre of mass", "N, N m", "6 or 3",
+             "world, then body axes", "(2.6)"),
+    Notation("gravity", "g", "acceleration of gravity", "m/s^2", "3", "world"),
+    Notation("parameters", "",
+             "lengths, masses and placements of the kind, as its shapes and bodies list them",
+             "SI", "by kind"),
+    Notation("kinetic", "T", "kinetic energy", "J", "1"),
+    Notation("potential", "U", "potential energy of gravity", "J", "1"),
+    Notation("momentum", "", "linear momentum", "kg m/s", "3", "world"),
+    Notation("spin", "", "angular momentum about the world origin", "kg m^2/s", "3", "world"),
+    Notation("uv", "\\alpha", "chart coordinates of a surface", "as its chart", "2"),
+    Notation("x", "c(\\alpha)", "point of a surface", "m", "3", "shape", "Section 2"),
+    Notation("n", "z", "exterior unit normal of a surface", "1", "3", "shape", "Section 2"),
+    Notation("eta", "\\eta", "contact points as their surfaces carry them", "m or as the charts",
+             _ETA, "shape",
+             "(2.1), corrected"),
+    Notation("eta_dot", "\\dot\\eta", "rate of eta on extremal pairs", "unit of eta per s", _ETA, "shape",
+             "Theorem 4.1 (4.1), (4.2)"),
+    Notation("eta_next", "\\eta", "eta after one Newton step of the extremality system",
+             "m or as the charts",
+             _ETA, "shape", "(2.1), corrected"),
+    Notation("d", "d", "gap N.(P_f - P_o): positive apart, zero touching, negative overlapping", "m",
+             "1", "",
+             "(3.1), (3.2)"),
+    Notation("gamma", "\\Gamma_2", "second derivative of d without accelerations", "m/s^2", "1", "",
+             "Corollary 3.2 (3.11), corrected"),
+    Notation("normal", "N", "unit normal from o to f", "1", "3", "world", "(3.1)"),
+    Notation("normal_rate", "\\dot N", "rate of the normal", "1/s", "3", "world", "Lemma 4.2 (4.5)"),
+    Notation("residual", "g", "points along and off their surfaces; parallelism of the normals", "m, 1",
+             "2"),
+    Notation("margin", "(\\mu, \\sigma)",
+             "mu = sigma_min(A)/(|K_f| + |K_o| + |d||K_f||K_o|), and sigma_min(A)",
+             "1, 1/m", "2", "", "Section 4.1.1"),
+    Notation("psi", "\\psi", "angle from the first tangent of f to that of o", "rad", "1", "",
+             "Theorem 4.1"),
+    Notation("psi_dot", "\\dot\\psi", "rate of psi", "rad/s", "1", "", "Theorem 4.1 (4.3)"),
+    Notation("force", "\\lambda", "normal contact force, positive when pushing", "N", "1", "", "(2.6)"),
+    *(Notation(f"J_{side}", "J", f"row of d_dot = J u for body {body}", "1, m",
+             _ROW, "world, then body axes",
+               "Lemma 3.1 (3.3)") for side, body in _SIDES),
+    *(Notation(f"point_{side}", "P", f"contact point of body {body}", "m", "3", "world", "(2.1)")
+      for side, body in _SIDES),
+)  # fmt: skip
+
+_COPIES = {
+    f"{name}_{side}": name for name in ("pose", "twist", "wrench") for side in ("o", "f", "a", "b")
+}  # the same quantity of one of two bodies
+
+NAMES: Mapping[str, Notation] = {entry.name: entry for entry in _TABLE}
+
+
+def notation(name: str) -> Notation:
+    """The entry of a name; `pose_o` and the like have that of `pose`. KeyError for an unknown one."""
+    return NAMES[_COPIES.get(name, name)]

@@ -1,0 +1,106 @@
+"""Which equations a pair of shapes needs: the canonical order (o, f), the sides, and the form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from modelgen.contact.kinds import FORMS, choose_form, order
+from modelgen.errors import SceneError, nearest
+from modelgen.masses import pose_numbers
+from modelgen.model import BodyMotion, ContactKind, ShapeKind, Side
+from modelgen.scene.shapes import SHAPES
+from modelgen.scene.types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Partner:
+    """A body's shape in a contact, with what require knows of the body."""
+
+    body: int
+    motion: BodyMotion
+    at_world: bool  # a fixed body whose frame is the world's
+    shape: Shape
+    kind: ShapeKind
+    centre: Vector  # of mass, body axes as written
+
+    @property
+    def side(self) -> Side:
+        placed = self.shape.pose.position != self.centre or not self._is_straight
+        return Side(
+            self.kind,
+            self.motion,
+            "identity" if self.motion == "fixed" and self.at_world else "general",
+            "general" if placed else "identity",
+        )
+
+    @property
+    def _is_straight(self) -> bool:
+        return self.shape.kind == "sphere" or self.shape.pose.quaternion == IDENTITY_QUATERNION
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Of the shape unless folded, then its placement (12) unless it is the identity."""
+        lengths = () if self.kind.folded is not None else tuple(value for _, value in self.shape.parameters)
+        placed = self.side.placement == "general"
+        return lengths + (pose_numbers(self.shape.pose, self.centre) if placed else ())
+
+
+def shape_kind(shape: Shape, fold: bool) -> ShapeKind:
+    """The structure of a shape, named after its kind."""
+    names = tuple(name for name, _ in shape.parameters)
+    if shape.chart is None:
+        names = SHAPES[shape.kind].parameters
+    folded = tuple(value for _, value in shape.parameters) if fold else None
+    return ShapeKind(shape.kind, shape.kind, names, shape.cavity, shape.chart, folded)
+
+
+def contact_names(scene: Scene) -> tuple[str, ...]:
+    """`a-b`, or `a/shape-b/shape` where two bodies touch with several shapes."""
+    plain = [f"{a[0]}-{b[0]}" for a, b in (pair.between for pair in scene.contacts)]
+    full = ["-".join("/".join(partner) for partner in pair.between) for pair in scene.contacts]
+    return tuple(p if plain.count(p) == 1 else f for p, f in zip(plain, full, strict=True))
+
+
+def find_shape(body: Body, name: str, where: str) -> Shape:
+    """The shape of that name; raises SceneError."""
+    shapes = {shape.name: shape for shape in body.shapes}
+    if name not in shapes:
+        raise SceneError(
+            where,
+            f"body {body.name!r} has no shape {name!r}",
+            f"shapes: {', '.join(shapes)}",
+            nearest(name, shapes),
+        )
+    return shapes[name]
+
+
+def find_body(scene: Scene, name: str, where: str) -> int:
+    """The index of the body of that name; raises SceneError."""
+    names = [body.name for body in scene.bodies]
+    if name not in names:
+        raise SceneError(
+            where, f"no body named {name!r}", f"bodies: {', '.join(names)}", nearest(name, names)
+        )
+    return names.index(name)
+
+
+def pair_up(a: Partner, b: Partner, pair: ContactPair, where: str) -> tuple[ContactKind, bool]:
+    """The kind of the contact with its sides in canonical order, and whether that order is (b, a)."""
+    swapped = order(a.kind, b.kind)
+    o, f = (b.side, a.side) if swapped else (a.side, b.side)
+    form = _form(o, f, pair.form, where)
+    return ContactKind(f"{o.shape.name}_{f.shape.name}_{form}", form, o, f), swapped
+
+
+def _form(o: Side, f: Side, wanted: str, where: str) -> str:
+    if wanted == "auto":
+        return choose_form(o, f)
+    fitting = [name for name, form in FORMS.items() if form.applies(o.shape, f.shape)]
+    if wanted not in fitting:
+        raise SceneError(
+            f"{where}.form",
+            f"the form {wanted!r} does not apply to {o.shape.kind} and {f.shape.kind}",
+            f"allowed: {', '.join(['auto', *fitting])}",
+            nearest(wanted, fitting),
+        )
+    return wanted

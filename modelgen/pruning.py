@@ -1,0 +1,86 @@
+"""What a scene does not need: states that nothing observed depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from modelgen.errors import SceneError, nearest
+from modelgen.masses import Mass
+from modelgen.model import BodyMotion
+from modelgen.scene.types import Body, ForceLoad, Load, Scene, Shape, SpringLoad, TorqueLoad, Vector
+
+BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
+CONTACT_QUANTITIES = ("force", "gap")
+_TURNING = frozenset({"wx", "wy", "wz", "qw", "qx", "qy", "qz"})
+_ZERO = (0.0, 0.0, 0.0)
+
+
+def bodies_of(load: Load) -> tuple[str, ...]:
+    """The names of the bodies on which a load acts."""
+    return load.between if isinstance(load, SpringLoad) else (load.body,)
+
+
+def points_of(load: Load) -> tuple[Vector, ...]:
+    """The points of attack, one a body, in its axes as written; none for a torque."""
+    match load:
+        case SpringLoad(anchors=anchors):
+            return anchors
+        case ForceLoad(point=point):
+            return (point,)
+        case TorqueLoad():
+            return ()
+
+
+def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
+    """Raises SceneError for an observed name that is no quantity of a body or contact."""
+    known = {f"{body.name}.{quantity}" for body in scene.bodies for quantity in BODY_QUANTITIES}
+    known |= {f"{contact}.{quantity}" for contact in contacts for quantity in CONTACT_QUANTITIES}
+    for index, name in enumerate(scene.observe):
+        if name not in known:
+            raise SceneError(
+                f"{scene.source}: observe[{index}]",
+                f"no quantity {name!r}",
+                f"body.{'|'.join(BODY_QUANTITIES)} or body-body.{'|'.join(CONTACT_QUANTITIES)}",
+                nearest(name, known),
+            )
+
+
+def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
+    """The least motion of the body that the scene needs."""
+    if body.motion != "dynamic" or mass is None:
+        return "driven" if body.motion == "driven" else "fixed"
+    turns = (
+        _is_watched(scene, body)
+        or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
+        or not all(_is_centred_sphere(shape, mass.centre) for shape in contacting_shapes(scene, body))
+    )
+    return "free" if turns else "point"
+
+
+def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
+    """The shapes of the body that take part in a contact."""
+    used = {shape for pair in scene.contacts for owner, shape in pair.between if owner == body.name}
+    return tuple(shape for shape in body.shapes if shape.name in used)
+
+
+def _is_watched(scene: Scene, body: Body) -> bool:
+    """True if the body's turning is observed. When everything is, only a body that starts without spin stays still."""
+    if scene.observe:
+        return any(f"{body.name}.{name}" in scene.observe for name in ("orientation", "angular_velocity"))
+    return body.angular_velocity != _ZERO
+
+
+def _is_centred_sphere(shape: Shape, centre: Vector) -> bool:
+    return shape.kind == "sphere" and shape.pose.position == centre
+
+
+def _turns_by(load: Load, body: str, centre: Vector) -> bool:
+    """True if the load turns the body or depends on how it is turned."""
+    if body not in bodies_of(load):
+        return False
+    if isinstance(load, SpringLoad):
+        return load.anchors[load.between.index(body)] != centre
+    names: frozenset[str] = frozenset().union(*(component.names for component in load.components))
+    return (
+        isinstance(load, TorqueLoad) or load.frame == "body" or load.point != centre or bool(names & _TURNING)
+    )

@@ -1,0 +1,97 @@
+"""What a scene requires, before anything is compiled: kinds, forms and why, instruction counts."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from modelgen.contact.kinds import contact_kernels, regular_forms
+from modelgen.derive import Derivation
+from modelgen.model import ContactKind, Model
+
+SHOWN = 3  # contacts named in a row; the rest is counted
+
+
+def check_facts(derivation: Derivation) -> dict[str, Any]:
+    """The object that `check --json` prints."""
+    model = derivation.model
+    bodies, contacts = [k.name for k in model.body_kinds], [k.name for k in model.contact_kinds]
+    return {
+        "scene": model.scene.name,
+        "kinds": [*bodies, *contacts, *(k.name for k in model.load_kinds)],
+        "instructions": {formula.name: formula.function.n_instructions() for formula in derivation.formulas},
+        "bodies": [
+            {
+                "name": body.name,
+                "kind": model.body_kinds[body.kind].name,
+                "motion": model.body_kinds[body.kind].motion,
+            }
+            for body in model.bodies
+        ],
+        "contacts": _contacts(model),
+        "left_out": list(model.left_out),
+        "scales": asdict(model.scales),
+        "states": {"q": model.n_q, "u": model.n_u, "eta": model.n_eta},
+    }
+
+
+def print_check(facts: dict[str, Any], console: Console) -> None:
+    """The same facts as tables."""
+    states, scales = facts["states"], facts["scales"]
+    console.print(f"[bold]{facts['scene']}[/]: q {states['q']}, u {states['u']}, eta {states['eta']} states")
+    console.print(f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s")
+    _print_table(console, "bodies", ("name", "kind", "motion"), facts["bodies"])
+    _print_table(console, "contacts", ("kind", "form", "contacts", "why"), _by_kind(facts["contacts"]))
+    counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
+    _print_table(console, "functions", ("function", "instructions"), counts)
+    for sentence in facts["left_out"]:
+        console.print(f"left out: {sentence}", markup=False)
+
+
+def _contacts(model: Model) -> list[dict[str, Any]]:
+    forms = [form_counts(kind) for kind in model.contact_kinds]
+    return [
+        {
+            "name": contact.name,
+            "kind": model.contact_kinds[contact.kind].name,
+            "form": model.contact_kinds[contact.kind].form,
+            "forms": forms[contact.kind],
+            "restitution": contact.restitution,
+        }
+        for contact in model.contacts
+    ]
+
+
+def form_counts(kind: ContactKind) -> dict[str, int]:
+    """Instructions of the rates in each form that is regular for the pair; `auto` takes the fewest."""
+    return {
+        form: contact_kernels(replace(kind, form=form)).rates.n_instructions()
+        for form in regular_forms(kind.o, kind.f)
+    }
+
+
+def _by_kind(contacts: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One row a kind: its form, the contacts that have it, and the instruction counts that chose the form."""
+    rows = []
+    for kind in dict.fromkeys(contact["kind"] for contact in contacts):
+        members = [contact for contact in contacts if contact["kind"] == kind]
+        names = [contact["name"] for contact in members]
+        shown = ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+        counts = sorted(members[0]["forms"].items(), key=lambda item: item[1])
+        why = ", ".join(f"{form} {count}" for form, count in counts)
+        rows.append({"kind": kind, "form": members[0]["form"], "contacts": shown, "why": why})
+    return rows
+
+
+def _print_table(console: Console, title: str, columns: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
+    if not rows:
+        return
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    for column in columns:
+        table.add_column(column, justify="right" if column == "instructions" else "left")
+    for row in rows:
+        table.add_row(*(str(row[column]) for column in columns))
+    console.print(table)

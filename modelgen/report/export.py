@@ -1,0 +1,82 @@
+"""Runs to files and back: npz keeps everything, CSV the columns that a spreadsheet can use."""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from modelgen.errors import ModelgenError
+from modelgen.report.record import COLUMNS, Array, Record
+
+FORMATS = (".npz", ".csv")
+
+
+def save(record: Record, path: Path) -> None:
+    """Write a run; the suffix says how (.npz or .csv)."""
+    if path.suffix == ".csv":
+        _save_csv(record, path)
+    else:
+        _save_npz(record, path)
+
+
+def load(path: Path) -> Record:
+    """Read a run from .npz; ModelgenError if the file is not one."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            names = json.loads(str(stored["names"]))
+            return Record(
+                columns={name: stored[name] for name in COLUMNS},
+                body_names=tuple(names["bodies"]),
+                contact_names=tuple(names["contacts"]),
+                pairs=stored["pairs"],
+                meshes={key[5:]: stored[key] for key in stored.files if key.startswith("mesh_")},
+                summary=json.loads(str(stored["summary"])),
+            )
+    except FileNotFoundError:
+        raise ModelgenError(
+            path.name, "no such file", "", "run `modelgen simulate SCENE --out` first"
+        ) from None
+    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile):
+        raise ModelgenError(
+            path.name,
+            "not a run of modelgen",
+            "a .npz file that `modelgen simulate --out` wrote",
+            "write it anew",
+        ) from None
+
+
+def _save_npz(record: Record, path: Path) -> None:
+    names = {"bodies": record.body_names, "contacts": record.contact_names}
+    meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
+    texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
+    arrays: dict[str, Array] = {**record.columns, **meshes, "pairs": record.pairs}
+    with path.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays, **{k: np.array(v) for k, v in texts.items()})
+
+
+def _save_csv(record: Record, path: Path) -> None:
+    header, table = _table(record)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows([repr(float(value)) for value in row] for row in table)
+
+
+def _table(record: Record) -> tuple[list[str], Array]:
+    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; energy, work."""
+    columns = record.columns
+    header, parts = ["t"], [columns["t"][:, None]]
+    vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
+    for i, body in enumerate(record.body_names):
+        for name, axes in vectors:
+            header += [f"{body}.{name}_{axis}" for axis in axes]
+            parts.append(columns[name][:, i])
+    for k, contact in enumerate(record.contact_names):
+        header += [f"{contact}.force", f"{contact}.gap"]
+        parts += [columns["force"][:, k : k + 1], columns["gap"][:, k : k + 1]]
+    parts += [columns["energy"][:, None], columns["work"][:, None]]
+    return [*header, "energy", "work"], np.hstack(parts)

@@ -1,0 +1,147 @@
+"""One picture of a run: motion, forces, gaps, energy, and the contact curves on both surfaces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from modelgen.errors import ModelgenError
+from modelgen.report.record import Array, Record
+
+FORMATS = (".png", ".svg")
+CURVES = 4  # contacts whose curves are drawn
+POINT = 1e-6  # half the box around a curve that is a point
+ENTRIES = 8  # lines that a legend names
+
+
+def require_matplotlib() -> Any:
+    """matplotlib's Figure class, or an error that names the extra."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise ModelgenError(
+            "plot", "matplotlib is not installed", "", "install it with: pip install 'modelgen[plot]'"
+        ) from None
+    return Figure
+
+
+def draw(record: Record, path: Path) -> None:
+    """Write the picture of a run; the suffix says how (.png or .svg)."""
+    figure_class = require_matplotlib()
+    curves = _drawn_contacts(record)
+    rows = 3 + len(curves)
+    figure = figure_class(figsize=(11.0, 2.8 * rows), layout="constrained")
+    summary = record.summary
+    figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
+    grid = figure.add_gridspec(rows, 2)
+    panels = (_position, _velocity, _rotation, _force, _gap, _energy)
+    for k, panel in enumerate(panels):
+        axes = figure.add_subplot(grid[k // 2, k % 2])
+        panel(record, axes)
+        _finish(axes)
+    for row, contact in enumerate(curves, start=3):
+        for column, side in enumerate("of"):
+            _curve(record, contact, side, figure.add_subplot(grid[row, column], projection="3d"))
+    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def _drawn_contacts(record: Record) -> list[int]:
+    """The first contacts that ever carried a force; the first of all if none did."""
+    if not len(record.columns["t"]):
+        return []
+    loaded = np.flatnonzero(record.columns["force"].any(axis=0)).tolist()
+    return (loaded or list(range(len(record.contact_names))))[:CURVES]
+
+
+def _finish(axes: Any) -> None:
+    axes.set_xlabel("t [s]")
+    axes.grid(alpha=0.3)
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.legend(handles[:ENTRIES], labels[:ENTRIES], fontsize="x-small", loc="best")
+
+
+def _components(record: Record, axes: Any, column: str, symbol: str) -> None:
+    t, values = record.columns["t"], record.columns[column]
+    for i in record.moving:
+        for k, axis in enumerate("xyz"):
+            axes.plot(t, values[:, i, k], linewidth=1.0, label=f"{record.body_names[i]} {symbol}_{axis}")
+
+
+def _position(record: Record, axes: Any) -> None:
+    axes.set_title("position of the centre of mass")
+    axes.set_ylabel("p [m]")
+    _components(record, axes, "p", "p")
+
+
+def _velocity(record: Record, axes: Any) -> None:
+    axes.set_title("velocity of the centre of mass")
+    axes.set_ylabel("v [m/s]")
+    _components(record, axes, "v", "v")
+
+
+def _rotation(record: Record, axes: Any) -> None:
+    axes.set_title("angular velocity, world axes")
+    axes.set_ylabel("w [rad/s]")
+    _components(record, axes, "w", "w")
+
+
+def _force(record: Record, axes: Any) -> None:
+    axes.set_title("normal contact force")
+    axes.set_ylabel("force [N]")
+    _per_contact(record, axes, "force")
+
+
+def _gap(record: Record, axes: Any) -> None:
+    axes.set_title("gap")
+    axes.set_ylabel("d [m]")
+    _per_contact(record, axes, "gap")
+
+
+def _per_contact(record: Record, axes: Any, column: str) -> None:
+    for k, name in enumerate(record.contact_names):
+        axes.plot(record.columns["t"], record.columns[column][:, k], linewidth=1.0, label=name)
+
+
+def _energy(record: Record, axes: Any) -> None:
+    t, energy, work = (record.columns[name] for name in ("t", "energy", "work"))
+    axes.set_title("energy, and what the work done on the system does not explain")
+    axes.set_ylabel("E [J]")
+    axes.plot(t, energy, linewidth=1.0, label="E")
+    axes.plot(t, work, linewidth=1.0, label="work")
+    if len(energy):
+        drift = axes.twinx()
+        drift.plot(t, energy - energy[0] - work, linewidth=0.8, color="tab:red", alpha=0.7)
+        drift.set_ylabel("E - E0 - work [J]", color="tab:red")
+
+
+def _curve(record: Record, contact: int, side: str, axes: Any) -> None:
+    body = record.body_names[int(record.pairs[contact, 0 if side == "o" else 1])]
+    axes.set_title(f"{record.contact_names[contact]}: contact curve on {body}")
+    curve = record.contact_curve(contact, side)
+    mesh = record.meshes.get(f"{contact}_{side}")
+    if mesh is not None:
+        axes.plot_wireframe(*np.moveaxis(mesh, -1, 0), linewidth=0.3, color="0.6")
+    for touching, style in ((True, "-"), (False, ":")):
+        axes.plot(*_where(record, contact, curve, touching).T, style, linewidth=1.4, color="tab:blue")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.set_zlabel("z [m]")
+    _equal_box(axes, curve if mesh is None else np.vstack((mesh.reshape(-1, 3), curve)))
+
+
+def _where(record: Record, contact: int, curve: Array, touching: bool) -> Array:
+    """The curve where the contact carries force (or not), broken elsewhere."""
+    loaded = record.columns["force"][:, contact] > 0
+    return np.where((loaded == touching)[:, None], curve, np.nan)
+
+
+def _equal_box(axes: Any, points: Array) -> None:
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    middle = (low + high) / 2
+    half = max(float((high - low).max()) / 2, POINT * (1.0 + float(np.abs(middle).max())))
+    for setter, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
+        setter(centre - half, centre + half)
+    axes.set_box_aspect((1, 1, 1))

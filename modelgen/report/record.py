@@ -1,0 +1,76 @@
+"""A run as it is kept and drawn: the columns of a Trajectory, who touches whom, and on which surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from modelgen.report.surfaces import contact_meshes
+
+if TYPE_CHECKING:
+    from modelgen.codegen.library import Library
+    from modelgen.runtime.trajectory import Trajectory
+
+Array = np.ndarray[Any, Any]
+COLUMNS = (
+    *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
+    *("points_o", "points_f", "normals", "energy", "work"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What a run file holds.
+
+    `columns` as in Trajectory (SI, world axes); `pairs` (nc, 2) body indices (o, f) of each contact; `meshes`
+    the touching surfaces of contact k as "k_o" and "k_f", (rows, columns, 3) m in axes of the body's centre
+    of mass; `summary` what `simulate --json` prints.
+    """
+
+    columns: dict[str, Array]
+    body_names: tuple[str, ...]
+    contact_names: tuple[str, ...]
+    pairs: Array
+    meshes: dict[str, Array]
+    summary: dict[str, Any]
+
+    @property
+    def moving(self) -> list[int]:
+        """Indices of the bodies that move at all."""
+        moved = np.zeros(len(self.body_names), dtype=bool)
+        for name in ("p", "quaternion"):
+            column = self.columns[name]
+            moved |= (column != column[:1]).any(axis=(0, 2))
+        return [int(i) for i in np.flatnonzero(moved)]
+
+    def contact_curve(self, contact: int, side: str) -> Array:
+        """(n, 3) m: the contact point on side "o" or "f" in axes of that body's centre of mass."""
+        body = int(self.pairs[contact, 0 if side == "o" else 1])
+        lever = self.columns[f"points_{side}"][:, contact] - self.columns["p"][:, body]
+        return rotate_inverse(self.columns["quaternion"][:, body], lever)
+
+
+def rotate_inverse(quaternion: Array, x: Array) -> Array:
+    """R^T x for unit quaternions (n, 4) in (w, x, y, z) order and vectors (n, 3)."""
+    w, axis = quaternion[:, :1], -quaternion[:, 1:]
+    inner = 2.0 * np.cross(axis, x)
+    rotated: Array = x + w * inner + np.cross(axis, inner)
+    return rotated
+
+
+def record_of(trajectory: Trajectory, library: Library) -> Record:
+    """The record of a run and of the library that made it."""
+    sentence = library.manifest.sentence
+    contacts = sentence["contacts"]
+    bare = Record(
+        columns={name: np.asarray(getattr(trajectory, name), dtype=float) for name in COLUMNS},
+        body_names=trajectory.body_names,
+        contact_names=trajectory.contact_names,
+        pairs=np.array([(c["o"], c["f"]) for c in contacts], dtype=int).reshape(-1, 2),
+        meshes={},
+        summary=trajectory.summary(),
+    )
+    bare.meshes.update(contact_meshes(library, bare.contact_curve))
+    return bare

@@ -1,0 +1,82 @@
+"""The JSON Schema of what `simulate --json` prints: meaning and unit of every entry."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_NUMBER = ["number", "null"]  # null: not finite
+
+
+def _numbers(size: int, meaning: str) -> dict[str, Any]:
+    return {
+        "type": "array",
+        "items": {"type": _NUMBER},
+        "minItems": size,
+        "maxItems": size,
+        "description": meaning,
+    }
+
+
+def _entry(kind: str | list[str], meaning: str, **more: Any) -> dict[str, Any]:
+    return {"type": kind, "description": meaning, **more}
+
+
+def _object(meaning: str, properties: dict[str, Any]) -> dict[str, Any]:
+    return _entry(
+        "object", meaning, properties=properties, required=list(properties), additionalProperties=False
+    )
+
+
+_EVENT = _object(
+    "a change of mode",
+    {
+        "t": _entry(_NUMBER, "s"),
+        "kind": _entry("string", "impact, touch-down, lift-off or margin (too near a singularity)"),
+        "contact": _entry("string", "name of the contact"),
+        "speed": _entry(_NUMBER, "approach speed, m/s; 0 where it has no meaning"),
+    },
+)
+_STATE = _object(
+    "a body at t_end, world axes",
+    {
+        "p": _numbers(3, "centre of mass, m"),
+        "quaternion": _numbers(4, "orientation of the body axes (w, x, y, z), unit"),
+        "v": _numbers(3, "velocity of the centre of mass, m/s"),
+        "w": _numbers(3, "angular velocity, rad/s"),
+    },
+)
+_PROPERTIES = {
+    "scene": _entry("string", "name of the scene"),
+    "t_end": _entry(_NUMBER, "time that the run reached, s"),
+    "outcome": _entry("string", "done, interrupted, or what stopped the run"),
+    "advice": _entry("string", "what the outcome means and what to do about it"),
+    "outcome_contact": _entry("string", "the contact that the outcome speaks of, or empty"),
+    "accuracy": _entry("string", "the Accuracy that was used"),
+    "steps": _entry("integer", "accepted integration steps", minimum=0),
+    "rejected": _entry("integer", "steps repeated with a smaller size", minimum=0),
+    "rhs_evals": _entry("integer", "evaluations of the right-hand side", minimum=0),
+    "wall_s": _entry(_NUMBER, "wall-clock time of the run, s"),
+    "energy_drift": _entry(
+        _NUMBER,
+        "max |E - E0 - work| / max kinetic energy; if nothing moved, over the characteristic energy",
+    ),
+    "gap_max": _entry(_NUMBER, "largest |d| of a closed contact at an accepted step, m"),
+    "complementarity_max": _entry(
+        _NUMBER,
+        "largest |min(gap / L, force / (M L / T^2))| at an accepted step; L, M, T: model scales",
+    ),
+    "margin_min": _entry(
+        _NUMBER, "smallest dimensionless distance of a closed contact to singularity, at most 1"
+    ),
+    "events": _entry("array", "changes of mode in order of time", items=_EVENT),
+    "final": _entry("object", "each body at the last sample", additionalProperties=_STATE),
+    "kinds": _entry("array", "names of the kinds the model uses", items={"type": "string"}),
+    "instructions": _entry(
+        "object", "instructions of each generated function", additionalProperties={"type": "integer"}
+    ),
+}
+
+
+def result_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `simulate --json` prints."""
+    return _object("The object that `modelgen simulate --json` prints. SI units, world axes.", _PROPERTIES)

@@ -1,0 +1,45 @@
+"""The summary of a run as a person reads it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+EVENTS = 20  # printed from the start; the rest is counted
+
+
+def print_summary(summary: dict[str, Any], console: Console) -> None:
+    """What `simulate` prints from what `simulate --json` holds."""
+    console.print(
+        f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.9g} s ({summary['accuracy']})",
+        markup=False,
+    )
+    console.print(
+        f"{summary['steps']} steps, {summary['rejected']} rejected, {summary['rhs_evals']} evaluations, "
+        f"{summary['wall_s']:.3g} s"
+    )
+    console.print(
+        f"energy drift {summary['energy_drift']:.2e}, largest gap {summary['gap_max']:.2e} m, "
+        f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}"
+    )
+    _print_events(summary["events"], console)
+    table = Table(box=None, pad_edge=False)
+    for column in ("body", "p [m]", "quaternion (w, x, y, z)", "v [m/s]", "w [rad/s]"):
+        table.add_column(column, overflow="fold")
+    for name, state in summary["final"].items():
+        table.add_row(name, *(_vector(state[key]) for key in ("p", "quaternion", "v", "w")))
+    console.print(table)
+
+
+def _print_events(events: list[dict[str, Any]], console: Console) -> None:
+    for event in events[:EVENTS]:
+        speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
+        console.print(f"{event['t']:.9f} s  {event['kind']} of {event['contact']}{speed}", markup=False)
+    if len(events) > EVENTS:
+        console.print(f"and {len(events) - EVENTS} events more")
+
+
+def _vector(values: list[float]) -> str:
+    return " ".join(f"{value:.5g}" for value in values)

@@ -1,0 +1,201 @@
+"""From the scene to its Model: the vocabulary of kinds that it needs, and the sentence over them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+
+from modelgen.contact.kinds import eta_layout
+from modelgen.errors import SceneError
+from modelgen.masses import (
+    Mass,
+    inertia_kind,
+    inertia_numbers,
+    inverse_numbers,
+    mass_of,
+    pose_numbers,
+    rotation_of,
+)
+from modelgen.model import (
+    BodyEntry,
+    BodyKind,
+    BodyMotion,
+    ContactEntry,
+    ContactKind,
+    LoadEntry,
+    LoadKind,
+    Model,
+    ShapeKind,
+)
+from modelgen.pairing import Partner, contact_names, find_body, find_shape, pair_up, shape_kind
+from modelgen.pruning import bodies_of, check_observed, motion_of
+from modelgen.scales import scales_of
+from modelgen.scene.types import Body, Scene, Vector
+from modelgen.vocabulary import Vocabulary
+from modelgen.weights import load_kind, load_parameters
+
+ETA_SIZE = {"point": 3, "chart": 2, "none": 0}
+Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
+U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A body with what the scene requires of it."""
+
+    body: Body
+    motion: BodyMotion
+    mass: Mass | None  # dynamic bodies only
+    loaded: bool
+
+    @property
+    def centre(self) -> Vector:
+        return self.mass.centre if self.mass else (0.0, 0.0, 0.0)
+
+    @property
+    def moves(self) -> bool:
+        return self.motion in ("point", "free")
+
+
+def require(scene: Scene) -> Model:
+    """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
+
+    Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
+    or leaves the mass or inertia of a moving body open.
+    """
+    pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
+    names = contact_names(scene)
+    check_observed(scene, names)
+    body_kinds: Vocabulary[BodyKind] = Vocabulary()
+    bodies = _body_entries(scene, pieces, body_kinds)
+    shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
+    contact_kinds: Vocabulary[ContactKind] = Vocabulary()
+    contacts = _contact_entries(scene, pieces, names, shape_kinds, contact_kinds)
+    load_kinds: Vocabulary[LoadKind] = Vocabulary()
+    loads = _load_entries(scene, pieces, load_kinds)
+    return Model(
+        scene=scene,
+        shape_kinds=shape_kinds.kinds,
+        body_kinds=body_kinds.kinds,
+        contact_kinds=contact_kinds.kinds,
+        load_kinds=load_kinds.kinds,
+        bodies=bodies,
+        contacts=contacts,
+        loads=loads,
+        n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
+        n_u=sum(U_SIZE[piece.motion] for piece in pieces),
+        n_eta=sum(eta_size(contact_kinds.kinds[entry.kind]) for entry in contacts),
+        scales=scales_of(scene, [(piece.body, piece.mass.mass) for piece in pieces if piece.mass]),
+        initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
+        initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
+        left_out=_left_out(pieces),
+    )
+
+
+def eta_size(kind: ContactKind) -> int:
+    """Entries of eta of one contact of this kind."""
+    return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
+
+
+def _piece(scene: Scene, index: int) -> Piece:
+    body = scene.bodies[index]
+    where = f"{scene.source}: body[{index}] (body {body.name!r})"
+    mass = mass_of(body, where) if body.motion == "dynamic" else None
+    motion = motion_of(scene, body, mass)
+    if motion == "free" and mass is not None and mass.inertia is None:
+        raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
+    return Piece(body, motion, mass, any(body.name in bodies_of(load) for load in scene.loads))
+
+
+def _body_entries(
+    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[BodyKind]
+) -> tuple[BodyEntry, ...]:
+    starts_q = accumulate((Q_SIZE[piece.motion] for piece in pieces), initial=0)
+    starts_u = accumulate((U_SIZE[piece.motion] for piece in pieces), initial=0)
+    return tuple(
+        _body_entry(p, q, u, scene.fold, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
+    )
+
+
+def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[BodyKind]) -> BodyEntry:
+    name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
+    if mass is None or not piece.moves:
+        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=piece.body.path))
+        return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
+    turning = mass.inertia if turns else None
+    inertia = "none" if turning is None else inertia_kind(turning)
+    numbers = (mass.mass, *(() if turning is None else inertia_numbers(turning)))
+    base = "_".join([piece.motion, *([inertia] if turns else []), *(["loaded"] if piece.loaded else [])])
+    kind = kinds.index(
+        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if fold else None)
+    )
+    inverse = inverse_numbers(mass, turns)
+    return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
+
+
+def _contact_entries(
+    scene: Scene,
+    pieces: Sequence[Piece],
+    names: Sequence[str],
+    shapes: Vocabulary[ShapeKind],
+    kinds: Vocabulary[ContactKind],
+) -> tuple[ContactEntry, ...]:
+    entries: list[ContactEntry] = []
+    eta = 0
+    for index, (name, pair) in enumerate(zip(names, scene.contacts, strict=True)):
+        where = f"{scene.source}: contact[{index}]"
+        a, b = (_partner(scene, pieces, partner, shapes, f"{where}.between") for partner in pair.between)
+        contact_kind, swapped = pair_up(a, b, pair, where)
+        o, f = (b, a) if swapped else (a, b)
+        kind = kinds.index(contact_kind)
+        parameters = o.parameters + f.parameters
+        entries.append(ContactEntry(name, kind, o.body, f.body, eta, parameters, pair.restitution, swapped))
+        eta += eta_size(kinds.kinds[kind])
+    return tuple(entries)
+
+
+def _partner(
+    scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], shapes: Vocabulary[ShapeKind], where: str
+) -> Partner:
+    body = find_body(scene, partner[0], where)
+    piece = pieces[body]
+    shape = find_shape(piece.body, partner[1], where)
+    kind = shapes.named(shape_kind(shape, scene.fold))
+    return Partner(body, piece.motion, piece.body.pose.is_identity, shape, kind, piece.centre)
+
+
+def _load_entries(
+    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[LoadKind]
+) -> tuple[LoadEntry, ...]:
+    entries: list[LoadEntry] = []
+    for index, load in enumerate(scene.loads):
+        where = f"{scene.source}: load[{index}]"
+        bodies = tuple(find_body(scene, name, where) for name in bodies_of(load))
+        centres = [pieces[body].centre for body in bodies]
+        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres)
+        entries.append(LoadEntry(kinds.index(kind), bodies, load_parameters(load, kind, centres)))
+    return tuple(entries)
+
+
+def _initial_q(piece: Piece) -> tuple[float, ...]:
+    if not piece.moves:
+        return ()
+    pose = piece.body.pose
+    arm = rotation_of(pose.quaternion) @ piece.centre
+    p = tuple(float(a + b) for a, b in zip(pose.position, arm, strict=True))
+    return p + (pose.quaternion if piece.motion == "free" else ())
+
+
+def _initial_u(piece: Piece) -> tuple[float, ...]:
+    if not piece.moves:
+        return ()
+    if piece.motion == "point":
+        return piece.body.velocity
+    spin = rotation_of(piece.body.pose.quaternion).T @ piece.body.angular_velocity
+    return piece.body.velocity + tuple(float(value) for value in spin)
+
+
+def _left_out(pieces: Sequence[Piece]) -> tuple[str, ...]:
+    why = "orientation and spin left out: a sphere about its centre of mass turns no one"
+    return tuple(f"{piece.body.name}: {why}" for piece in pieces if piece.motion == "point")

@@ -1,0 +1,99 @@
+"""Every tolerance, order and solver choice of a run, in one record.
+
+All tolerances are dimensionless: lengths are measured against the model's characteristic length L, times
+against its characteristic time T.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from modelgen.errors import SimulationError
+
+Method = Literal["dop853", "rk4"]
+
+
+@dataclass(frozen=True, slots=True)
+class Accuracy:
+    """What a run may get wrong, and how it works. Make one with `fast`, `balanced`, `tight` or `of`.
+
+    Attributes:
+        name: what the record is called in results.
+        tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
+        method: "dop853" (adaptive, order 8) or "rk4" (fixed step, order 4).
+        step: s; RK4's step. Adaptive runs choose their own first step when it is None.
+        newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
+            1 once per accepted step, 2 at every stage as well.
+        project: remove drift off d = 0 and its rate every so many steps; 0 never.
+        use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
+        gap: |d| <= gap L counts as touching.
+        start_gap: the same at t = 0; deeper penetration is refused.
+        drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
+        rest_speed: approach below rest_speed L/T is caught without bounce.
+        rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
+        event: an event is located to event T.
+        residual: the extremality residual reached at the start, against L and 1.
+        step_min: a step below step_min T ends the run.
+        margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        lcp_iterations: bound on the active-set changes of one complementarity problem.
+        events_at_once: transitions at one time before the run gives up.
+        lost: a search for the closest points keeps a start only if its margin exceeds this.
+    """
+
+    name: str = "balanced"
+    tolerance: float = 1e-10
+    method: Method = "dop853"
+    step: float | None = None
+    newton: Literal[0, 1, 2] = 1
+    project: int = 1
+    use_gamma: bool = True
+    gap: float = 1e-10
+    start_gap: float = 1e-8
+    drift: float = 1e-15
+    rest_speed: float = 1e-7
+    rest_acceleration: float = 1e-10
+    event: float = 1e-13
+    residual: float = 1e-13
+    step_min: float = 1e-13
+    margin_warn: float = 1e-3
+    margin_refuse: float = 1e-5
+    lcp_iterations: int = 200
+    events_at_once: int = 100
+    lost: float = 1e-9
+
+    @classmethod
+    def fast(cls) -> Accuracy:
+        """Errors near 1e-4 of the motion: for looking at a scene."""
+        return cls(name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9)
+
+    @classmethod
+    def balanced(cls) -> Accuracy:
+        """The default: energy drift below 1e-7 over a thousand seconds of rocking."""
+        return cls()
+
+    @classmethod
+    def tight(cls) -> Accuracy:
+        """Close to the rounding of double precision."""
+        return cls(name="tight", tolerance=1e-13)
+
+    @classmethod
+    def of(cls, tolerance: float) -> Accuracy:
+        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
+        if not 1e-18 <= tolerance <= 1e-2:
+            raise SimulationError(
+                "accuracy.tolerance", f"{tolerance!r}", "a number from 1e-18 to 1e-2", "choose one within these bounds"
+            )
+        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance)
+
+    @classmethod
+    def named(cls, name: str) -> Accuracy:
+        """`fast`, `balanced` or `tight` by name."""
+        records = {"fast": cls.fast, "balanced": cls.balanced, "tight": cls.tight}
+        if name not in records:
+            raise SimulationError("accuracy", repr(name), "fast, balanced, tight", "use one of these names")
+        return records[name]()
+
+    def fixed_step(self, step: float) -> Accuracy:
+        """The same record with RK4 at the given step, s."""
+        return replace(self, name=f"rk4 {step:g} s", method="rk4", step=step)

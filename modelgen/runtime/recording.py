@@ -1,0 +1,51 @@
+"""The core's samples turned into columns in world axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables import RECORD_ARRAYS, Array, address
+
+
+class Recording:
+    """Room for one sample at each of `times`, filled by the core."""
+
+    def __init__(self, session: Session, times: Array) -> None:
+        n, nb, nc = len(times), session.n_body, session.n_contact
+        n_eta = session.sentence["n_eta"]
+        shapes: dict[str, tuple[int, ...]] = {
+            **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
+            **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
+            **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "energy": (n,), "work": (n,)},
+        }
+        self.arrays = {name: np.zeros(shapes[name], dtype=session.tables.dtype) for name in RECORD_ARRAYS}
+        self.arrays["t"][:] = times
+        self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
+
+    def columns(self) -> dict[str, Any]:
+        """The samples taken so far, as the fields of a Trajectory."""
+        kept = {name: array[: self.record.count] for name, array in self.arrays.items()}
+        rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)
+        return {
+            "t": kept["t"],
+            "p": kept["pose"][..., :3],
+            "quaternion": quaternions(rotation),
+            "v": kept["twist"][..., :3],
+            "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
+            **{name: kept[name] for name in ("eta", "force", "gap", "energy", "work")},
+            "points_o": kept["point_o"],
+            "points_f": kept["point_f"],
+            "normals": kept["normal"],
+        }
+
+
+def quaternions(rotation: Array) -> Array:
+    """Unit quaternions (..., 4) in (w, x, y, z) order, w >= 0, of rotation matrices (..., 3, 3)."""
+    if rotation.size == 0:
+        return np.zeros((*rotation.shape[:-2], 4))
+    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3).astype(float)).as_quat(canonical=True)
+    return np.roll(flat, 1, axis=-1).reshape(*rotation.shape[:-2], 4)

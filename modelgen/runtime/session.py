@@ -1,0 +1,164 @@
+"""One run of the C core: its tables, state and scratch, and the calls that move it."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.tables import Array, Tables, address, fill_settings, fill_system
+from modelgen.runtime.trajectory import EVENT_KINDS, Event
+
+CONTINUE, FULL, PENETRATION, NO_EXTREMUM = 1, 2, 10, 11
+
+
+class Session:
+    """The state of a run in the core's memory. Arrays are views: they change as the run advances."""
+
+    def __init__(self, library: Library, accuracy: Accuracy) -> None:
+        self.library = library
+        self.accuracy = accuracy
+        self.sentence: Mapping[str, Any] = library.manifest.sentence
+        self.tables = Tables(library.dtype)
+        sentence = self.sentence
+        self.contacts = [c["name"] for c in sentence["contacts"]]
+        n_contact, n_body = len(self.contacts), len(sentence["bodies"])
+        self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
+        self.system, self._kept = fill_system(self.tables, sentence, self._scales(library))
+        self.settings = fill_settings(self.tables, accuracy)
+        self.x = self._reals(self.n_x)
+        self.x[: sentence["n_q"]] = sentence["initial_q"]
+        self.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = sentence["initial_u"]
+        self.closed = np.zeros(n_contact + 1, dtype=np.intc)
+        self.active = np.zeros(n_contact + 1, dtype=np.intc)
+        self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
+        self.run = self.tables.Run()
+        for name in ("x", "closed", "active", "force", "margin"):
+            setattr(self.run, name, address(getattr(self, name)))
+        self.n_body, self.n_contact = n_body, n_contact
+        self._prepare(library.cdll)
+        self._make_events(64 + 4 * n_contact)
+
+    @property
+    def eta(self) -> Array:
+        """The contact parameters of all contacts, (n_eta,)."""
+        return self.x[self.n_x - 1 - self.sentence["n_eta"] : self.n_x - 1]
+
+    def _reals(self, n: int) -> Array:
+        return np.zeros(n, dtype=self.tables.dtype)
+
+    def _scales(self, library: Library) -> Array:
+        """The size of each state against which its local error is measured."""
+        sentence, scales = self.sentence, self.sentence["scales"]
+        length, time = scales["length"], scales["time"]
+        sizes = np.ones(sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1, dtype=self.tables.dtype)
+        for body in sentence["bodies"]:
+            u = sentence["n_q"] + body["u"]
+            if body["motion"] in ("point", "free"):
+                sizes[body["q"] : body["q"] + 3] = length
+                sizes[u : u + 3] = length / time
+            if body["motion"] == "free":
+                sizes[u + 3 : u + 6] = 1.0 / time
+        start = sentence["n_q"] + sentence["n_u"]
+        for contact in sentence["contacts"]:
+            at = start + contact["eta"]
+            for layout in library.manifest.kinds["contact"][contact["kind"]]["eta"]:
+                n = {"point": 3, "chart": 2, "none": 0}[layout]
+                if layout == "point":
+                    sizes[at : at + n] = length
+                at += n
+        sizes[-1] = scales["mass"] * (length / time) ** 2
+        return sizes
+
+    def _prepare(self, cdll: ctypes.CDLL) -> None:
+        cdll.mg_work_size.restype = cdll.mg_iwork_size.restype = ctypes.c_long
+        self.work = self._reals(cdll.mg_work_size(ctypes.byref(self.system)))
+        self.iwork = np.zeros(cdll.mg_iwork_size(ctypes.byref(self.system)), dtype=np.intc)
+        self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
+        self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
+
+    def _make_events(self, capacity: int) -> None:
+        self.event_arrays = {
+            "t": self._reals(capacity),
+            "kind": np.zeros(capacity, dtype=np.intc),
+            "contact": np.zeros(capacity, dtype=np.intc),
+            "speed": self._reals(capacity),
+        }
+        self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
+
+    def poses(self) -> Array:
+        """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
+        out = self._reals(12 * max(self.n_body, 1))
+        self.library.cdll.mg_pose_all(*self._head, ctypes.c_void_p(address(out)), *self._scratch)
+        return out.reshape(-1, 12).astype(float)
+
+    def drain_events(self) -> list[Event]:
+        """The events since the last call, removed from the core's list."""
+        columns = [a[: self.events.count].tolist() for a in self.event_arrays.values()]
+        self.events.count = 0
+        return [
+            Event(float(t), EVENT_KINDS[kind], self.contacts[contact], float(speed))
+            for t, kind, contact, speed in zip(*columns, strict=True)
+        ]
+
+    def begin(self) -> None:
+        """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""
+        code = self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
+        if code in (PENETRATION, NO_EXTREMUM):
+            raise self._refused(code)
+        self.start_code = code
+
+    def _refused(self, code: int) -> SimulationError:
+        name = self.contacts[self.run.failed_contact]
+        where = f"contact {name!r}"
+        if code == NO_EXTREMUM:
+            return SimulationError(
+                where,
+                "no pair of closest points was found at the start",
+                "surfaces with one nearest pair there",
+                "start the bodies nearer to each other or away from a symmetric position",
+            )
+        d = self.settle(self.run.failed_contact)["d"]
+        allowed = self.settings.start_gap * self.system.length
+        return SimulationError(
+            where,
+            f"the bodies interpenetrate at the start by {-float(d):.3g} m",
+            f"at most {float(allowed):.3g} m",
+            "move them apart",
+        )
+
+    def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
+        """Newton from `eta` (default: the state's) for one contact: steps (-1: failed), d, residual, margin, ..."""
+        n = self.sentence["contacts"]
+        start = n[contact]["eta"]
+        size = sum({"point": 3, "chart": 2, "none": 0}[kind] for kind in self.layout(contact))
+        local = np.array(self.eta[start : start + size] if eta is None else eta, dtype=self.tables.dtype)
+        out = {"d": 1, "residual": 2, "margin": 2, "normal": 3, "point_o": 3, "point_f": 3}
+        arrays = {name: self._reals(length) for name, length in out.items()}
+        pointers = [ctypes.c_void_p(address(a)) for a in (local, *arrays.values())]
+        steps = self.library.cdll.mg_settle(*self._head, ctypes.c_int(contact), *pointers, *self._scratch)
+        arrays["d"] = arrays["d"][0]
+        return {"steps": steps, "eta": local, **arrays}
+
+    def layout(self, contact: int) -> list[str]:
+        """What carries eta on each side of a contact: "point", "chart" or "none"."""
+        kind = self.sentence["contacts"][contact]["kind"]
+        return list(self.library.manifest.kinds["contact"][kind]["eta"])
+
+    def advance(self, t_stop: float, max_steps: int, record: Any) -> int:
+        """Runs to t_stop or for max_steps accepted steps; returns the core's code."""
+        return int(
+            self.library.cdll.mg_advance(
+                *self._head,
+                self.tables.real(t_stop),
+                ctypes.c_long(max_steps),
+                ctypes.byref(record),
+                ctypes.byref(self.events),
+                *self._scratch,
+            )
+        )

@@ -1,0 +1,121 @@
+"""A run from t = 0 to its end: set up, let the core run, keep the samples, explain the outcome."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.closest import find_closest
+from modelgen.runtime.recording import Recording
+from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
+
+CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
+
+
+def simulate(
+    library: Library,
+    *,
+    until: float | None = None,
+    accuracy: Accuracy | None = None,
+    samples: int | None = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Run the scene of a library.
+
+    Args:
+        library: what `build` returned.
+        until: end time, s; the scene's own when None.
+        accuracy: every tolerance and choice; the scene's own when None.
+        samples: output intervals, at least 1; the scene's own when None.
+        on_progress: called with the share of simulated time done, about five times a second.
+
+    Returns:
+        The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
+        Ctrl-C and failures keep what was computed; the outcome says which.
+
+    Raises:
+        SimulationError: the start interpenetrates, or a setting is out of bounds.
+    """
+    settings = library.manifest.sentence["run"]
+    end = settings["until"] if until is None else until
+    intervals = settings["samples"] if samples is None else samples
+    if not 0 < end < np.inf:
+        raise SimulationError("until", repr(end), "a positive time in s", "give the end of the run")
+    if intervals < 1:
+        raise SimulationError("samples", repr(intervals), "at least 1", "give the number of output intervals")
+    accuracy = accuracy or _accuracy_of(settings)
+    started = time.perf_counter()
+    session = Session(library, accuracy)
+    find_closest(session)
+    session.begin()
+    recording = Recording(session, np.linspace(0.0, end, intervals + 1))
+    outcome, events = _run(session, end, recording, on_progress)
+    wall = time.perf_counter() - started
+    return _trajectory(session, recording, outcome, events, accuracy, wall)
+
+
+def _accuracy_of(settings: dict[str, Any]) -> Accuracy:
+    if settings["tolerance"] is not None:
+        return Accuracy.of(settings["tolerance"])
+    return Accuracy.named(settings["accuracy"])
+
+
+def _run(
+    session: Session, end: float, recording: Recording, on_progress: Callable[[float], None] | None
+) -> tuple[Outcome, list[Event]]:
+    if session.start_code:
+        return OUTCOME_OF_CODE[session.start_code], session.drain_events()
+    events: list[Event] = []
+    chunk = 100
+    try:
+        while True:
+            before = time.perf_counter()
+            code = session.advance(end, chunk, recording.record)
+            events += session.drain_events()
+            if code not in (CONTINUE, FULL):
+                return OUTCOME_OF_CODE[code], events
+            if code == CONTINUE:
+                elapsed = max(time.perf_counter() - before, 1e-6)
+                chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
+            if on_progress:
+                on_progress(float(session.run.t) / end)
+    except KeyboardInterrupt:
+        return Outcome.INTERRUPTED, events + session.drain_events()
+
+
+def _trajectory(
+    session: Session, recording: Recording, outcome: Outcome, events: list[Event], accuracy: Accuracy, wall: float
+) -> Trajectory:
+    run, manifest = session.run, session.library.manifest
+    failed = run.failed_contact
+    scales = session.sentence["scales"]
+    energy = float(run.kinetic_max) or scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    kinds = (kind["name"] for group in ("body", "contact", "load") for kind in manifest.kinds[group])
+    return Trajectory(
+        scene=session.sentence["name"],
+        **recording.columns(),
+        body_names=tuple(b["name"] for b in session.sentence["bodies"]),
+        contact_names=tuple(session.contacts),
+        events=tuple(events),
+        outcome=outcome,
+        outcome_contact=session.contacts[failed] if failed >= 0 else "",
+        t_end=float(run.t),
+        steps=int(run.steps),
+        rejected=int(run.rejected),
+        rhs_evals=int(run.rhs_evals),
+        wall_s=wall,
+        energy_drift=float(run.energy_error_max) / energy,
+        gap_max=float(run.gap_max),
+        complementarity_max=float(run.complementarity_max),
+        margin_min=float(min(run.margin_min, 1.0)),
+        kinds=tuple(kinds),
+        instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
+        accuracy=accuracy.name,
+    )

@@ -1,0 +1,137 @@
+"""The C core's records as ctypes structures, filled from a manifest's sentence."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+
+SYSTEM_INTEGERS = ("n_body", "n_contact", "n_load", "n_q", "n_u", "n_eta")
+SYSTEM_INDICES = (
+    *("body_kind", "body_q", "body_u", "body_parameters"),
+    *("contact_kind", "contact_o", "contact_f", "contact_eta", "contact_parameters"),
+    *("load_kind", "load_a", "load_b", "load_parameters"),
+)
+SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "scale")
+SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
+SETTINGS_REALS = (
+    *("step", "tolerance", "gap", "start_gap", "drift", "rest_speed", "rest_acceleration", "event", "residual", "step_min"),
+    "margin_refuse",
+)
+RUN_COUNTS = ("steps", "rejected", "rhs_evals", "lcp_solves", "since_projection", "events_at_t")
+RUN_REALS = (
+    *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
+    *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
+)
+RECORD_ARRAYS = (
+    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "energy", "work"),
+)
+METHODS = {"rk4": 0, "dop853": 1}
+
+
+class Tables:
+    """The structures of one library's real type (modelgen.h)."""
+
+    def __init__(self, dtype: np.dtype[Any]) -> None:
+        self.dtype = np.dtype(dtype)
+        real: Any = {4: ctypes.c_float, 8: ctypes.c_double}.get(self.dtype.itemsize, ctypes.c_longdouble)
+        pointer = ctypes.c_void_p
+        integer = ctypes.c_int
+        self.real = real
+        self.System = _structure(
+            "System",
+            [(n, integer) for n in SYSTEM_INTEGERS]
+            + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
+            + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
+        )
+        self.Settings = _structure(
+            "Settings",
+            [(n, integer) for n in SETTINGS_INTEGERS]
+            + [(n, real) for n in SETTINGS_REALS]
+            + [("lcp_iterations", integer), ("events_at_once", integer)],
+        )
+        self.Run = _structure(
+            "Run",
+            [("t", real), ("h", real)]
+            + [(n, pointer) for n in ("x", "closed", "active", "force", "margin")]
+            + [(n, ctypes.c_long) for n in RUN_COUNTS]
+            + [(n, real) for n in RUN_REALS]
+            + [("failed_contact", integer)],
+        )
+        self.Record = _structure(
+            "Record",
+            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in RECORD_ARRAYS],
+        )
+        self.Events = _structure(
+            "Events",
+            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in ("t", "kind", "contact", "speed")],
+        )
+
+
+def _structure(name: str, fields: list[tuple[str, Any]]) -> Any:
+    return type(name, (ctypes.Structure,), {"_fields_": fields})
+
+
+def address(array: Array) -> int:
+    """The address of a contiguous array's data."""
+    return int(array.ctypes.data)
+
+
+def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tuple[Any, list[Array]]:
+    """The mg_system of a sentence, and the arrays that it points into, which must outlive it."""
+    bodies, contacts, loads = sentence["bodies"], sentence["contacts"], sentence["loads"]
+    parameters: list[float] = []
+    starts = [_append(parameters, entry["parameters"]) for entry in (*bodies, *contacts, *loads)]
+    of_bodies, of_contacts = starts[: len(bodies)], starts[len(bodies) : len(bodies) + len(contacts)]
+    integers: dict[str, list[int]] = {
+        "body_kind": [b["kind"] for b in bodies],
+        "body_q": [b["q"] for b in bodies],
+        "body_u": [b["u"] for b in bodies],
+        "body_parameters": of_bodies,
+        **{f"contact_{key}": [c[key] for c in contacts] for key in ("kind", "o", "f", "eta")},
+        "contact_parameters": of_contacts,
+        "load_kind": [entry["kind"] for entry in loads],
+        "load_a": [entry["bodies"][0] for entry in loads],
+        "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
+        "load_parameters": starts[len(bodies) + len(contacts) :],
+    }
+    reals = {
+        "mass_inverse": [value for b in bodies for value in b["mass_inverse"]],
+        "restitution": [c["restitution"] for c in contacts],
+        "parameters": parameters,
+    }
+    arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
+    arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
+    arrays["scale"] = scale
+    system = tables.System(
+        len(bodies), len(contacts), len(loads), sentence["n_q"], sentence["n_u"], sentence["n_eta"]
+    )
+    for name, array in arrays.items():
+        setattr(system, name, address(array))
+    system.gravity = (tables.real * 3)(*sentence["gravity"])
+    for name, value in sentence["scales"].items():
+        setattr(system, name, value)
+    return system, list(arrays.values())
+
+
+def _append(parameters: list[float], values: list[float]) -> int:
+    start = len(parameters)
+    parameters.extend(values)
+    return start
+
+
+def fill_settings(tables: Tables, accuracy: Any) -> Any:
+    """The mg_settings of an Accuracy."""
+    settings = tables.Settings()
+    for name in ("newton", "project", "lcp_iterations", "events_at_once"):
+        setattr(settings, name, int(getattr(accuracy, name)))
+    for name in SETTINGS_REALS[1:]:
+        setattr(settings, name, float(getattr(accuracy, name)))
+    settings.method = METHODS[accuracy.method]
+    settings.use_gamma = int(accuracy.use_gamma)
+    settings.step = accuracy.step or 0.0
+    return settings

@@ -1,0 +1,126 @@
+"""What a run leaves: samples, events, outcome, and the ledger that says how far to trust them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+
+
+class Outcome(Enum):
+    """How a run ended; the value says what to do about it."""
+
+    DONE = "the run reached its end"
+    INTERRUPTED = "interrupted; what had been computed is kept: run again with a later start or fewer samples"
+    MARGIN = (
+        "a closed contact came too near a singularity of its closest points; look at the shapes there: curvatures "
+        "that almost conform, or surfaces flat against each other, need another contact model"
+    )
+    STEP_TOO_SMALL = "the step became too small for the tolerance; loosen the tolerance or look for a discontinuous load"
+    NOT_FINITE = "a state became infinite or undefined; look at the loads and at shapes without curvature at the contact"
+    COMPLEMENTARITY = "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
+    TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
+
+    @property
+    def succeeded(self) -> bool:
+        return self is Outcome.DONE
+
+
+OUTCOME_OF_CODE = {
+    0: Outcome.DONE,
+    20: Outcome.MARGIN,
+    21: Outcome.STEP_TOO_SMALL,
+    22: Outcome.NOT_FINITE,
+    23: Outcome.COMPLEMENTARITY,
+    24: Outcome.TOO_MANY_EVENTS,
+}
+EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin")
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A change of mode: `t` in s, `kind` of EVENT_KINDS, the contact's name, the approach speed in m/s."""
+
+    t: float
+    kind: str
+    contact: str
+    speed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes.
+
+    `energy_drift` is max |E - E_0 - work| over the largest kinetic energy seen (over the characteristic energy
+    m g L if nothing moved); `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
+    the largest |d| of a closed contact at an accepted step, m; `margin_min` the smallest margin of one.
+    """
+
+    scene: str
+    t: Array
+    p: Array  # (n, nb, 3) m, centre of mass
+    quaternion: Array  # (n, nb, 4), (w, x, y, z)
+    v: Array  # (n, nb, 3) m/s
+    w: Array  # (n, nb, 3) rad/s
+    eta: Array  # (n, n_eta) contact parameters
+    force: Array  # (n, nc) N
+    gap: Array  # (n, nc) m
+    points_o: Array  # (n, nc, 3) m
+    points_f: Array  # (n, nc, 3) m
+    normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
+    energy: Array  # (n,) J
+    work: Array  # (n,) J, of loads, driven bodies and impacts
+    body_names: tuple[str, ...]
+    contact_names: tuple[str, ...]
+    events: tuple[Event, ...]
+    outcome: Outcome
+    outcome_contact: str
+    t_end: float
+    steps: int
+    rejected: int
+    rhs_evals: int
+    wall_s: float
+    energy_drift: float
+    gap_max: float
+    complementarity_max: float
+    margin_min: float
+    kinds: tuple[str, ...]
+    instructions: dict[str, int]
+    accuracy: str
+
+    def summary(self) -> dict[str, Any]:
+        """The object that `simulate --json` prints: plain JSON values."""
+        last = len(self.t) - 1
+        return {
+            "scene": self.scene,
+            "t_end": self.t_end,
+            "outcome": self.outcome.name.lower(),
+            "advice": self.outcome.value,
+            "outcome_contact": self.outcome_contact,
+            "accuracy": self.accuracy,
+            "steps": self.steps,
+            "rejected": self.rejected,
+            "rhs_evals": self.rhs_evals,
+            "wall_s": self.wall_s,
+            "energy_drift": self.energy_drift,
+            "gap_max": self.gap_max,
+            "complementarity_max": self.complementarity_max,
+            "margin_min": self.margin_min,
+            "events": [{"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed} for e in self.events],
+            "final": {
+                name: {
+                    "p": self.p[last, i].tolist(),
+                    "quaternion": self.quaternion[last, i].tolist(),
+                    "v": self.v[last, i].tolist(),
+                    "w": self.w[last, i].tolist(),
+                }
+                for i, name in enumerate(self.body_names)
+                if last >= 0
+            },
+            "kinds": list(self.kinds),
+            "instructions": dict(self.instructions),
+        }

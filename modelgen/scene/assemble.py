@@ -1,0 +1,40 @@
+"""The Scene from the values of the tables: references resolved, parts put together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from modelgen.scene import links
+from modelgen.scene.bodies import read_body, unique_names
+from modelgen.scene.format import RUN, SCENE
+from modelgen.scene.place import Place
+from modelgen.scene.types import Body, RunSettings, Scene
+
+
+def scene_from_tables(name: str, written: object, source: str) -> Scene:
+    """The scene from plain tables, as a TOML file gives them; raises SceneError."""
+    place = Place(source)
+    values = SCENE.read(written, place)
+    bodies = tuple(read_body(each, at) for at, each in values["body"])
+    return scene_from_bodies(name, bodies, values, place)
+
+
+def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, Any], place: Place) -> Scene:
+    """The scene of given bodies and the remaining values of the scene's table; raises SceneError."""
+    if not bodies:
+        raise place.key("body").error("no body", "a scene has one body or more", "add a [[body]]")
+    unique_names(bodies, place.key("body"))
+    known = {body.name: body for body in bodies}
+    run = values["run"] or RUN.read({}, place.key("run"))
+    return Scene(
+        name=name,
+        source=place.source,
+        bodies=bodies,
+        contacts=links.contacts(values["contact"], known),
+        loads=links.loads(values, known),
+        gravity=values["gravity"],
+        observe=links.observed(values["observe"], known, place.key("observe")),
+        fold=values["fold"],
+        run=RunSettings(**run),
+    )

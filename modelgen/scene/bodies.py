@@ -1,0 +1,106 @@
+"""Shapes and bodies from the values of their tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from modelgen.scene.chart import read_chart
+from modelgen.scene.format import PATH_NAMES, ZERO
+from modelgen.scene.formulas import finite, triple
+from modelgen.scene.place import Place
+from modelgen.scene.pose import read_pose
+from modelgen.scene.shapes import SHAPES
+from modelgen.scene.types import Body, Path, Shape
+
+
+def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
+    """The shape from the values of its table; raises SceneError."""
+    kind = values["kind"]
+    common = {
+        "kind": kind,
+        "cavity": values["cavity"],
+        "pose": read_pose(values, place),
+        "name": values["name"] or kind,
+    }
+    if kind == "chart":
+        return Shape(parameters=values["parameters"], chart=read_chart(values, place), **common)
+    spec = SHAPES[kind]
+    numbers = spec.values(values)
+    broken = spec.constraint(numbers)
+    if broken:
+        raise place.error(broken, spec.rule)
+    return Shape(parameters=tuple(zip(spec.parameters, numbers, strict=True)), **common)
+
+
+def body_of(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) -> Body:
+    """The body from the values of its table and its shapes; raises SceneError."""
+    _check_unique("shape", (each.name for each in shapes), place.key("shape"))
+    motion = values["motion"]
+    common = {"name": values["name"], "motion": motion, "shapes": shapes, "pose": read_pose(values, place)}
+    if motion == "driven":
+        return Body(path=_path(values["path"], place.key("path")), **common)
+    if motion == "fixed":
+        return Body(**common)
+    _check_mass(values, shapes, place)
+    return Body(
+        mass=values["mass"],
+        density=values["density"],
+        inertia=values["inertia"],
+        center_of_mass=values["center_of_mass"] or ZERO,
+        velocity=values["velocity"],
+        angular_velocity=values["angular_velocity"],
+        **common,
+    )
+
+
+def read_body(values: Mapping[str, Any], place: Place) -> Body:
+    """The body from the values of its table, shapes included; raises SceneError."""
+    return body_of(values, tuple(read_shape(each, at) for at, each in values["shape"]), place)
+
+
+def unique_names(bodies: Iterable[Body], place: Place) -> None:
+    """Raises SceneError where two bodies share a name."""
+    _check_unique("body", (each.name for each in bodies), place)
+
+
+def _check_unique(noun: str, names: Iterable[str], place: Place) -> None:
+    seen: set[str] = set()
+    for index, name in enumerate(names):
+        if name in seen:
+            raise place.item(index).error(f"a second {noun} named {name!r}", "", "give it another name")
+        seen.add(name)
+
+
+def _check_mass(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) -> None:
+    if values["density"] is not None:
+        _check_solid(shapes, place.key("density"))
+        return
+    for key, other in (("mass", "inertia"), ("inertia", "mass")):
+        if values[key] is None:
+            raise place.error(
+                f"a dynamic body without {key}", "mass and inertia, or density, are needed",
+                f"add {key}" + ("" if values[other] is not None else f" and {other}, or density"),
+            )  # fmt: skip
+
+
+def _check_solid(shapes: tuple[Shape, ...], place: Place) -> None:
+    if not shapes:
+        raise place.error("a density without a shape", "", "add a shape, or give mass and inertia")
+    for each in shapes:
+        closed = each.kind == "chart" or SHAPES[each.kind].closed
+        if each.cavity or not closed:
+            what = "the cavity" if each.cavity else f"the {each.kind}"
+            raise place.error(
+                f"a density, but {what} {each.name!r} bounds no finite solid",
+                "density needs closed shapes", "give mass and inertia instead",
+            )  # fmt: skip
+
+
+def _path(values: Mapping[str, Any], place: Place) -> Path:
+    position = triple(values["position"], PATH_NAMES, place.key("position"))
+    rotation = triple(values["rotation_vector"], PATH_NAMES, place.key("rotation_vector"))
+    for key, expressions in (("position", position), ("rotation_vector", rotation)):
+        for index, expression in enumerate(expressions):
+            finite(expression, {"t": 0.0}, place.key(key).item(index))
+    return Path(position, rotation)

@@ -1,0 +1,103 @@
+"""Scenes written in Python, through the same tables and checks as scene files.
+
+Keyword arguments are the keys of the scene format:
+
+>>> egg = dynamic("egg", ellipsoid(0.03, 0.02, 0.02), density=1000.0, position=[0.0, 0.0, 0.02])
+>>> table = fixed("table", plane())
+>>> drop = scene("drop", [egg, table], contact=[{"between": ["egg", "table"], "restitution": 0.5}])
+>>> drop.contacts[0].between
+(('egg', 'ellipsoid'), ('table', 'plane'))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from modelgen.scene.assemble import scene_from_bodies
+from modelgen.scene.bodies import body_of, read_body, read_shape
+from modelgen.scene.format import BODY, SCENE, SCENE_NAME, SHAPE
+from modelgen.scene.place import Place
+from modelgen.scene.types import Body, Scene, Shape
+
+SOURCE = "<python>"
+Pair = Sequence[float]
+
+
+def shape(kind: str, **keys: object) -> Shape:
+    """A shape of the catalogue or a chart; keys as in the scene format. Raises SceneError."""
+    place = Place(SOURCE, f"shape {kind}")
+    return read_shape(SHAPE.read({"kind": kind, **keys}, place), place)
+
+
+def plane(**keys: object) -> Shape:
+    """The plane z = 0 with exterior +z."""
+    return shape("plane", **keys)
+
+
+def sphere(radius: float, **keys: object) -> Shape:
+    """A sphere; `radius` in m."""
+    return shape("sphere", radius=radius, **keys)
+
+
+def ellipsoid(a: float, b: float, c: float, **keys: object) -> Shape:
+    """An ellipsoid; semi-axes in m."""
+    return shape("ellipsoid", semi_axes=[a, b, c], **keys)
+
+
+def torus(major: float, minor: float, **keys: object) -> Shape:
+    """A torus about z; radii in m, `minor` of the tube."""
+    return shape("torus", major=major, minor=minor, **keys)
+
+
+def cylinder(radius: float, **keys: object) -> Shape:
+    """An infinite cylinder about z; `radius` in m."""
+    return shape("cylinder", radius=radius, **keys)
+
+
+def paraboloid(rho_x: float, rho_y: float, **keys: object) -> Shape:
+    """z = x^2/(2 rho_x) + y^2/(2 rho_y) with exterior +z; radii of curvature in m."""
+    return shape("paraboloid", radii=[rho_x, rho_y], **keys)
+
+
+def superellipsoid(a: float, b: float, c: float, p: float, q: float, **keys: object) -> Shape:
+    """(|x/a|^p + |y/b|^p)^(q/p) + |z/c|^q = 1; semi-axes in m."""
+    return shape("superellipsoid", semi_axes=[a, b, c], exponents=[p, q], **keys)
+
+
+def chart(x: str, y: str, z: str, *, domain: Sequence[Pair], **keys: object) -> Shape:
+    """A surface of your own: x, y, z in m as expressions of u, v and `parameters`.
+
+    The exterior is the side of d(x,y,z)/du x d(x,y,z)/dv.
+    """
+    return shape("chart", x=x, y=y, z=z, domain=domain, **keys)
+
+
+def fixed(name: str, *shapes: Shape, **keys: object) -> Body:
+    """A body at rest."""
+    return _body(name, "fixed", shapes, keys)
+
+
+def driven(name: str, *shapes: Shape, path: Mapping[str, object], **keys: object) -> Body:
+    """A body on a prescribed path, `{"position": [...], "rotation_vector": [...]}` in expressions of t."""
+    return _body(name, "driven", shapes, {"path": path, **keys})
+
+
+def dynamic(name: str, *shapes: Shape, **keys: object) -> Body:
+    """A body that moves by forces; needs mass and inertia, or density."""
+    return _body(name, "dynamic", shapes, keys)
+
+
+def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
+    """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
+    place = Place(SOURCE, name)
+    SCENE_NAME.read(name, place)
+    values = SCENE.read({"body": [], **keys}, place)
+    written = tuple(read_body(each, at) for at, each in values["body"])
+    return scene_from_bodies(name, (*bodies, *written), values, place)
+
+
+def _body(name: str, motion: str, shapes: tuple[Shape, ...], keys: Mapping[str, object]) -> Body:
+    place = Place(SOURCE, f"body {name}")
+    values = BODY.read({"name": name, "motion": motion, **keys}, place)
+    written = tuple(read_shape(each, at) for at, each in values["shape"])
+    return body_of(values, (*shapes, *written), place)

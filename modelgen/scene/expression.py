@@ -1,0 +1,245 @@
+"""The language of expressions: numbers, names, + - * / **, and a short list of functions.
+
+The text is data. Python's parser only cuts it into a syntax tree; the tree is walked here, node by node,
+and whatever is not listed is refused. Nothing is compiled, looked up or called in Python's name space.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from math import e as euler
+from math import isfinite, pi
+
+from modelgen.errors import ExpressionError, nearest
+from modelgen.scene.arithmetic import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
+
+MAX_LENGTH = 2000  # characters
+MAX_DEPTH = 150  # nested operations
+MAX_NUMBER = 1e30
+MAX_EXPONENT = 64.0  # of a constant exponent
+CONSTANTS: Mapping[str, float] = {"pi": pi, "e": euler}
+LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join(FUNCTIONS)
+
+_FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/()., \t\r\n]")
+_OPERATORS: Mapping[type[ast.operator], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    id: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    op: str  # "-"
+    x: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    op: str  # + - * / **
+    a: Node
+    b: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    fn: str
+    args: tuple[Node, ...]
+
+
+Node = Number | Name | Unary | Binary | Call
+Valued = tuple[Node, float | None]  # a node and, where it has no names, its value
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it."""
+
+    text: str
+    tree: Node
+    names: frozenset[str]
+
+
+def parse_expression(text: str, names: Collection[str]) -> Expression:
+    """Parse `text` over the allowed `names`; raises ExpressionError with position, found, allowed, remedy."""
+    _check_characters(text)
+    flat = re.sub(r"\s", " ", text)
+    indent = len(flat) - len(flat.lstrip())
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            tree = ast.parse(flat.strip(), mode="eval").body
+    except SyntaxError as error:
+        column = error.offset - 1 if error.offset else len(flat.strip())  # no offset: the end came too early
+        raise _error(text, "it is not an expression", column + indent) from None
+    except (RecursionError, MemoryError, ValueError):
+        raise _error(text, "it is nested too deeply", None) from None
+    walker = _Walker(text, frozenset(names), indent)
+    node, _ = walker.visit(tree, 1)
+    return Expression(text, node, frozenset(walker.used))
+
+
+def constant_expression(value: float) -> Expression:
+    """The expression that is one number."""
+    return Expression(repr(value), Number(value), frozenset())
+
+
+def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
+    """Value of the expression in double precision; raises ExpressionError where it has no finite one."""
+    missing = sorted(expression.names - values.keys())
+    if missing:
+        raise ExpressionError(repr(expression.text), f"no value for {missing[0]!r}")
+    try:
+        value = _value(expression.tree, values)
+    except (ValueError, ZeroDivisionError, OverflowError):
+        value = float("nan")
+    if not isfinite(value):
+        raise ExpressionError(repr(expression.text), "it has no finite value here")
+    return value
+
+
+def _value(node: Node, values: Mapping[str, float]) -> float:
+    match node:
+        case Number(value):
+            return value
+        case Name(name):
+            return float(values[name])
+        case Unary(_, x):
+            return -_value(x, values)
+        case Binary(op, a, b):
+            return evaluate_binary(op, _value(a, values), _value(b, values))
+        case Call(fn, args):
+            return evaluate_call(fn, tuple(_value(arg, values) for arg in args))
+
+
+def _check_characters(text: str) -> None:
+    if not text.strip():
+        raise _error(text, "it is empty", 0)
+    if len(text) > MAX_LENGTH:
+        raise _error(text, f"it has {len(text)} characters", None, f"at most {MAX_LENGTH} are allowed")
+    foreign = _FOREIGN.search(text)
+    if foreign:
+        remedy = "write ** for a power" if foreign.group() == "^" else ""
+        raise _error(text, f"the character {foreign.group()!r}", foreign.start(), LANGUAGE, remedy)
+
+
+def _error(
+    text: str, found: str, position: int | None, allowed: str = LANGUAGE, remedy: str = ""
+) -> ExpressionError:
+    shown = text if len(text) <= 60 else text[:57] + "..."
+    place = "" if position is None else f" at column {position + 1}"
+    return ExpressionError(f"{shown!r}{place}", found, allowed, remedy, position)
+
+
+class _Walker:
+    """Walks Python's syntax tree by a table of node types and builds our own."""
+
+    def __init__(self, text: str, names: frozenset[str], indent: int) -> None:
+        self.text = text
+        self.names = names
+        self.indent = indent
+        self.used: set[str] = set()
+
+    def visit(self, node: ast.expr, depth: int) -> Valued:
+        if depth > MAX_DEPTH:
+            raise self.error(node, "it is nested too deeply", f"at most {MAX_DEPTH} levels are allowed")
+        match node:
+            case ast.Constant():
+                return self.number(node)
+            case ast.Name():
+                return self.name(node)
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self.visit(node.operand, depth + 1)
+            case ast.UnaryOp(op=ast.USub()):
+                x, value = self.visit(node.operand, depth + 1)
+                return Unary("-", x), None if value is None else -value
+            case ast.BinOp():
+                return self.binary(node, depth)
+            case ast.Call():
+                return self.call(node, depth)
+        kind = re.sub(r"(?<!^)(?=[A-Z])", " ", type(node).__name__).lower()
+        raise self.error(node, f"Python's {kind!r} construct")
+
+    def error(self, node: ast.expr, found: str, allowed: str = LANGUAGE, remedy: str = "") -> ExpressionError:
+        return _error(self.text, found, node.col_offset + self.indent, allowed, remedy)
+
+    def number(self, node: ast.Constant) -> Valued:
+        value = node.value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(node, f"{str(value)[:40]!r} is not a real number")
+        if abs(value) > MAX_NUMBER:
+            raise self.error(node, "a huge number", f"numbers up to {MAX_NUMBER:g} are allowed")
+        return Number(float(value)), float(value)
+
+    def name(self, node: ast.Name) -> Valued:
+        if node.id in self.names:
+            self.used.add(node.id)
+            return Name(node.id), None
+        if node.id in CONSTANTS:
+            return Number(CONSTANTS[node.id]), CONSTANTS[node.id]
+        known = sorted(self.names) + [name for name in CONSTANTS if name not in self.names]
+        if node.id in FUNCTIONS:
+            raise self.error(node, f"the function {node.id!r} without (...)")
+        raise self.error(
+            node, f"unknown name {node.id!r}", "known names: " + " ".join(known), nearest(node.id, known)
+        )
+
+    def binary(self, node: ast.BinOp, depth: int) -> Valued:
+        op = _OPERATORS.get(type(node.op))
+        if op is None:
+            raise self.error(node, f"the operator {type(node.op).__name__!r}", f"allowed are {BINARY}")
+        a, value_a = self.visit(node.left, depth + 1)
+        b, value_b = self.visit(node.right, depth + 1)
+        if op == "**" and value_b is not None and abs(value_b) > MAX_EXPONENT:
+            raise self.error(
+                node.right, f"the exponent {value_b:g}", f"exponents up to {MAX_EXPONENT:g} are allowed"
+            )
+        if value_a is None or value_b is None:
+            return Binary(op, a, b), None
+        left, right = value_a, value_b
+        return Binary(op, a, b), self.constant(node, lambda: evaluate_binary(op, left, right))
+
+    def call(self, node: ast.Call, depth: int) -> Valued:
+        if not isinstance(node.func, ast.Name):
+            raise self.error(node, "a call of something that is not a function")
+        name = node.func.id
+        if name not in FUNCTIONS:
+            raise self.error(
+                node, f"unknown function {name!r}", "functions: " + " ".join(FUNCTIONS),
+                nearest(name, FUNCTIONS) or ("write * for a product" if name in self.names else ""),
+            )  # fmt: skip
+        if node.keywords:
+            raise self.error(node, f"a named argument of {name!r}")
+        arity = FUNCTIONS[name].arity
+        if len(node.args) != arity:
+            raise self.error(node, f"{name!r} with {len(node.args)} arguments", f"it takes {arity}")
+        pairs = [self.visit(arg, depth + 1) for arg in node.args]
+        tree = Call(name, tuple(pair[0] for pair in pairs))
+        values = tuple(pair[1] for pair in pairs if pair[1] is not None)
+        if len(values) < arity:
+            return tree, None
+        return tree, self.constant(node, lambda: evaluate_call(name, values))
+
+    def constant(self, node: ast.expr, compute: Callable[[], float]) -> float:
+        """The value of a part without names: finite and not huge, so that no later stage meets inf or NaN."""
+        try:
+            value = compute()
+        except (ValueError, ZeroDivisionError, OverflowError):
+            value = float("nan")
+        if not abs(value) <= MAX_NUMBER:
+            raise self.error(
+                node, "a constant part without a finite value", f"values up to {MAX_NUMBER:g} are allowed"
+            )
+        return value

@@ -1,0 +1,166 @@
+"""The scene format: every table, key, type, range and default, once. Reader and JSON Schema read it."""
+
+from __future__ import annotations
+
+from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.inertia import Inertia
+from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
+from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
+from modelgen.scene.shapes import CHART_FIELDS, SHAPES
+
+ACCURACIES = ("fast", "balanced", "tight")
+FORMS = ("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated")
+FRAMES = ("world", "body")
+QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
+
+PATH_NAMES = ("t",)
+LOAD_NAMES = ("t", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
+
+ZERO = (0.0, 0.0, 0.0)
+STILL = ("0.0", "0.0", "0.0")
+
+NAME = Text(
+    r"^[A-Za-z][A-Za-z0-9_]{0,63}$",
+    "a name is allowed: a letter, then up to 63 letters, digits or _",
+)
+SCENE_NAME = Text(r"^[A-Za-z0-9_-]{1,64}$", "letters, digits, _ and - are allowed, at most 64")
+_PARTNER = Text(
+    r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z][A-Za-z0-9_]{0,63})?$",
+    "the name of a body, or body/shape, is allowed",
+)
+_NOT_NEGATIVE = Real(minimum=0.0)
+_ORIENTATION = (ORIENTATIONS,)
+
+
+def _formulas(doc: str) -> Sequence:
+    return Sequence(ExpressionText(doc), 3)
+
+
+_SHAPE_FIELDS = (
+    Field("cavity", Switch(), "the material is on the other side of the surface", default=False),
+    Field("name", NAME, "name of the shape within its body; its kind if absent"),
+    *POSE_FIELDS,
+)
+
+SHAPE = Defined(
+    "shape",
+    Tagged(
+        "kind",
+        "the shape's name in the catalogue, or chart for a surface of your own",
+        {kind: Table((*spec.fields, *_SHAPE_FIELDS), _ORIENTATION) for kind, spec in SHAPES.items()}
+        | {"chart": Table((*CHART_FIELDS, *_SHAPE_FIELDS), _ORIENTATION)},
+    ),
+)
+
+_PATH = Table(
+    (
+        Field(
+            "position", _formulas("expression of t, m"),
+            "world, added to the body's position, m", default=STILL,
+        ),
+        Field(
+            "rotation_vector", _formulas("expression of t, rad"),
+            "world, applied after the body's orientation, rad", default=STILL,
+        ),
+    )
+)  # fmt: skip
+
+_BODY_FIELDS = (
+    Field("name", NAME, "name of the body, unique in the scene", required=True),
+    Field("shape", Several(SHAPE, single=True), "one shape or a list of shapes", default=()),
+    *POSE_FIELDS,
+)
+
+_DYNAMIC_FIELDS = (
+    Field("mass", POSITIVE, "mass, kg; needs inertia as well"),
+    Field("inertia", Inertia(), "[Ixx, Iyy, Izz] or 3x3 about the centre of mass, body axes, kg m^2"),
+    Field("density", POSITIVE, "kg/m^3; mass, centre of mass and inertia then follow from the shapes"),
+    Field("center_of_mass", VECTOR, "centre of mass in the body axes, m; [0, 0, 0] if absent"),
+    Field("velocity", VECTOR, "velocity of the centre of mass at t = 0, world, m/s", default=ZERO),
+    Field("angular_velocity", VECTOR, "angular velocity at t = 0, world, rad/s", default=ZERO),
+)
+
+_MASS_OR_DENSITY = (("mass", "density"), ("inertia", "density"), ("center_of_mass", "density"))
+
+BODY = Defined(
+    "body",
+    Tagged(
+        "motion",
+        "fixed: at rest; driven: moves on a path; dynamic: moves by forces",
+        {
+            "fixed": Table(_BODY_FIELDS, _ORIENTATION),
+            "driven": Table(
+                (*_BODY_FIELDS, Field("path", _PATH, "the motion as expressions of t", required=True)),
+                _ORIENTATION,
+            ),
+            "dynamic": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS), (*_ORIENTATION, *_MASS_OR_DENSITY)),
+        },
+        default="dynamic",
+    ),
+)
+
+CONTACT = Table(
+    (
+        Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
+        Field("restitution", Real(0.0, 1.0), "Newton's coefficient of restitution", default=0.0),
+        Field("form", Choice(FORMS), "form of the contact's equations; auto: the cheapest", default="auto"),
+    )
+)
+
+_FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")
+_LOADED = Field("body", NAME, "name of a dynamic body", required=True)
+_LOAD_DOC = "expression of " + " ".join(LOAD_NAMES)
+
+FORCE = Table(
+    (
+        _LOADED,
+        Field("force", _formulas(_LOAD_DOC), "components, N", required=True),
+        Field("point", VECTOR, "point of application, body axes from the body's origin, m", default=ZERO),
+        _FRAME,
+    )
+)
+
+TORQUE = Table((_LOADED, Field("torque", _formulas(_LOAD_DOC), "components, N m", required=True), _FRAME))
+
+SPRING = Table(
+    (
+        Field("between", Sequence(NAME, 2), "names of two bodies", required=True),
+        Field(
+            "anchors", Sequence(VECTOR, 2), "a point of each, body axes from its origin, m",
+            default=(ZERO, ZERO),
+        ),
+        Field("stiffness", _NOT_NEGATIVE, "N/m", required=True),
+        Field("damping", _NOT_NEGATIVE, "N s/m", default=0.0),
+        Field("rest_length", _NOT_NEGATIVE, "m", default=0.0),
+    )
+)  # fmt: skip
+
+RUN = Table(
+    (
+        Field("until", POSITIVE, "end of the run, s", default=1.0),
+        Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
+        Field("tolerance", Real(1e-15, 0.1), "relative tolerance in place of the accuracy's"),
+        Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
+    )
+)
+
+SCENE = Table(
+    (
+        Field("body", Several(BODY, label="body"), "the bodies", required=True),
+        Field("contact", Several(CONTACT), "pairs of shapes that may touch", default=()),
+        Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
+        Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
+        Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
+        Field(
+            "observe",
+            Sequence(Text(r"^[A-Za-z][A-Za-z0-9_]*\.[a-z_]+$", "body.quantity is allowed"), None),
+            "what must be computed, such as ball.position; empty: everything",
+            default=(),
+        ),
+        Field("fold", Switch(), "numbers become constants of the generated code", default=False),
+        Field("run", RUN, "settings of a run", default=None),
+    )
+)
+
+DEFINED = (SHAPE, BODY)

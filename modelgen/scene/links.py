@@ -1,0 +1,113 @@
+"""Contacts, loads and observed quantities: what refers to bodies by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from modelgen.errors import nearest
+from modelgen.scene.format import LOAD_NAMES, QUANTITIES
+from modelgen.scene.formulas import triple
+from modelgen.scene.place import Place
+from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, SpringLoad, TorqueLoad
+
+Bodies = Mapping[str, Body]
+Partner = tuple[str, str]  # body, shape
+
+
+def contacts(read: Iterable[tuple[Place, Mapping[str, Any]]], bodies: Bodies) -> tuple[ContactPair, ...]:
+    """The contact pairs, each named once; raises SceneError."""
+    pairs: dict[frozenset[Partner], ContactPair] = {}
+    for place, values in read:
+        pair = _contact(values, bodies, place)
+        if frozenset(pair.between) in pairs:
+            found = "the pair " + " and ".join(map(repr, values["between"])) + " a second time"
+            raise place.key("between").error(found, "each pair of shapes is listed once", "remove one")
+        pairs[frozenset(pair.between)] = pair
+    return tuple(pairs.values())
+
+
+def loads(values: Mapping[str, Any], bodies: Bodies) -> tuple[Load, ...]:
+    """Forces, torques and springs, in this order; raises SceneError."""
+    return (
+        *(_force(each, bodies, at) for at, each in values["force"]),
+        *(_torque(each, bodies, at) for at, each in values["torque"]),
+        *(_spring(each, bodies, at) for at, each in values["spring"]),
+    )
+
+
+def _force(values: Mapping[str, Any], bodies: Bodies, place: Place) -> ForceLoad:
+    _check_dynamic(values["body"], bodies, place.key("body"))
+    components = triple(values["force"], LOAD_NAMES, place.key("force"))
+    return ForceLoad(values["body"], components, values["point"], values["frame"])
+
+
+def _torque(values: Mapping[str, Any], bodies: Bodies, place: Place) -> TorqueLoad:
+    _check_dynamic(values["body"], bodies, place.key("body"))
+    components = triple(values["torque"], LOAD_NAMES, place.key("torque"))
+    return TorqueLoad(values["body"], components, values["frame"])
+
+
+def _spring(values: Mapping[str, Any], bodies: Bodies, place: Place) -> SpringLoad:
+    _check_partners(values["between"], bodies, place.key("between"))
+    return SpringLoad(
+        **{key: values[key] for key in ("between", "anchors", "stiffness", "damping", "rest_length")}
+    )
+
+
+def observed(names: tuple[str, ...], bodies: Bodies, place: Place) -> tuple[str, ...]:
+    """The observed names, each `body.quantity`; raises SceneError."""
+    for index, name in enumerate(names):
+        body, quantity = name.split(".")
+        _body(body, bodies, place.item(index))
+        if quantity not in QUANTITIES:
+            allowed = "allowed are " + ", ".join(QUANTITIES)
+            raise place.item(index).error(f"no quantity {quantity!r}", allowed, nearest(quantity, QUANTITIES))
+    return names
+
+
+def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> ContactPair:
+    at = place.key("between")
+    first, second = (_partner(text, bodies, at) for text in values["between"])
+    _check_partners((first[0], second[0]), bodies, at)
+    return ContactPair((first, second), values["restitution"], values["form"])
+
+
+def _partner(text: str, bodies: Bodies, place: Place) -> Partner:
+    name, _, shape = text.partition("/")
+    shapes = [each.name for each in _body(name, bodies, place).shapes]
+    if not shapes:
+        raise place.error(f"the body {name!r} without a shape", "", f"add a shape to {name!r}")
+    if not shape and len(shapes) > 1:
+        choices = " or ".join(f"'{name}/{each}'" for each in shapes)
+        raise place.error(
+            f"the body {name!r}, which has {len(shapes)} shapes", "name one", f"write {choices}"
+        )
+    if shape and shape not in shapes:
+        allowed = f"shapes of {name!r}: " + ", ".join(shapes)
+        raise place.error(f"no shape {shape!r} of body {name!r}", allowed, nearest(shape, shapes))
+    return name, shape or shapes[0]
+
+
+def _body(name: str, bodies: Bodies, place: Place) -> Body:
+    if name not in bodies:
+        allowed = "bodies: " + ", ".join(list(bodies)[:20])
+        raise place.error(f"no body named {name!r}", allowed, nearest(name, bodies))
+    return bodies[name]
+
+
+def _check_partners(names: tuple[str, str], bodies: Bodies, place: Place) -> None:
+    first, second = (_body(name, bodies, place) for name in names)
+    if first is second:
+        raise place.error(f"the body {names[0]!r} with itself", "", "name two different bodies")
+    if "dynamic" not in (first.motion, second.motion):
+        found = f"{names[0]!r} ({first.motion}) and {names[1]!r} ({second.motion})"
+        raise place.error(found, "one of the two must be dynamic", "remove the pair or free a body")
+
+
+def _check_dynamic(name: str, bodies: Bodies, place: Place) -> None:
+    motion = _body(name, bodies, place).motion
+    if motion != "dynamic":
+        raise place.error(
+            f"the body {name!r}, which is {motion}", "loads act on dynamic bodies", "name another body"
+        )

@@ -1,0 +1,60 @@
+"""Scene files: TOML text to a Scene, or one clear SceneError."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from os import strerror
+from pathlib import Path
+
+from modelgen.errors import nearest
+from modelgen.scene.assemble import scene_from_tables
+from modelgen.scene.place import Place
+from modelgen.scene.types import Scene
+
+LARGEST = 4 * 2**20  # bytes
+
+
+def read(path: str | Path) -> Scene:
+    """The scene in a TOML file; raises SceneError (file, key path, what was found, what is allowed)."""
+    path = Path(path)
+    return read_text(_text(path), path.name)
+
+
+def read_text(text: str, source: str = "<text>") -> Scene:
+    """The scene in a TOML text; `source` names it in messages, its stem names the scene."""
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise Place(source).error(f"not TOML: {error}", "", "mend the text there") from None
+    except (RecursionError, ValueError):
+        found = "not TOML: a value is nested too deeply or has too many digits"
+        raise Place(source).error(found, "", "simplify it") from None
+    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(source).stem).strip("_")[:64]
+    return scene_from_tables(stem or "scene", tables, source)
+
+
+def _text(path: Path) -> str:
+    place = Place(path.name or str(path))
+    try:
+        if not path.exists():
+            raise place.error("no such file", "", _near(path))
+        if not path.is_file():
+            raise place.error("not a file", "a scene is a TOML file", "give the path of a file")
+        size = path.stat().st_size
+        if size > LARGEST:
+            raise place.error(f"{size} bytes", f"a scene file has at most {LARGEST}", "is it a scene?")
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise place.error(
+            f"byte {error.start} is not UTF-8 text", "a scene is a TOML file", "is it?"
+        ) from None
+    except (OSError, ValueError) as error:
+        reason = strerror(error.errno) if isinstance(error, OSError) and error.errno else "not a path"
+        raise place.error(f"cannot be read: {reason}", "", "check the path and its permissions") from None
+
+
+def _near(path: Path) -> str:
+    folder = path.parent
+    names = [each.name for each in folder.glob("*.toml")] if folder.is_dir() else []
+    return nearest(path.name, names) or "check the path"

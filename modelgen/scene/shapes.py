@@ -1,0 +1,115 @@
+"""The catalogue of shapes: names, parameters in the order of the generated C, keys and constraints.
+
+Shape frames: plane z = 0 with exterior +z; sphere, ellipsoid and superellipsoid centred at the origin;
+torus and cylinder about z; paraboloid z = x^2/(2 rho_x) + y^2/(2 rho_y) with exterior +z.
+A cavity has its material on the other side of the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from modelgen.scene.fields import Field, NamedNumbers, Sequence
+from modelgen.scene.scalars import NUMBER, POSITIVE, ExpressionText, Real, Switch
+
+PARAMETER_NAMES = r"^(?!pi$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
+
+
+@dataclass(frozen=True, slots=True)
+class ShapeSpec:
+    """One shape of the catalogue.
+
+    `parameters` in C order are the numbers of `fields`, read one after the other. `constraint` takes them
+    in that order and returns how they break `rule`, or an empty text.
+    """
+
+    kind: str
+    doc: str
+    parameters: tuple[str, ...]
+    fields: tuple[Field, ...]
+    closed: bool  # bounds a finite volume
+    implicit: bool  # has a smooth function that vanishes on the surface
+    constraint: Callable[[tuple[float, ...]], str] = lambda values: ""
+    rule: str = ""
+
+    def values(self, read: Mapping[str, Any]) -> tuple[float, ...]:
+        """The parameters in C order from the fields as read."""
+        flat: list[float] = []
+        for field in self.fields:
+            value = read[field.key]
+            flat.extend(value if isinstance(value, tuple) else (value,))
+        return tuple(flat)
+
+
+def _torus_constraint(values: tuple[float, ...]) -> str:
+    major, minor = values
+    return "" if major > minor else f"major {major:g} is not larger than minor {minor:g}"
+
+
+def _paraboloid_constraint(values: tuple[float, ...]) -> str:
+    flat = [value for value in values if abs(value) < POSITIVE.minimum]
+    return f"the radius {flat[0]:g}" if flat else ""
+
+
+_SEMI_AXES = Field("semi_axes", Sequence(POSITIVE, 3), "semi-axes [a, b, c] along x, y, z, m", required=True)
+_RADIUS = Field("radius", POSITIVE, "radius, m", required=True)
+_COMPONENT = ExpressionText("expression of u, v and the parameters, m")
+
+_CATALOGUE = (
+    ShapeSpec("plane", "the plane z = 0, exterior +z", (), (), closed=False, implicit=True),
+    ShapeSpec("sphere", "a sphere about the origin", ("radius",), (_RADIUS,), closed=True, implicit=True),
+    ShapeSpec(
+        "ellipsoid", "(x/a)^2 + (y/b)^2 + (z/c)^2 = 1", ("a", "b", "c"), (_SEMI_AXES,),
+        closed=True, implicit=True,
+    ),
+    ShapeSpec(
+        "torus", "a ring about z", ("major", "minor"),
+        (
+            Field("major", POSITIVE, "radius of the circle of tube centres, m", required=True),
+            Field("minor", POSITIVE, "radius of the tube, m", required=True),
+        ),
+        closed=True, implicit=True, constraint=_torus_constraint, rule="major must be larger than minor",
+    ),
+    ShapeSpec(
+        "cylinder", "an infinite cylinder about z", ("radius",), (_RADIUS,), closed=False, implicit=True
+    ),
+    ShapeSpec(
+        "paraboloid", "z = x^2/(2 rho_x) + y^2/(2 rho_y), exterior +z", ("rho_x", "rho_y"),
+        (
+            Field(
+                "radii", Sequence(NUMBER, 2),
+                "radii of curvature [rho_x, rho_y] at the origin, m, positive: a bowl", required=True,
+            ),
+        ),
+        closed=False, implicit=True, constraint=_paraboloid_constraint, rule="radii must not be zero",
+    ),
+    ShapeSpec(
+        "superellipsoid", "(|x/a|^p + |y/b|^p)^(q/p) + |z/c|^q = 1", ("a", "b", "c", "p", "q"),
+        (
+            _SEMI_AXES,
+            Field("exponents", Sequence(Real(2.0, 64.0), 2), "exponents [p, q], from 2 up", required=True),
+        ),
+        closed=True, implicit=True,
+    ),
+)  # fmt: skip
+
+CHART_FIELDS = (
+    Field("x", _COMPONENT, "x(u, v), m", required=True),
+    Field("y", _COMPONENT, "y(u, v), m", required=True),
+    Field("z", _COMPONENT, "z(u, v), m; d(x,y,z)/du x d(x,y,z)/dv points to the exterior", required=True),
+    Field("domain", Sequence(Sequence(NUMBER, 2), 2), "[[u_min, u_max], [v_min, v_max]]", required=True),
+    Field(
+        "periodic", Sequence(Switch(), 2), "whether [u, v] wrap around their domain", default=(False, False)
+    ),
+    Field(
+        "parameters",
+        NamedNumbers(PARAMETER_NAMES, "a letter, then letters, digits, single _ (not pi, u, v) are allowed"),
+        "named numbers that x, y, z may use",
+        default=(),
+    ),
+)
+
+SHAPES: Mapping[str, ShapeSpec] = {spec.kind: spec for spec in _CATALOGUE}
+KINDS = (*SHAPES, "chart")

@@ -1,0 +1,129 @@
+"""What the user wrote, as frozen values in SI units. No symbols, no numerics beyond plain floats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from modelgen.scene.expression import Expression
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+Motion = Literal["fixed", "driven", "dynamic"]
+
+IDENTITY_QUATERNION = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Position and orientation of one frame in another."""
+
+    position: Vector = (0.0, 0.0, 0.0)  # m
+    quaternion: tuple[float, float, float, float] = IDENTITY_QUATERNION  # (w, x, y, z), unit
+
+    @property
+    def is_identity(self) -> bool:
+        return self.position == (0.0, 0.0, 0.0) and self.quaternion == IDENTITY_QUATERNION
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """A surface of the user's own: x, y, z as expressions of u, v and the named parameters."""
+
+    components: tuple[Expression, Expression, Expression]
+    domain: tuple[tuple[float, float], tuple[float, float]]  # ((u_min, u_max), (v_min, v_max))
+    periodic: tuple[bool, bool] = (False, False)
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A surface bounding material. `cavity` puts the material on the other side of the surface."""
+
+    kind: str  # a name of the catalogue, or "chart"
+    parameters: tuple[tuple[str, float], ...] = ()  # in the order of the catalogue (chart: as written)
+    cavity: bool = False
+    pose: Pose = Pose()  # of the shape in the body axes as written
+    chart: Chart | None = None
+    name: str = "shape"  # unique within the body
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """The prescribed motion of a driven body as expressions of t."""
+
+    position: tuple[Expression, Expression, Expression]  # m, world
+    rotation_vector: tuple[Expression, Expression, Expression]  # rad, world, applied before `pose`
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    name: str
+    motion: Motion
+    shapes: tuple[Shape, ...] = ()
+    mass: float | None = None  # kg; dynamic bodies only
+    density: float | None = None  # kg/m^3; mass, centre and inertia then follow from the shapes
+    inertia: Matrix | None = None  # kg m^2 about the centre of mass, body axes; dynamic bodies only
+    center_of_mass: Vector = (0.0, 0.0, 0.0)  # m, body axes
+    pose: Pose = Pose()  # of the body axes in the world, at t = 0
+    velocity: Vector = (0.0, 0.0, 0.0)  # m/s, of the centre of mass, world
+    angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
+    path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
+
+
+@dataclass(frozen=True, slots=True)
+class ContactPair:
+    between: tuple[tuple[str, str], tuple[str, str]]  # ((body, shape), (body, shape))
+    restitution: float = 0.0  # Newton's coefficient, 0..1
+    form: str = "auto"  # "auto" or the name of a form
+
+
+@dataclass(frozen=True, slots=True)
+class ForceLoad:
+    """A force at a material point, in world or body axes; expressions of t and the body's state."""
+
+    body: str
+    components: tuple[Expression, Expression, Expression]  # N
+    point: Vector = (0.0, 0.0, 0.0)  # m, body axes, from the body origin
+    frame: Literal["world", "body"] = "world"
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueLoad:
+    body: str
+    components: tuple[Expression, Expression, Expression]  # N m
+    frame: Literal["world", "body"] = "world"
+
+
+@dataclass(frozen=True, slots=True)
+class SpringLoad:
+    """A linear spring and damper between two material points."""
+
+    between: tuple[str, str]  # body names
+    anchors: tuple[Vector, Vector]  # m, body axes of each, from the body origins
+    stiffness: float  # N/m
+    damping: float = 0.0  # N s/m
+    rest_length: float = 0.0  # m
+
+
+Load = ForceLoad | TorqueLoad | SpringLoad
+
+
+@dataclass(frozen=True, slots=True)
+class RunSettings:
+    until: float = 1.0  # s
+    accuracy: str = "balanced"  # fast | balanced | tight
+    tolerance: float | None = None  # overrides the accuracy's relative tolerance
+    samples: int = 200  # output intervals between 0 and until
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    name: str
+    source: str  # file name, for messages; "<python>" when built in Python
+    bodies: tuple[Body, ...]
+    contacts: tuple[ContactPair, ...]
+    loads: tuple[Load, ...] = ()
+    gravity: Vector = (0.0, 0.0, -9.81)  # m/s^2
+    observe: tuple[str, ...] = ()  # names such as "ball.position"; empty: everything
+    fold: bool = False  # numbers become constants of the generated code
+    run: RunSettings = field(default_factory=RunSettings)

@@ -1,0 +1,31 @@
+"""The package as it is imported."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+VERBS = ("read", "require", "derive", "emit", "build", "simulate", "Accuracy")
+
+
+def run(code: str) -> str:
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return result.stdout.strip()
+
+
+def test_import_is_cheap() -> None:
+    heavy = {"casadi", "numpy", "scipy", "sympy", "typer", "rich", "matplotlib"}
+    loaded = run("import modelgen, sys; print(*(name.split('.')[0] for name in sys.modules))").split()
+    assert not heavy & set(loaded)
+
+
+@pytest.mark.parametrize("first", ["", "import modelgen.require, modelgen.derive; "])
+def test_verbs_are_callable_whatever_was_imported_before(first: str) -> None:
+    names = ", ".join(VERBS)
+    assert run(f"{first}from modelgen import {names}; print(all(map(callable, ({names}))))") == "True"
+
+
+def test_unknown_name_is_refused() -> None:
+    assert run("import modelgen; print(hasattr(modelgen, 'tabel'))") == "False"

@@ -1,0 +1,52 @@
+/* The smallest vocabulary, written by hand: a point mass above the plane z = 0. Lets the core be tested alone. */
+#include "kinds.h"
+
+static const mg_body_kind mg_body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};
+static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1}};
+
+static void mg_body_pose(int kind, const mg_real *q, mg_real *pose) { (void)kind, (void)q, (void)pose; }
+
+static void mg_body_motion(int kind, const mg_real *q, const mg_real *u, const mg_real *wrench,
+                           const mg_real *gravity, const mg_real *parameters, mg_real *qdot, mg_real *udot) {
+  (void)kind, (void)q, (void)wrench, (void)parameters;
+  for (int i = 0; i < 3; i++) qdot[i] = u[i], udot[i] = gravity[i];
+}
+
+static void mg_body_energy(int kind, const mg_real *q, const mg_real *u, const mg_real *gravity,
+                           const mg_real *parameters, mg_real *kinetic, mg_real *potential, mg_real *momentum,
+                           mg_real *spin) {
+  (void)kind, (void)momentum, (void)spin;
+  *kinetic = *potential = 0;
+  for (int i = 0; i < 3; i++) *kinetic += parameters[0] * u[i] * u[i] / 2, *potential -= parameters[0] * gravity[i] * q[i];
+}
+
+static void mg_body_path(int kind, const mg_real *t, const mg_real *parameters, mg_real *pose, mg_real *twist,
+                         mg_real *accel) {
+  (void)kind, (void)t, (void)parameters, (void)pose, (void)twist, (void)accel;
+}
+
+static void mg_load_wrench(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
+                           const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
+                           mg_real *wrench_a, mg_real *wrench_b) {
+  (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)wrench_a,
+      (void)wrench_b;
+}
+
+static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
+                             const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d,
+                             mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal) {
+  (void)kind, (void)pose_o, (void)twist_o, (void)twist_f, (void)eta, (void)J_o, (void)eta_dot;
+  *d = pose_f[2] - parameters[0], *gamma = 0;
+  J_f[0] = J_f[1] = normal[0] = normal[1] = 0, J_f[2] = normal[2] = 1;
+}
+
+static void mg_contact_place(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
+                             const mg_real *parameters, mg_real *eta_next, mg_real *d, mg_real *residual,
+                             mg_real *margin, mg_real *normal, mg_real *point_o, mg_real *point_f) {
+  (void)kind, (void)pose_o, (void)eta, (void)eta_next;
+  *d = pose_f[2] - parameters[0];
+  residual[0] = residual[1] = normal[0] = normal[1] = 0, margin[0] = normal[2] = 1, margin[1] = 1 / parameters[0];
+  for (int i = 0; i < 3; i++) point_o[i] = point_f[i] = pose_f[i];
+}
+
+MG_API const char *mg_hash(void) { return "by hand"; }

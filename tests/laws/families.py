@@ -1,0 +1,53 @@
+"""The family under the laws: every pair of specimens with every form that applies to it."""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+
+from modelgen.contact.kinds import FORMS, order
+from modelgen.model import BodyMotion, ContactKind, Posing, Side
+from tests.laws.shapes import SPECIMENS
+
+ROUGH = ("ellipsoid", "torus", "superellipsoid", "patch")
+_CONVEX = ("sphere", "ellipsoid", "torus", "superellipsoid", "paraboloid", "patch")
+_MORE = [
+    *(("plane", name) for name in _CONVEX),
+    ("sphere", "sphere"),
+    ("ellipsoid", "cylinder"),
+    ("sphere", "paraboloid"),
+    ("paraboloid", "patch"),
+    ("plane_cavity", "ellipsoid"),
+    ("sphere", "sphere_cavity"),
+    ("sphere_cavity", "ellipsoid"),
+    ("ellipsoid_cavity", "ellipsoid"),
+    ("ellipsoid_cavity", "superellipsoid"),
+    ("ellipsoid", "torus_cavity"),
+    ("ellipsoid", "patch_cavity"),
+]
+
+
+def _ordered(a: str, b: str) -> tuple[str, str]:
+    return (b, a) if order(SPECIMENS[a].kind, SPECIMENS[b].kind) else (a, b)
+
+
+PAIRS = [_ordered(*pair) for pair in [*combinations_with_replacement(ROUGH, 2), *_MORE]]
+CASES = [
+    (o, f, form.name)
+    for o, f in PAIRS
+    for form in FORMS.values()
+    if form.applies(SPECIMENS[o].kind, SPECIMENS[f].kind)
+]
+
+
+def kind_of(
+    o: str,
+    f: str,
+    form: str,
+    motions: tuple[BodyMotion, BodyMotion] = ("free", "free"),
+    pose: Posing = "general",
+    placement: Posing = "identity",
+) -> ContactKind:
+    """A contact kind of two specimens; `pose` is that of o, `placement` that of both shapes."""
+    one = Side(SPECIMENS[o].kind, motions[0], pose, placement)
+    two = Side(SPECIMENS[f].kind, motions[1], "general", placement)
+    return ContactKind("law", form, one, two)

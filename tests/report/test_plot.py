@@ -1,0 +1,60 @@
+"""The picture of a run has every panel, and names the extra that it needs."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from modelgen.errors import ModelgenError
+from modelgen.report.plot import draw, require_matplotlib
+from modelgen.report.record import Record
+
+from .runs import ball_on_table
+
+pytest.importorskip("matplotlib")
+
+
+def comments(record: Record, path: Path) -> set[str]:
+    """matplotlib writes each text of an SVG as a comment before its glyphs."""
+    draw(record, path)
+    parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+    tree = ElementTree.parse(path, parser)
+    return {node.text.strip() for node in tree.iter() if node.tag is ElementTree.Comment and node.text}
+
+
+def test_svg_has_motion_forces_gap_energy_and_both_curves(tmp_path: Path) -> None:
+    texts = comments(ball_on_table(), tmp_path / "run.svg")
+    assert {"normal contact force", "gap", "position of the centre of mass", "ring: done at t = 2 s"} <= texts
+    assert {"ball-table: contact curve on table", "ball-table: contact curve on ball"} <= texts
+    assert any(text.startswith("energy") for text in texts)
+
+
+def test_png_is_a_picture(tmp_path: Path) -> None:
+    draw(ball_on_table(), tmp_path / "run.png")
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_without_samples_or_contacts_is_drawn(tmp_path: Path) -> None:
+    full = ball_on_table()
+    empty = {name: column[:0] for name, column in full.columns.items()}
+    draw(replace(full, columns=empty), tmp_path / "empty.png")
+    free = {name: column[:, :0] if name in PER_CONTACT else column for name, column in full.columns.items()}
+    texts = comments(
+        replace(full, columns=free, contact_names=(), pairs=np.zeros((0, 2), int), meshes={}),
+        tmp_path / "free.svg",
+    )
+    assert not any("contact curve" in text for text in texts)
+
+
+PER_CONTACT = ("force", "gap", "points_o", "points_f", "normals")
+
+
+def test_missing_matplotlib_is_named_with_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(ModelgenError, match=r"pip install 'modelgen\[plot\]'"):
+        require_matplotlib()

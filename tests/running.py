@@ -1,0 +1,40 @@
+"""Walking the street in tests: scenes built once a session, then run as often as needed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+from modelgen import Accuracy, build, derive, emit, read, require, simulate
+from modelgen.codegen.library import Library
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene.types import Scene
+
+SCENES = Path(__file__).parent.parent / "scenes"
+NAMES = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
+
+
+@cache
+def folder() -> Path:
+    """One folder of built libraries for the whole session."""
+    return Path(mkdtemp(prefix="modelgen-tests-"))
+
+
+def library_of(scene: Scene, real: str = "double") -> Library:
+    """The compiled library of a scene."""
+    return build(emit(derive(require(scene))), real=real, folder=folder() / scene.name)
+
+
+@cache
+def scene_of(name: str, form: str = "auto", real: str = "double") -> Library:
+    """The compiled library of a shipped scene, with one form forced on every contact."""
+    scene = read(SCENES / f"{name}.toml")
+    contacts = tuple(replace(pair, form=form) for pair in scene.contacts)
+    return library_of(replace(scene, contacts=contacts), real)
+
+
+def run(name: str, accuracy: Accuracy, form: str = "auto", real: str = "double", **options: object) -> Trajectory:
+    """A run of a shipped scene."""
+    return simulate(scene_of(name, form, real), accuracy=accuracy, **options)  # type: ignore[arg-type]

@@ -1,0 +1,191 @@
+"""Scenes of sound structure that mean nothing: name, text, what the message says."""
+
+from __future__ import annotations
+
+from .broken_structure import CONTACT, EGG, MASS, SHAPE, SOUND, TABLE, Case, chart, egg, shaped
+
+MEANING: list[Case] = [
+    ("not TOML", "[[body]\nname = 1", ["not TOML", "line 1", "mend"]),
+    ("a key twice", egg("mass = 2.0"), ["not TOML", "line"]),
+    ("binary junk", "\x00\x01\x02", ["not TOML", "line 1, column 1"]),
+    ("nested without end", "x = " + "[" * 5000, ["not TOML", "nested"]),
+    ("five thousand digits", "x = 1" + "0" * 5000, ["not TOML", "digits"]),
+    ("empty list of bodies", "body = []", ["body: no body", "add a [[body]]"]),
+    (
+        "NaN position",
+        egg("position = [0, 0, nan]"),
+        ["body[1].position[2]", "the number nan", "a number from"],
+    ),
+    ("expression of nothing", egg('position = [0, 0, "1/0"]'), ["position[2]", "column 1", "finite value"]),
+    (
+        "hostile number",
+        egg("position = [0, 0, \"__import__('os')\"]"),
+        ["position[2]", '"\'"', "allowed are"],
+    ),
+    ("unknown name in a number", egg('position = [0, 0, "h"]'), ["position[2]", "unknown name 'h'", "pi e"]),
+    (
+        "two bodies of one name",
+        SOUND.replace("[[contact]]", EGG + "[[contact]]"),
+        ["body[2]", "'egg'", "another name"],
+    ),
+    (
+        "two shapes of one name",
+        egg("", shape='shape = [{ kind = "plane" }, { kind = "plane" }]\n'),
+        ["body[1].shape[1]", "a second shape named 'plane'", "another name"],
+    ),
+    (
+        "zero quaternion",
+        egg("quaternion = [0, 0, 0, 0]"),
+        ["body[1].quaternion", "length zero", "[1, 0, 0, 0]"],
+    ),
+    (
+        "zero axis",
+        egg("axis_angle = { axis = [0, 0, 0], angle = 1 }"),
+        ["axis_angle.axis", "length zero", "direction"],
+    ),
+    (
+        "sheared rotation",
+        egg("rotation = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]"),
+        ["body[1].rotation", "rows 0 and 0", "orthogonal rows", "quaternion"],
+    ),
+    (
+        "reflection",
+        egg("rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
+        ["body[1].rotation", "reflection", "+1"],
+    ),
+    (
+        "no mass",
+        egg("", mass=""),
+        ["body[1] (body 'egg')", "without mass", "add mass and inertia, or density"],
+    ),
+    ("no inertia", egg("", mass="mass = 1.0\n"), ["body[1]", "without inertia", "add inertia"]),
+    (
+        "inertia beyond the triangle",
+        egg("", mass="mass = 1.0\ninertia = [1, 1, 3]\n"),
+        ["body[1].inertia", "1, 1, 3", "sum of the other two", "units"],
+    ),
+    (
+        "singular inertia",
+        egg("", mass="mass = 1.0\ninertia = [0, 1, 1]\n"),
+        ["body[1].inertia", "principal moments 0, 1, 1", "positive"],
+    ),
+    (
+        "indefinite inertia",
+        egg("", mass="mass = 1.0\ninertia = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]\n"),
+        ["body[1].inertia", "-1, 1, 3", "positive"],
+    ),
+    (
+        "skew inertia",
+        egg("", mass="mass = 1.0\ninertia = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]\n"),
+        ["body[1].inertia", "not symmetric", "twice"],
+    ),
+    (
+        "thick torus",
+        shaped('kind = "torus", major = 0.1, minor = 0.2'),
+        ["body[1].shape", "0.1", "larger than minor"],
+    ),
+    (
+        "flat paraboloid",
+        shaped('kind = "paraboloid", radii = [1, 0]'),
+        ["body[1].shape", "radius 0", "not be zero"],
+    ),
+    (
+        "density of a plane",
+        egg("", mass="density = 1.0\n", shape='shape = { kind = "plane" }\n'),
+        ["body[1].density", "the plane", "finite solid", "give mass and inertia"],
+    ),
+    (
+        "density without shape",
+        EGG.replace(SHAPE, "").replace(MASS, "density = 1.0\n"),
+        ["body[0].density", "add a shape"],
+    ),
+    ("hostile chart", chart("().__class__"), ["body[1].shape.z", "attribute", "allowed are"]),
+    ("unknown name in a chart", chart("w*u"), ["body[1].shape.z", "unknown name 'w'", "known names: u v"]),
+    (
+        "chart without finite value",
+        chart("log(u)"),
+        ["body[1].shape.z", "no finite value at u = -0.8", "domain"],
+    ),
+    (
+        "chart of one variable",
+        chart("u").replace('y = "v"', 'y = "u"'),
+        ["body[1].shape", "do not depend on v", "use v"],
+    ),
+    (
+        "reversed domain",
+        chart("u").replace("[[-1, 1]", "[[1, -1]"),
+        ["shape.domain[0]", "[1, -1]", "smaller"],
+    ),
+    (
+        "open periodic chart",
+        chart("u", ", periodic = [true, false]"),
+        ["shape.x", "-1 and 1 at the two ends of u", "mend"],
+    ),
+    (
+        "path of unknown names",
+        egg('motion = "driven"\npath = { position = ["x", 0, 0] }', mass=""),
+        ["body[1].path.position[0]", "unknown name 'x'", "known names: t"],
+    ),
+    (
+        "path without start",
+        egg('motion = "driven"\npath = { position = ["1/t", 0, 0] }', mass=""),
+        ["body[1].path.position[0]", "no finite value at t = 0"],
+    ),
+    (
+        "unknown body",
+        SOUND.replace('"table"]', '"tabel"]'),
+        ["contact[0].between", "'tabel'", "did you mean 'table'?"],
+    ),
+    (
+        "unknown part",
+        SOUND.replace('"table"]', '"table/plain"]'),
+        ["contact[0].between", "'plain'", "'plane'?"],
+    ),
+    (
+        "shape not chosen",
+        egg("", shape='shape = [{ kind = "plane" }, { kind = "sphere", radius = 1 }]\n'),
+        ["contact[0].between", "2 shapes", "'egg/plane' or 'egg/sphere'"],
+    ),
+    (
+        "contact without shape",
+        SOUND.replace(SHAPE, ""),
+        ["contact[0].between", "'egg' without a shape", "add a shape"],
+    ),
+    (
+        "contact with itself",
+        SOUND.replace('"table"]', '"egg"]'),
+        ["contact[0].between", "with itself", "different"],
+    ),
+    (
+        "contact of fixed bodies",
+        TABLE + TABLE.replace("table", "egg") + CONTACT,
+        ["contact[0].between", "'egg' (fixed) and 'table' (fixed)", "must be dynamic"],
+    ),
+    (
+        "contact twice",
+        SOUND + CONTACT.replace('"egg", "table"', '"table", "egg"'),
+        ["contact[1].between", "a second time", "remove one"],
+    ),
+    ("observed nobody", 'observe = ["eg.position"]\n' + SOUND, ["observe[0]", "'eg'", "did you mean 'egg'?"]),
+    ("observed nothing", 'observe = ["egg.velocty"]\n' + SOUND, ["observe[0]", "'velocty'", "'velocity'?"]),
+    (
+        "force on a fixed body",
+        SOUND + '[[force]]\nbody = "table"\nforce = [0, 0, 1]',
+        ["force[0].body", "'table', which is fixed", "dynamic"],
+    ),
+    (
+        "force of unknown names",
+        SOUND + '[[force]]\nbody = "egg"\nforce = [0, 0, "-vzz"]',
+        ["force[0].force[2]", "'vzz'", "did you mean 'vz'?"],
+    ),
+    (
+        "hostile torque",
+        SOUND + '[[torque]]\nbody = "egg"\ntorque = [0, 0, "exec(t)"]',
+        ["torque[0].torque[2]", "unknown function 'exec'", "functions: sin"],
+    ),
+    (
+        "spring with itself",
+        SOUND + '[[spring]]\nbetween = ["egg", "egg"]\nstiffness = 1',
+        ["spring[0].between", "with itself", "different"],
+    ),
+]

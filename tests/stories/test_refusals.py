@@ -1,0 +1,127 @@
+"""Bad input: one clear message, exit 2, nothing written. A run that ends early keeps what it has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from modelgen.report.export import load
+from modelgen.runtime.session import Session
+
+EGG = "scenes/ellipsoid_on_plane.toml"
+Modelgen = Callable[..., Any]
+
+SUNK = """
+[[body]]
+name = "table"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "ball"
+density = 1000.0
+position = [0.0, 0.0, 0.05]
+shape = { kind = "sphere", radius = 0.1 }
+
+[[contact]]
+between = ["ball", "table"]
+"""
+
+
+def files(folder: Path) -> set[Path]:
+    return set(folder.rglob("*"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("simulate", "scenes/nowhere.toml"), "no such file"),
+        (("check", "broken.toml"), "not TOML"),
+        (("simulate", "typo.toml"), "did you mean"),
+        (("simulate", "sunk.toml"), "interpenetrate"),
+        (("simulate", EGG, "--out", "run.xls"), ".npz, .csv"),
+        (("simulate", EGG, "--plot", "run.gif"), ".png, .svg"),
+        (("simulate", EGG, "--out", "no/where/run.npz"), "no folder"),
+        (("simulate", EGG, "--until", "-1"), "until"),
+        (("simulate", EGG, "--samples", "0"), "samples"),
+        (("simulate", EGG, "--tolerance", "7"), "tolerance"),
+        (("check", EGG, "--form", "suport"), "support"),
+        (("build", EGG, "--real", "half"), "double"),
+        (("plot", EGG, "-o", "run"), ".png, .svg"),
+        (("plot", "broken.npz", "-o", "run.png"), "not a run"),
+        (("inspect", "egg-plane"), "ellipsoid"),
+        (("inspect", "sphere-plane:suport"), "support"),
+        (("inspect", EGG, "--formula", "mg_nothing"), "mg_nothing"),
+    ],
+    ids=lambda value: " ".join(map(str, value)) if isinstance(value, tuple) else "",
+)
+@pytest.mark.parametrize("json", [(), ("--json",)], ids=["text", "json"])
+def test_refused(
+    arguments: tuple[str, ...], words: str, json: tuple[str, ...], modelgen: Modelgen, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    (tmp_path / "scenes").symlink_to(Path("scenes").absolute())
+    (tmp_path / "broken.toml").write_text("this is = not [toml")
+    (tmp_path / "broken.npz").write_bytes(b"nothing")
+    (tmp_path / "typo.toml").write_text(SUNK.replace('"table"]', '"tabel"]'))
+    (tmp_path / "sunk.toml").write_text(SUNK)
+    monkeypatch.chdir(tmp_path)
+    before = files(tmp_path)
+    answer = modelgen(*arguments, *json)
+    assert answer.code == 2
+    assert words in answer.err
+    assert "Traceback" not in answer.err
+    assert answer.out == ""
+    assert files(tmp_path) == before
+
+
+@pytest.fixture
+def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], None]:
+    """Makes the core's third call end as told: a code, or an exception."""
+
+    def arrange(end: Any) -> None:
+        advance, calls = Session.advance, []
+
+        def changed(self: Session, *arguments: Any) -> int:
+            calls.append(1)
+            if len(calls) < 3:
+                return advance(self, *arguments)
+            if isinstance(end, int):
+                return end
+            raise end
+
+        monkeypatch.setattr(Session, "advance", changed)
+
+    return arrange
+
+
+@pytest.mark.parametrize(
+    ("end", "code", "outcome"), [(KeyboardInterrupt(), 130, "interrupted"), (23, 1, "complementarity")]
+)
+def test_a_run_that_ends_early_keeps_what_was_computed(
+    end: Any, code: int, outcome: str, ending: Callable[[Any], None], modelgen: Modelgen, tmp_path: Path
+) -> None:
+    ending(end)
+    answer = modelgen(
+        "simulate", EGG, "--until", 1e3, "--samples", 10**4, "--out", tmp_path / "run.npz", "--json"
+    )
+    assert answer.code == code
+    assert outcome in answer.err
+    assert answer.json["outcome"] == outcome
+    record = load(tmp_path / "run.npz")
+    assert record.summary["outcome"] == outcome
+    assert 0 < record.columns["t"][-1] <= answer.json["t_end"] < 1e3
+
+
+def test_interrupt_before_the_run_is_no_traceback(
+    modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(path: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("modelgen.read", interrupt)
+    answer = modelgen("check", EGG)
+    assert (answer.code, answer.out) == (130, "")

@@ -1,0 +1,148 @@
+"""Each verb does what its help says, for people and for programs."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from modelgen import __version__
+from modelgen.report.export import load
+
+EGG = "scenes/ellipsoid_on_plane.toml"
+BALL = "scenes/bouncing_ball.toml"
+SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
+Modelgen = Callable[..., Any]
+
+
+def test_version(modelgen: Modelgen) -> None:
+    assert modelgen("--version").out == f"modelgen {__version__}\n"
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_check_says_what_a_scene_requires_and_compiles_nothing(
+    path: Path, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    facts = modelgen("check", path, "--json").json
+    assert facts["scene"] == path.stem
+    assert facts["kinds"]
+    assert all(count > 0 for count in facts["instructions"].values())
+    for contact in facts["contacts"]:
+        assert contact["kind"] in facts["kinds"]
+        assert facts["instructions"][f"mg_{contact['kind']}_rates"] == contact["forms"][contact["form"]]
+        assert contact["forms"][contact["form"]] == min(contact["forms"].values())
+    assert set(facts["scales"]) == {"length", "mass", "time"}
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_check_prints_the_same_as_text(modelgen: Modelgen) -> None:
+    text = modelgen("check", BALL).out
+    facts = modelgen("check", BALL, "--json").json
+    for word in (*facts["instructions"], facts["contacts"][0]["name"], "left out", "orientation"):
+        assert word in text
+
+
+def test_a_form_can_be_forced(modelgen: Modelgen) -> None:
+    free, forced = (modelgen("check", EGG, "--json", *more).json for more in ((), ("--form", "implicit")))
+    assert {contact["form"] for contact in free["contacts"]} == {"support"}
+    assert {contact["form"] for contact in forced["contacts"]} == {"implicit"}
+
+
+def test_a_second_build_compiles_nothing(modelgen: Modelgen) -> None:
+    first = modelgen("build", EGG, "--json").json
+    library = Path(first["library"])
+    made = library.stat().st_mtime_ns
+    assert modelgen("build", EGG, "--json").json == first
+    assert library.stat().st_mtime_ns == made
+    assert (library.parent / "manifest.json").is_file()
+
+
+def test_build_in_another_real_type_and_folder(modelgen: Modelgen, tmp_path: Path) -> None:
+    facts = modelgen("build", EGG, "--real", "float", "--out", tmp_path / "f", "--json").json
+    assert facts["real"] == "float"
+    assert Path(facts["library"]).parent == tmp_path / "f"
+
+
+def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen, tmp_path: Path) -> None:
+    npz, picture = tmp_path / "run.npz", tmp_path / "run.svg"
+    options = ("--until", 0.2, "--samples", 10, "--accuracy", "tight", "--out", npz, "--plot", picture)
+    summary = modelgen("simulate", EGG, *options, "--json").json
+    schema = modelgen("schema").json["$defs"]["result"]
+    Draft202012Validator(schema).validate(summary)
+    assert (summary["outcome"], summary["t_end"], summary["accuracy"]) == ("done", 0.2, "tight")
+    record = load(npz)
+    assert record.summary == summary
+    assert record.columns["t"].tolist() == pytest.approx([0.02 * k for k in range(11)])
+    assert record.columns["p"][-1, record.body_names.index("egg")].tolist() == summary["final"]["egg"]["p"]
+    assert picture.read_text().lstrip().startswith("<?xml")
+
+
+def test_the_file_of_a_run_gives_its_picture(modelgen: Modelgen, tmp_path: Path) -> None:
+    modelgen("simulate", BALL, "--until", 0.1, "--out", tmp_path / "run.npz")
+    answer = modelgen("plot", tmp_path / "run.npz", "-o", tmp_path / "run.png", "--json")
+    assert answer.json == {"file": str(tmp_path / "run.png"), "scene": "bouncing_ball", "outcome": "done"}
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_contact_curves_lie_on_the_drawn_surfaces(modelgen: Modelgen, tmp_path: Path) -> None:
+    modelgen("simulate", EGG, "--until", 0.2, "--out", tmp_path / "run.npz")
+    record = load(tmp_path / "run.npz")
+    semi_axes = (0.12, 0.09, 0.07)
+    side = "f" if record.body_names[record.pairs[0, 1]] == "egg" else "o"
+    for points in (record.contact_curve(0, side), record.meshes[f"0_{side}"]):
+        assert ((points / semi_axes) ** 2).sum(axis=-1) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_text_of_a_run_names_outcome_events_and_bodies(modelgen: Modelgen) -> None:
+    text = modelgen("simulate", BALL, "--until", 0.5).out
+    assert text.startswith("bouncing_ball: done at t = 0.5 s")
+    assert "impact of ball-table" in text
+
+
+def test_inspect_writes_each_formula_with_source_and_units(modelgen: Modelgen) -> None:
+    facts = modelgen("inspect", EGG, "--json").json
+    counts = modelgen("check", EGG, "--json").json["instructions"]
+    assert {f["name"]: f["instructions"] for f in facts["formulas"]} == counts
+    for formula in facts["formulas"]:
+        assert formula["citation"]
+        assert formula["definition"]
+        if formula["role"] != "rhs":
+            assert all(port["unit"] for port in (*formula["inputs"], *formula["outputs"]))
+
+
+def test_inspect_takes_a_pair_of_shapes_and_writes_latex(modelgen: Modelgen) -> None:
+    text = modelgen("inspect", "sphere-plane:explicit", "--format", "latex").out
+    assert text.count(r"\begin{align*}") == text.count(r"\end{align*}") > 0
+    one = modelgen("inspect", "torus-ellipsoid:block", "--json").json["formulas"]
+    assert any(formula["role"] == "rates" and "block" in formula["name"] for formula in one)
+
+
+def test_schema_is_valid_and_admits_the_shipped_scenes(modelgen: Modelgen) -> None:
+    schema = modelgen("schema").json
+    Draft202012Validator.check_schema(schema)
+    for path in SCENES:
+        Draft202012Validator(schema).validate(tomllib.loads(path.read_text()))
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("check", EGG),
+        ("build", EGG),
+        ("simulate", EGG, "--until", 0.01),
+        ("inspect", EGG),
+        ("inspect", EGG, "--format", "latex"),
+        ("schema",),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_json_is_one_object_and_nothing_else(arguments: tuple[object, ...], modelgen: Modelgen) -> None:
+    answer = modelgen(*arguments, "--json")
+    assert answer.code == 0
+    assert answer.json
+    assert answer.out.count("\n") == 1
