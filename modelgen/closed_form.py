@@ -1,7 +1,9 @@
 """The smooth right-hand side of a small scene as one expression, with all contacts held closed.
 
-M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma), a = a_free + M^-1 J^T lambda
-(Section 3). It serves users of CasADi and instruction counts; the core never compiles it.
+M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
+a = a_free + M^-1 J^T lambda (Section 3).
+
+It serves users of CasADi and instruction counts; the core never compiles it.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ Functions = Mapping[str, ca.Function]
 
 @dataclass(frozen=True)
 class Symbols:
-    """Inputs of the composed function; `parameters` holds those of bodies, contacts and loads, one after the other."""
+    """Inputs of the composed function; `parameters` holds those of bodies, then contacts, then loads."""
 
     t: ca.SX
     q: ca.SX

@@ -61,7 +61,7 @@ class Derivation:
 
 
 def derive(model: Model) -> Derivation:
-    """All formulas that the Model needs: bodies, loads, surfaces, contacts, and the composed right-hand side."""
+    """All formulas of the Model: bodies, loads, surfaces, contacts, and the composed right-hand side."""
     formulas = (*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model))
     if len(model.contacts) > MAX_CONTACTS:
         return Derivation(model, formulas)

@@ -155,9 +155,8 @@ def _energy(kind: BodyKind) -> ca.Function:
         kinetic += dot(own, state.u[3:6])
         spin += ca.mtimes(rotation(state.q[3:7]), own)
     inputs = {"q": state.q, "u": state.u, "gravity": gravity, "parameters": state.argument}
-    outputs = {
-        "kinetic": kinetic / 2, "potential": -state.mass * dot(gravity, p), "momentum": momentum, "spin": spin,
-    }  # fmt: skip
+    potential = -state.mass * dot(gravity, p)
+    outputs = {"kinetic": kinetic / 2, "potential": potential, "momentum": momentum, "spin": spin}
     return kernel(f"mg_{kind.name}_energy", inputs, outputs)
 
 

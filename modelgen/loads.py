@@ -52,10 +52,12 @@ def load_kernel(kind: LoadKind) -> ca.Function:
         used += 3 * off
     a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
     wrench_a, wrench_b = _spring(a, b, numbers[used:]) if spring else (_given(kind, t, a), ca.SX(0, 1))
-    inputs = {
-        "t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist, "parameters": numbers,
-    }  # fmt: skip
-    return kernel(f"mg_{kind.name}_wrench", inputs, {"wrench_a": wrench_a, "wrench_b": wrench_b})
+    inputs = {"t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist}
+    return kernel(
+        f"mg_{kind.name}_wrench",
+        inputs | {"parameters": numbers},
+        {"wrench_a": wrench_a, "wrench_b": wrench_b},
+    )
 
 
 def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
@@ -78,7 +80,7 @@ def _given(kind: LoadKind, t: ca.SX, point: Point) -> ca.SX:
 
 
 def _state_symbols(t: ca.SX, point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
-    """What expressions may name: t, and position, velocity, spin, quaternion of the centre of mass in the world."""
+    """What expressions may name: t, and the state of the centre of mass in world axes."""
     velocity = point.twist[0:3] if motion != "fixed" else zeros(3)
     turns = motion in ("driven", "free")
     spin = ca.mtimes(point.rotation, point.twist[3:6]) if turns else zeros(3)

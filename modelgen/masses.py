@@ -11,11 +11,11 @@ import numpy as np
 from modelgen.errors import SceneError
 from modelgen.geometry.solid import mass_properties
 from modelgen.model import InertiaKind
-from modelgen.scene.types import Body, Pose, Vector
+from modelgen.scene.types import Body, Pose, Shape, Vector
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-ROUNDING = 1024 * sys.float_info.epsilon  # what a quadrature leaves of an exact zero or an exact equality
+ROUNDING = 4096 * sys.float_info.epsilon  # what a quadrature leaves of an exact zero or an exact equality
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def pose_numbers(pose: Pose, shift: Vector = (0.0, 0.0, 0.0)) -> tuple[float, ..
 def mass_of(body: Body, where: str) -> Mass:
     """The mass of a dynamic body; raises SceneError if it has none."""
     if body.density is not None:
-        return _from_density(body, body.density)
+        return _from_density(body, body.density, where)
     if body.mass is None or not body.mass > 0:
         raise SceneError(
             where,
@@ -60,15 +60,13 @@ def mass_of(body: Body, where: str) -> Mass:
     return Mass(body.mass, body.center_of_mass, inertia)
 
 
-def _from_density(body: Body, density: float) -> Mass:
-    parts = [_part(shape.pose, *mass_properties(shape, density)) for shape in body.shapes]
+def _from_density(body: Body, density: float, where: str) -> Mass:
+    if not body.shapes:
+        raise SceneError(where, "a density without a shape", "a density needs a closed shape", "add a shape")
+    parts = [_part(shape, density, where) for shape in body.shapes]
     mass = sum(part[0] for part in parts)
-    centre = sum((part[0] * part[1] for part in parts), np.zeros(3)) / mass
-    size = max(float(np.linalg.norm(shape.pose.position)) for shape in body.shapes) + np.sqrt(
-        np.trace(parts[0][2]) / parts[0][0]
-    )
-    centre = np.where(np.abs(centre) < ROUNDING * size, 0.0, centre)
-    inertia = np.zeros((3, 3))
+    centre = _snap(sum((part[0] * part[1] for part in parts), np.zeros(3)) / mass, parts, body)
+    inertia: Array = np.zeros((3, 3))
     for part_mass, part_centre, part_inertia in parts:
         arm = part_centre - centre
         inertia += part_inertia + part_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
@@ -76,10 +74,22 @@ def _from_density(body: Body, density: float) -> Mass:
     return Mass(float(mass), (x, y, z), _clean(inertia))
 
 
-def _part(pose: Pose, mass: float, centre: Any, inertia: Any) -> tuple[float, Array, Array]:
-    """Mass properties given in shape axes, in body axes."""
-    R = rotation_of(pose.quaternion)
-    return mass, np.array(pose.position) + R @ np.asarray(centre), R @ np.asarray(inertia) @ R.T
+def _snap(centre: Array, parts: list[tuple[float, Array, Array]], body: Body) -> Array:
+    """The centre made exact where it differs by rounding alone from the body's origin or a shape's."""
+    size = max(float(np.abs(at).max() + np.sqrt(np.trace(inertia) / mass)) for mass, at, inertia in parts)
+    for anchor in ((0.0, 0.0, 0.0), *(shape.pose.position for shape in body.shapes)):
+        centre = np.where(np.abs(centre - anchor) < ROUNDING * size, np.array(anchor), centre)
+    return centre
+
+
+def _part(shape: Shape, density: float, where: str) -> tuple[float, Array, Array]:
+    """Mass, centre (3) and inertia (3,3) about it of the material in a shape, body axes."""
+    try:
+        mass, centre, inertia = mass_properties(shape, density)
+    except SceneError as error:
+        raise SceneError(f"{where}: {error.where}", error.found, error.allowed, error.remedy) from None
+    R = rotation_of(shape.pose.quaternion)
+    return mass, np.array(shape.pose.position) + R @ centre, R @ inertia @ R.T
 
 
 def _clean(inertia: Array) -> Array:
@@ -109,7 +119,7 @@ def inertia_numbers(inertia: Array) -> tuple[float, ...]:
 
 def inverse_numbers(mass: Mass, turns: bool) -> tuple[float, ...]:
     """[1/m, inverse inertia (9, column by column)]; the latter zero for a body that does not turn."""
-    inverse = np.zeros((3, 3))
+    inverse: Array = np.zeros((3, 3))
     if turns and mass.inertia is not None:
         inverse = np.linalg.inv(mass.inertia)
         if inertia_kind(mass.inertia) != "full":

@@ -51,7 +51,8 @@ def shape_kind(shape: Shape, fold: bool) -> ShapeKind:
     if shape.chart is None:
         names = SHAPES[shape.kind].parameters
     folded = tuple(value for _, value in shape.parameters) if fold else None
-    return ShapeKind(shape.kind, shape.kind, names, shape.cavity, shape.chart, folded)
+    name = f"{shape.kind}_cavity" if shape.cavity else shape.kind
+    return ShapeKind(name, shape.kind, names, shape.cavity, shape.chart, folded)
 
 
 def contact_names(scene: Scene) -> tuple[str, ...]:

@@ -64,7 +64,7 @@ def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
 
 
 def _is_watched(scene: Scene, body: Body) -> bool:
-    """True if the body's turning is observed. When everything is, only a body that starts without spin stays still."""
+    """True if its turning is observed. When all is observed, only a body without spin stays still."""
     if scene.observe:
         return any(f"{body.name}.{name}" in scene.observe for name in ("orientation", "angular_velocity"))
     return body.angular_velocity != _ZERO

@@ -86,7 +86,7 @@ def require(scene: Scene) -> Model:
         n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
         n_u=sum(U_SIZE[piece.motion] for piece in pieces),
         n_eta=sum(eta_size(contact_kinds.kinds[entry.kind]) for entry in contacts),
-        scales=scales_of(scene, [(piece.body, piece.mass.mass) for piece in pieces if piece.mass]),
+        scales=scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass]),
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),

@@ -31,7 +31,7 @@ def load_kind(load: Load, motions: tuple[BodyMotion, ...], centres: Sequence[Vec
 
 
 def load_parameters(load: Load, kind: LoadKind, centres: Sequence[Vector]) -> tuple[float, ...]:
-    """Points off the centre of mass (3 each, from it, body axes), then a spring's stiffness, damping, rest length."""
+    """Points off the centre of mass (3 each, from it), then a spring's stiffness, damping, rest length."""
     arms = zip(points_of(load), centres, kind.arms, strict=False)
     numbers = [a - b for point, centre, off in arms if off for a, b in zip(point, centre, strict=True)]
     if isinstance(load, SpringLoad):

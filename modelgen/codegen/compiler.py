@@ -1,4 +1,4 @@
-"""The C compiler of this machine: which one, its flags, and how a translation unit becomes a shared library."""
+"""The C compiler of this machine: which one, its flags, and how C text becomes a shared library."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pathlib import Path
 from modelgen.errors import CompilerMissing, LibraryError
 
 CANDIDATES = ("cc", "gcc", "clang")
-FLAGS = ("-std=c99", "-O3", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
+FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
 LIBRARIES = ("-lm",)
 REALS: Mapping[str, tuple[str, ...]] = {
     "double": (),
@@ -46,7 +46,7 @@ class Compiler:
 
 
 def find_compiler() -> Compiler:
-    """The compiler named by CC, else cc, gcc, clang, else zig from PyPI; raises CompilerMissing if there is none."""
+    """The compiler named by CC, else cc, gcc, clang, else zig from PyPI; raises CompilerMissing."""
     wanted = os.environ.get("CC", "")
     command = tuple(shlex.split(wanted)) or _first_installed()
     if shutil.which(command[0]) is None:
@@ -95,7 +95,7 @@ def cpu_target() -> str:
 def compile_library(
     compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path
 ) -> None:
-    """Compile `source` to `target`; a failure raises LibraryError and leaves the compiler's words in `log`."""
+    """Compile `source` to `target`; a failure raises LibraryError and leaves what was said in `log`."""
     command = [*compiler.command, *flags, "-o", str(target), source.name, *LIBRARIES]
     answer = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if answer.returncode == 0:

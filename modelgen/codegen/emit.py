@@ -1,4 +1,4 @@
-"""From formulas to text: the kernels, the dispatchers, the core, and the manifest. Nothing touches the disk."""
+"""From formulas to text: kernels, dispatchers, core and manifest. Nothing touches the disk."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata, resources
+from typing import Any
 
 import casadi as ca
 
@@ -18,7 +19,7 @@ from modelgen.notation import notation
 
 PREFIX = "mg_kernels"
 
-MODEL_HEAD = """/* One translation unit: the kernels of the scene's vocabulary, and the core that runs them. */
+MODEL_HEAD = """/* One translation unit: the kernels of the vocabulary, and the core that runs them. */
 #include "kinds.h"
 #include "modelgen.h"
 
@@ -95,7 +96,7 @@ def abi_of(header: str) -> int:
 
 
 def _kernels(formulas: list[Formula]) -> str:
-    options = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
+    options: dict[str, Any] = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
     generator = ca.CodeGenerator("kernels.c", options)
     for formula in formulas:
         generator.add(formula.function)

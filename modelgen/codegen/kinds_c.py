@@ -9,8 +9,6 @@ from modelgen.codegen.sentence import J_SIZE
 from modelgen.derive import Derivation, Formula
 from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
-MOTIONS = ("fixed", "driven", "point", "free")
-
 HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
 #include "kinds.h"
 #include "modelgen.h"
@@ -87,8 +85,8 @@ def _tables(derivation: Derivation) -> list[str]:
         if formula.role in ("motion", "wrench", "rates")
     }
     bodies = [
-        f"MG_{kind.motion.upper()}, {Q_SIZE[kind.motion]}, {U_SIZE[kind.motion]}, {sizes.get(('motion', i), 12)}"
-        for i, kind in enumerate(model.body_kinds)
+        f"MG_{motion.upper()}, {Q_SIZE[motion]}, {U_SIZE[motion]}, {sizes.get(('motion', index), 12)}"
+        for index, motion in enumerate(kind.motion for kind in model.body_kinds)
     ]
     contacts = [
         f"{J_SIZE[kind.o.motion]}, {J_SIZE[kind.f.motion]}, {eta_size(kind)}, {sizes['rates', i]}"

@@ -24,7 +24,7 @@ DTYPES: Mapping[str, type[np.floating[Any]]] = {
 class Library:
     """The functions of one built scene.
 
-    Raises LibraryError when the file is missing, foreign, stale, or of another real type than its manifest says.
+    Raises LibraryError when the file is missing, foreign, stale, or not what its manifest says.
     """
 
     def __init__(self, manifest: Manifest, path: Path) -> None:

@@ -1,7 +1,8 @@
 /* Which event functions have fired at a state, and when the first of them fires within a step. */
 #include "core.h"
 
-#define MG_SCAN 16 /* sub-intervals of a step in which the first event is sought */
+#define MG_SCAN 16     /* sub-intervals of a step in which the first event is sought */
+#define MG_POLISH 1000 /* the interpolant finds the event to this part of the step */
 
 static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
 
@@ -36,14 +37,25 @@ static mg_real mg_event_value(const mg_context *c, int contact) {
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
 }
 
-/* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function. */
-static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real limit) {
-  const mg_real t = c->run->t, close = c->set->event * c->sys->time;
+/* The rate of the event function at theta; needs the rows there. */
+static mg_real mg_event_slope(mg_context *c, int contact, mg_real h, mg_real theta) {
+  if (!c->run->closed[contact]) return c->d_dot[contact];
+  const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2, value = mg_event_value(c, contact);
+  mg_fired_at(c, h, theta - step);
+  return (value - mg_event_value(c, contact)) / (step * h);
+}
+
+/* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
+   far as the interpolant may err. */
+static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real tried) {
+  const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried / MG_POLISH;
+  mg_real moved = 0;
   for (int round = 0; round < 4; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);
     const mg_real change = slope != 0 ? -mg_event_value(c, contact) / slope : 0;
-    if (fabs(change) <= close || h + change <= 0 || h + change > limit) break;
+    moved += change;
+    if (fabs(change) <= close || fabs(moved) > reach || h + change <= 0 || h + change > tried) break;
     h += change;
   }
   return h;
@@ -67,9 +79,7 @@ static mg_real mg_locate(mg_context *c, mg_real h) {
   mg_fired_at(c, h, high);
   const int first = mg_first_fired(c);
   if (first < 0) return 0;
-  const mg_real step = high > (mg_real)0.01 ? (mg_real)0.01 : high / 2, value = mg_event_value(c, first);
-  mg_fired_at(c, h, high - step);
-  const mg_real slope = (value - mg_event_value(c, first)) / (step * h);
+  const mg_real slope = mg_event_slope(c, first, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, high * h, slope, h);
 }

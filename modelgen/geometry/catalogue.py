@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import inf, pi
 
 import casadi as ca
+import numpy as np
 
 from modelgen.geometry import charts, implicit, supports
 from modelgen.geometry.charts import Jet, jet_of
@@ -18,6 +19,8 @@ from modelgen.geometry.lower import lower
 from modelgen.geometry.supports import Support
 from modelgen.model import ShapeKind
 from modelgen.scene.types import Chart, Shape
+
+SAMPLES = 33  # per direction of a user's chart, for its bounding radius
 
 Domain = tuple[tuple[float, float], tuple[float, float]]
 
@@ -84,7 +87,21 @@ def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
         symbols = {"u": u, "v": v} | {name: p[i] for i, name in enumerate(names)}
         return ca.vertcat(*(lower(expression, symbols) for expression in chart.components))
 
-    return Surface(jet_of(components), chart.domain, chart.periodic, chart_regular=True)
+    jet = jet_of(components)
+    return Surface(
+        jet, chart.domain, chart.periodic, chart_regular=True, bounding=lambda p: _sampled_radius(jet, chart, p)
+    )
+
+
+def _sampled_radius(jet: Callable[[ca.SX, ca.SX], Jet], chart: Chart, p: Sequence[float]) -> float:
+    """Largest distance from the origin on a grid, plus the largest step of the grid."""
+    uv = ca.SX.sym("uv", 2)
+    point = ca.Function("point", [uv], [ca.densify(jet(uv, ca.SX(ca.DM(list(p)))).x)])
+    u, v = (np.linspace(*ends, SAMPLES) for ends in chart.domain)
+    grid = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
+    x = np.asarray(point(grid)).reshape(3, SAMPLES, SAMPLES)
+    steps = (np.linalg.norm(np.diff(x, axis=axis), axis=0).max() for axis in (1, 2))
+    return float(np.linalg.norm(x, axis=0).max() + max(steps))
 
 
 def exterior_sign(shape: ShapeKind | Shape) -> float:

@@ -30,12 +30,12 @@ def require_matplotlib() -> Any:
 def draw(record: Record, path: Path) -> None:
     """Write the picture of a run; the suffix says how (.png or .svg)."""
     figure_class = require_matplotlib()
-    curves = _drawn_contacts(record)
-    rows = 3 + len(curves)
-    figure = figure_class(figsize=(11.0, 2.8 * rows), layout="constrained")
+    curves = _contacts(record)[:CURVES] if len(record.columns["t"]) else []
+    heights = [1.0] * 3 + [1.7] * len(curves)
+    figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
-    grid = figure.add_gridspec(rows, 2)
+    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
     panels = (_position, _velocity, _rotation, _force, _gap, _energy)
     for k, panel in enumerate(panels):
         axes = figure.add_subplot(grid[k // 2, k % 2])
@@ -47,12 +47,10 @@ def draw(record: Record, path: Path) -> None:
     figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
-def _drawn_contacts(record: Record) -> list[int]:
-    """The first contacts that ever carried a force; the first of all if none did."""
-    if not len(record.columns["t"]):
-        return []
-    loaded = np.flatnonzero(record.columns["force"].any(axis=0)).tolist()
-    return (loaded or list(range(len(record.contact_names))))[:CURVES]
+def _contacts(record: Record) -> list[int]:
+    """The contacts that ever carried a force; all if none did."""
+    loaded: list[int] = np.flatnonzero(record.columns["force"].any(axis=0)).tolist()
+    return loaded or list(range(len(record.contact_names)))
 
 
 def _finish(axes: Any) -> None:
@@ -101,13 +99,14 @@ def _gap(record: Record, axes: Any) -> None:
 
 
 def _per_contact(record: Record, axes: Any, column: str) -> None:
-    for k, name in enumerate(record.contact_names):
-        axes.plot(record.columns["t"], record.columns[column][:, k], linewidth=1.0, label=name)
+    for k in _contacts(record):
+        values = record.columns[column][:, k]
+        axes.plot(record.columns["t"], values, linewidth=1.0, label=record.contact_names[k])
 
 
 def _energy(record: Record, axes: Any) -> None:
     t, energy, work = (record.columns[name] for name in ("t", "energy", "work"))
-    axes.set_title("energy, and what the work done on the system does not explain")
+    axes.set_title("energy, and what work does not explain")
     axes.set_ylabel("E [J]")
     axes.plot(t, energy, linewidth=1.0, label="E")
     axes.plot(t, work, linewidth=1.0, label="work")
@@ -145,3 +144,4 @@ def _equal_box(axes: Any, points: Array) -> None:
     for setter, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
         setter(centre - half, centre + half)
     axes.set_box_aspect((1, 1, 1))
+    axes.locator_params(nbins=4)

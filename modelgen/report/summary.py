@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 EVENTS = 20  # printed from the start; the rest is counted
 
@@ -22,15 +21,13 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     )
     console.print(
         f"energy drift {summary['energy_drift']:.2e}, largest gap {summary['gap_max']:.2e} m, "
-        f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}"
+        f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}",
+        soft_wrap=True,
     )
     _print_events(summary["events"], console)
-    table = Table(box=None, pad_edge=False)
-    for column in ("body", "p [m]", "quaternion (w, x, y, z)", "v [m/s]", "w [rad/s]"):
-        table.add_column(column, overflow="fold")
     for name, state in summary["final"].items():
-        table.add_row(name, *(_vector(state[key]) for key in ("p", "quaternion", "v", "w")))
-    console.print(table)
+        parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
+        console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:

@@ -42,7 +42,7 @@ class Accuracy:
     """
 
     name: str = "balanced"
-    tolerance: float = 1e-10
+    tolerance: float = 2e-11
     method: Method = "dop853"
     step: float | None = None
     newton: Literal[0, 1, 2] = 1

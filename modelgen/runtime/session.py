@@ -162,3 +162,7 @@ class Session:
                 *self._scratch,
             )
         )
+
+    def smooth(self, n: int) -> None:
+        """n RK4 steps of the accuracy's step without events, projection or ledger."""
+        self.library.cdll.mg_smooth(*self._head, ctypes.c_long(n), *self._scratch)

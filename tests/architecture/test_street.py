@@ -49,11 +49,10 @@ def test_every_file_has_a_place_on_the_street() -> None:
     assert not strangers
 
 
-@pytest.mark.parametrize("path", PYTHON, ids=short)
+@pytest.mark.parametrize("path", [p for p in PYTHON if room(module_of(p))], ids=short)
 def test_imports_run_down_the_street(path: Path) -> None:
+    """All but the package itself, which loads the verbs on demand."""
     here = room(module_of(path))
-    if here == "":
-        pytest.skip("the package itself loads the verbs on demand")
     uphill = {name for name in modules_imported(path) if room(name) and STATION[room(name)] > STATION[here]}
     assert not uphill
 

@@ -1,0 +1,59 @@
+"""A number of RK4 steps and nothing else, for callgrind: `python -m tests.benchmarks.counted core|hand FOLDER N`.
+
+FOLDER holds manifest.json, the model's library (named in the manifest) and hand_written.so.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import Manifest
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.session import Session
+
+STEP = 1e-4
+
+
+def start(library: Library) -> Session:
+    """A session of ellipsoid_on_plane at its start, ready for RK4; its support form needs no search."""
+    session = Session(library, Accuracy.tight().fixed_step(STEP))
+    session.begin()
+    return session
+
+
+def core_steps(session: Session, n: int) -> None:
+    session.smooth(n)
+
+
+def hand_steps(library: ctypes.CDLL, state: np.ndarray, n: int) -> None:
+    a, b, c, m = 0.12, 0.09, 0.07, 1.2
+    body = np.array([a * a, b * b, c * c, 1 / m, 0.00312, 0.004632, 0.0054, 9.81])
+    library.hand_written_steps(
+        ctypes.c_void_p(body.ctypes.data), ctypes.c_void_p(state.ctypes.data), ctypes.c_double(STEP), ctypes.c_long(n)
+    )
+
+
+def state_of(session: Session) -> np.ndarray:
+    """The 13 states of the body in the hand-written step's order."""
+    sentence = session.sentence
+    egg = next(body for body in sentence["bodies"] if body["name"] == "egg")
+    q, u = egg["q"], sentence["n_q"] + egg["u"]
+    return np.concatenate([session.x[q : q + 7], session.x[u : u + 6]]).copy()
+
+
+def main(which: str, folder: Path, n: int) -> None:
+    manifest = Manifest.from_json((folder / "manifest.json").read_text())
+    session = start(Library(manifest, folder / manifest.file))
+    if which == "core":
+        core_steps(session, n)
+    else:
+        hand_steps(ctypes.CDLL(str(folder / "hand_written.so")), state_of(session), n)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
