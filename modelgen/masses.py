@@ -78,7 +78,7 @@ def _snap(centre: Array, parts: list[tuple[float, Array, Array]], body: Body) ->
     """The centre made exact where it differs by rounding alone from the body's origin or a shape's."""
     size = max(float(np.abs(at).max() + np.sqrt(np.trace(inertia) / mass)) for mass, at, inertia in parts)
     for anchor in ((0.0, 0.0, 0.0), *(shape.pose.position for shape in body.shapes)):
-        centre = np.where(np.abs(centre - anchor) < ROUNDING * size, np.array(anchor), centre)
+        centre = np.where(np.abs(centre - anchor) < ROUNDING * size, anchor, centre)
     return centre
 
 
@@ -121,7 +121,7 @@ def inverse_numbers(mass: Mass, turns: bool) -> tuple[float, ...]:
     """[1/m, inverse inertia (9, column by column)]; the latter zero for a body that does not turn."""
     inverse: Array = np.zeros((3, 3))
     if turns and mass.inertia is not None:
-        inverse = np.linalg.inv(mass.inertia)
+        inverse = np.array(np.linalg.inv(mass.inertia), dtype=np.float64)
         if inertia_kind(mass.inertia) != "full":
             inverse = np.diag(1 / np.diag(mass.inertia))
     return (1 / mass.mass, *(float(x) for x in inverse.ravel(order="F")))

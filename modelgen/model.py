@@ -25,7 +25,7 @@ class ShapeKind:
     parameter_names: tuple[str, ...]
     cavity: bool = False
     chart: Chart | None = None
-    folded: tuple[float, ...] | None = None  # values when numbers are folded; then it has no parameters at run time
+    folded: tuple[float, ...] | None = None  # values when numbers are folded: no parameters then
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class BodyEntry:
     q: int
     u: int
     parameters: tuple[float, ...]  # free: mass + inertia as its kind lists; fixed: pose (12)
-    mass_inverse: tuple[float, ...]  # 1/m and the inverse inertia (9, column-major, body axes); zeros if not dynamic
+    mass_inverse: tuple[float, ...]  # 1/m, inverse inertia (9, column-major, body axes); zeros if not dynamic
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
 
 

@@ -6,11 +6,12 @@ import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import metadata, resources
+from importlib import resources
 from typing import Any
 
 import casadi as ca
 
+from modelgen import __version__
 from modelgen.codegen.kinds_c import kinds_text, prototypes
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.sentence import kinds_of, sentence_of
@@ -73,7 +74,7 @@ def emit(derivation: Derivation) -> Package:
         kinds=kinds_of(derivation.model),
         sentence=sentence_of(derivation.model),
         versions={
-            "modelgen": _version("modelgen"),
+            "modelgen": __version__,
             "casadi": str(ca.CasadiMeta.version()),
             "python": ".".join(str(part) for part in sys.version_info[:3]),
         },
@@ -120,10 +121,3 @@ def _entry(formula: Formula) -> Json:
 
 def _argument(name: str, size: int) -> Json:
     return {"name": name, "shape": [int(size)], "unit": notation(name).unit}
-
-
-def _version(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "unknown"

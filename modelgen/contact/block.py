@@ -1,4 +1,4 @@
-"""Two charts without frames: the block form of the extremality system (formula sheet 6.2).
+"""Two charts without frames: the block form of the extremality system.
 
 With E = R [c_u c_v], I = E_o^T E_o, X = E_o^T E_f, B_o, B_f the second fundamental forms (convex positive)
 and dV the relative velocity of the material points,

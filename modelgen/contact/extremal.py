@@ -1,8 +1,8 @@
-"""The extremality system of two charts and its implicit differentiation (formula sheet 6.1): the oracle form.
+"""The extremality system of two charts and its implicit differentiation: the oracle form.
 
     g(eta, q) = [ E_o^T (P_f - P_o) ; E_f^T N ] = 0,   eta_dot = -g_eta^-1 g_q q_dot
 
-instead of (2.1), which is void at P_f = P_o (erratum). gamma is the derivative of J u along (q_dot, eta_dot)
+instead of (2.1), which is void at P_f = P_o; gamma is the derivative of J u along (q_dot, eta_dot)
 with u held. Everything after g and J is algorithmic differentiation.
 """
 

@@ -2,7 +2,7 @@
 
 Residuals in the frame [t1 t2 n] of o's point: e1 = T^T (P_f - P_o), e2 = T^T (n + n_f) with both exterior
 normals, and the heights h_o, h_f of the points over their surfaces. They replace (2.1), which is void at
-P_f = P_o (erratum). The step moves the points by a and b along and by -h across their surfaces:
+P_f = P_o. The step moves the points by a and b along and by -h across their surfaces:
 
     (K_f + K_o + d K_f K_o) a = -e2' + K_f e1',   b = (I + d K_o) a - e1'
 

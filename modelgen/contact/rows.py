@@ -45,7 +45,7 @@ def jacobian_rows(pair: Pair, N: ca.SX, at: Levers) -> tuple[ca.SX, ca.SX]:
 
 
 def gap_bias(pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> ca.SX:
-    """Corollary 3.2 (3.11) in compact form, with the two centripetal signs of the print reversed (erratum).
+    """Corollary 3.2 (3.11) in compact form, with the two centripetal signs of the print reversed.
 
     gamma = N.(w_f x (w_f x r_f) - w_o x (w_o x r_o)) + N_dot.(V_f - V_o) + N.(w_f x slide_f - w_o x slide_o),
     slide = velocity (3,) of the contact point over its surface, world axes.

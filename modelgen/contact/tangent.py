@@ -10,7 +10,7 @@ relative to o's material frame, w_i^t = w_i x n, w^t = w_f^t - w_o^t, Theorem 4.
     a = V + b - d nu                                                                  (4.2)
     gamma = nu.V - b.w^t - w_f^t.(w_f x l_f) + w_o^t.(w_o x l_o) + 2 w_o^t.V          (3.11)
 
-(3.11) with the centripetal signs corrected: the print has them reversed (erratum). n.(w x (w x l)) is
+(3.11) with the centripetal signs corrected: the print has them reversed. n.(w x (w x l)) is
 written -(w x n).(w x l). eta needs neither psi nor an orthogonal chart.
 """
 

@@ -30,6 +30,10 @@ static inline mg_real mg_row(const mg_context *c, int contact, const mg_real *pe
 static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ) {
   const mg_real x = J[3], y = J[4], z = J[5];
   for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
+  if (w[2] == 0 && w[3] == 0 && w[6] == 0) {
+    MJ[3] = w[1] * x, MJ[4] = w[5] * y, MJ[5] = w[9] * z;
+    return;
+  }
   for (int k = 0; k < 3; k++) MJ[3 + k] = w[1 + k] * x + w[4 + k] * y + w[7 + k] * z;
 }
 

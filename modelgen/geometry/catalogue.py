@@ -89,7 +89,11 @@ def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
 
     jet = jet_of(components)
     return Surface(
-        jet, chart.domain, chart.periodic, chart_regular=True, bounding=lambda p: _sampled_radius(jet, chart, p)
+        jet,
+        chart.domain,
+        chart.periodic,
+        chart_regular=True,
+        bounding=lambda p: _sampled_radius(jet, chart, p),
     )
 
 

@@ -32,9 +32,11 @@ def sphere(n: ca.SX, p: ca.SX) -> Support:
 def ellipsoid(n: ca.SX, p: ca.SX) -> Support:
     """x = D n / h with D = diag(a^2, b^2, c^2) and h = sqrt(n.D n)."""
     squares = p * p
-    height = ca.sqrt(dot(n, squares * n))
-    x = squares * n / height
-    return Support(x, zeros(1), height, lambda m: (dot(m, squares * m) - dot(x, m) ** 2) / height)
+    scaled = squares * n
+    height = ca.sqrt(dot(n, scaled))
+    inverse = 1 / height
+    x = scaled * inverse
+    return Support(x, zeros(1), height, lambda m: (dot(m, squares * m) - dot(x, m) ** 2) * inverse)
 
 
 def torus(n: ca.SX, p: ca.SX) -> Support:

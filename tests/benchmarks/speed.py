@@ -77,8 +77,8 @@ def instructions() -> None:
         define = f'-DMG_HASH="{library.manifest.hash}"'
         subprocess.run([*compiler.command, *flags, define, str(source), "-o", str(target), "-lm"], check=True)
         for which in ("core", "hand"):
-            few, many = (callgrind(which, folder, n) for n in (1000, 11000))
-            print(f"instructions of an RK4 step, {which}: {(many - few) / 10000:.0f}")
+            few, many = (callgrind(which, folder, n) for n in (1000, 1001000))
+            print(f"instructions of an RK4 step, {which}: {(many - few) / 1000000:.0f}")
 
 
 def callgrind(which: str, folder: Path, n: int) -> int:

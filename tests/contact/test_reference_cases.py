@@ -29,7 +29,7 @@ PSI_DOT = -0.465072540611978
 
 
 def rolling_arguments() -> list[Any]:
-    """A plane at rest and the sphere rolling on it with angular velocity W in its contact frame, psi = PSI."""
+    """A plane at rest and the sphere rolling on it with spin W in its contact frame, psi = PSI."""
     v = 0.2
     x = np.array([-np.sin(U) * np.cos(v), np.sin(U) * np.sin(v), np.cos(U)])
     y = np.array([-np.sin(v), -np.cos(v), 0.0])
@@ -54,7 +54,9 @@ def test_metric_curvature_and_torsion_of_a_sphere() -> None:
     side = partner(Side(GLOBE, "free"), "f")
     uv = ca.SX.sym("uv", 2)
     frame = montana_frame(side, uv)
-    forms = ca.Function("forms", [uv, side.argument], [ca.densify(entry) for entry in (frame.M, frame.K, frame.T)])
+    forms = ca.Function(
+        "forms", [uv, side.argument], [ca.densify(entry) for entry in (frame.M, frame.K, frame.T)]
+    )
     M, K, T = (np.array(value) for value in forms([U, 0.2], [RHO]))
     np.testing.assert_allclose(M, np.diag([RHO, RHO * np.cos(U)]), atol=1e-12)
     np.testing.assert_allclose(K, np.eye(2) / RHO, atol=1e-12)
@@ -89,7 +91,12 @@ POINTS = (
     [0.99109531488403944398, 0.46762437732284282165, 0.49713071262016726117],
 )
 ALPHA = [0.17177811415449299735, 0.25688615228537387024, -3.507011693822041382, -1.0317391971606579483]
-ALPHA_DOT = [-0.31013110195611425007, -0.35317686822843032605, -1.9288835166714046775, -0.20105701328629489125]
+ALPHA_DOT = [
+    -0.31013110195611425007,
+    -0.35317686822843032605,
+    -1.9288835166714046775,
+    -0.20105701328629489125,
+]
 ANGLE, ANGLE_DOT = -2.57123932763, 1.54073669467
 
 

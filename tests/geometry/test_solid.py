@@ -21,7 +21,9 @@ def shape(kind: str, cavity: bool = False, **parameters: float) -> Shape:
     return Shape(kind, tuple(parameters.items()), cavity)
 
 
-def close(found: tuple[float, np.ndarray, np.ndarray], mass: float, moments: list[float], size: float) -> None:
+def close(
+    found: tuple[float, np.ndarray, np.ndarray], mass: float, moments: list[float], size: float
+) -> None:
     assert found[0] == pytest.approx(mass, rel=1e-12)
     np.testing.assert_allclose(found[1], 0, atol=1e-13 * size)
     np.testing.assert_allclose(found[2], np.diag(moments), rtol=1e-12, atol=1e-13 * mass * size**2)
@@ -43,7 +45,9 @@ def test_torus(major: float, ratio: float) -> None:
     close(found, mass, [across, across, along], major + minor)
 
 
-@pytest.mark.parametrize(("p", "q"), [(2.0, 2.0), (2.1, 2.3), (2.5, 3.0), (4.0, 4.0), (8.0, 2.0), (16.0, 16.0)])
+@pytest.mark.parametrize(
+    ("p", "q"), [(2.0, 2.0), (2.1, 2.3), (2.5, 3.0), (4.0, 4.0), (8.0, 2.0), (16.0, 16.0)]
+)
 def test_superellipsoid(p: float, q: float) -> None:
     """Volume of the ball of the norm: base area by Beta functions, then layers (1 - z^q)^(2/q)."""
     found = mass_properties(shape("superellipsoid", a=1.0, b=0.8, c=0.5, p=p, q=q), 1.0)

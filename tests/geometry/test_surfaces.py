@@ -1,4 +1,4 @@
-"""The catalogue is one surface told three ways: equation, chart and support map agree, with two derivatives."""
+"""A surface told three ways: equation, chart and support map agree, with two derivatives."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import inf, isinf
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from modelgen.geometry.catalogue import SURFACES, exterior_sign, surface_of
@@ -30,8 +30,12 @@ INSIDE = st.tuples(st.floats(-0.95, 0.95), st.floats(-0.95, 0.95))
 
 def coordinates(name: str, at: tuple[float, float]) -> np.ndarray:
     """A point of the chart's domain, or of [-1, 1] where it is infinite."""
-    ends = [(max(low, -1.0), min(high, 1.0)) if isinf(low) else (low, high) for low, high in SURFACES[name].domain]
-    return np.array([(low + high) / 2 + a * (high - low) / 2 for a, (low, high) in zip(at, ends, strict=True)])
+    ends = [
+        (max(low, -1.0), min(high, 1.0)) if isinf(low) else (low, high) for low, high in SURFACES[name].domain
+    ]
+    return np.array(
+        [(low + high) / 2 + a * (high - low) / 2 for a, (low, high) in zip(at, ends, strict=True)]
+    )
 
 
 def jet(name: str, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -50,7 +54,7 @@ def equation(name: str, x: np.ndarray, lengths: tuple[float, ...]) -> tuple[floa
     hessian = phi.isotropic * ca.SX.eye(3) + phi.matrix
     f = ca.Function("phi", [symbol], [ca.densify(entry) for entry in (phi.value, phi.gradient, hessian)])
     value, gradient, bent = (np.array(entry) for entry in f(x))
-    return float(value), gradient[:, 0], bent
+    return value.item(), gradient[:, 0], bent
 
 
 def test_the_catalogue_is_that_of_the_scene() -> None:
@@ -114,6 +118,7 @@ def test_the_support_map_inverts_the_normal(name: str, at: tuple[float, float]) 
     x, first, _ = jet(name, uv)
     normal = np.cross(first[:, 0], first[:, 1])
     normal /= np.linalg.norm(normal)
+    assume(name != "superellipsoid" or np.abs(normal).min() > 1e-3)  # flat where a coordinate is zero
     lengths = ca.SX(ca.DM(list(LENGTHS[name])))
     n, m = ca.SX.sym("n", 3), ca.SX.sym("m", 3)
     form = SURFACES[name].support
@@ -121,16 +126,16 @@ def test_the_support_map_inverts_the_normal(name: str, at: tuple[float, float]) 
     support = form(n, lengths)
     point = support.core + support.offset * n
     derivative = m.T @ ca.jtimes(support.core, n, m)
-    wanted = [point, n.T @ support.core - support.height, derivative - support.form(m)]
+    wanted = [point, n.T @ support.core - support.height, derivative - support.form(m), derivative]
     f = ca.Function("support", [n, m], [ca.densify(entry) for entry in wanted])
     tangential = np.cross(normal, [0.3, 0.5, -0.2])
-    found, height_error, form_error = (np.array(value) for value in f(normal, tangential))
+    found, height_error, form_error, turned = (np.array(value) for value in f(normal, tangential))
     np.testing.assert_allclose(found[:, 0], x, atol=1e-9)
-    assert abs(float(height_error)) < 1e-14
-    assert abs(float(form_error)) < 1e-9 * (1 + abs(float(ca.Function("d", [n, m], [derivative])(normal, tangential))))
+    assert abs(height_error.item()) < 1e-14
+    assert abs(form_error.item()) < 1e-9 * (1 + abs(turned.item()))
 
 
-@given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda n: 1e-3 < sum(x * x for x in n)))
+@given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda n: sum(x * x for x in n) > 1e-3))
 def test_tangents_complete_any_normal_to_a_rotation(n: tuple[float, float, float]) -> None:
     unit = np.array(n) / np.linalg.norm(n)
     symbol = ca.SX.sym("n", 3)
@@ -149,7 +154,10 @@ def test_no_point_lies_beyond_the_bounding_radius(name: str, at: tuple[float, fl
 
 def bean() -> ShapeKind:
     names = ("u", "v", "r")
-    x, y, z = (parse_expression(t, names) for t in ("r*cos(v)*cos(u)", "r*cos(v)*sin(u)", "0.5*r*sin(v) + 0.1*r*cos(u)"))
+    x, y, z = (
+        parse_expression(t, names)
+        for t in ("r*cos(v)*cos(u)", "r*cos(v)*sin(u)", "0.5*r*sin(v) + 0.1*r*cos(u)")
+    )
     chart = Chart((x, y, z), ((-3.2, 3.2), (-1.5, 1.5)), (True, False))
     return ShapeKind("bean", "chart", ("r",), chart=chart)
 

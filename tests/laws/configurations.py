@@ -96,5 +96,9 @@ def parameters(o: str, f: str, count: int) -> Array:
 
 def eta_of(layout: tuple[str, str], at: Configurations) -> Array:
     """eta as the form carries it."""
-    carried = {"none": (at.x_o[:0], at.x_f[:0]), "chart": (at.alpha[:2], at.alpha[2:]), "point": (at.x_o, at.x_f)}
+    carried = {
+        "none": (at.x_o[:0], at.x_f[:0]),
+        "chart": (at.alpha[:2], at.alpha[2:]),
+        "point": (at.x_o, at.x_f),
+    }
     return np.concatenate([carried[layout[0]][0], carried[layout[1]][1]])

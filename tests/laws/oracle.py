@@ -1,4 +1,4 @@
-"""The independent route: exact derivatives of the implicit extremal pair (formula sheet 6.1) with accelerations.
+"""The independent route: exact derivatives of the implicit extremal pair, accelerations included.
 
 Bodies move by p + v t + a t^2/2 and R (I + h + h^2/2), h = hat(w t + w_dot t^2/2): exact to second order.
 g(alpha, t) = 0 gives alpha_dot by a dense numerical solve; d_ddot = d_tt + 2 d_ta alpha_dot + alpha_dot.d_aa

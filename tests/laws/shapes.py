@@ -92,9 +92,7 @@ def _specimen(
 ) -> Specimen:
     shape, _, cavity = name.partition("_")
     user = _user_chart() if shape == "patch" else None
-    kind = ShapeKind(
-        name, "chart" if user else shape, tuple(names.split()), bool(cavity), chart=user
-    )
+    kind = ShapeKind(name, "chart" if user else shape, tuple(names.split()), bool(cavity), chart=user)
     return Specimen(kind, chart, parameters, box)
 
 

@@ -1,4 +1,4 @@
-"""Every form gives d, N, J, gamma, eta_dot and N_dot of implicit differentiation: each law once, all families.
+"""Every form gives the d, N, J, gamma, eta_dot and N_dot of implicit differentiation, in all families.
 
 A new form or shape joins by being listed in the table of forms or among the specimens.
 """

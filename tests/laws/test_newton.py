@@ -1,4 +1,4 @@
-"""The extremality system: its residual stays zero along eta_dot, and its Newton step converges quadratically."""
+"""The extremality system: its residual stays zero along eta_dot, its Newton step converges quadratically."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None
 
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
-    """From an error e the step leaves at most C e^2, off the surface and along it, with one C for all sizes."""
+    """From an error e the step leaves at most C e^2, off the surface and along it, one C for all sizes."""
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=22)
     eta = eta_of(eta_layout(kind_of(o, f, form)), at)
     fine = margins(o, f, form, eta, (at.pose_o, at.pose_f))[0] > 0.1

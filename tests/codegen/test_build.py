@@ -1,0 +1,167 @@
+"""A library is compiled once for each content; everything else is refused with a message."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from modelgen import build, derive, emit, require
+from modelgen.codegen import compiler
+from modelgen.codegen.emit import Package
+from modelgen.codegen.library import Library
+from modelgen.errors import CompilerMissing, LibraryError
+from tests.model.scenes import TABLE, contact, egg, scene
+
+CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+pytestmark = pytest.mark.skipif(CC is None, reason="needs a C compiler")
+
+
+def package(axes: str = "[0.12, 0.09, 0.07]", more: str = "density = 1000.0", form: str = "auto") -> Package:
+    return emit(
+        derive(require(scene(TABLE, egg("egg", axes, more), contact("egg", "table", f'form = "{form}"'))))
+    )
+
+
+@pytest.fixture
+def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A compiler that writes one line for each compilation, and is quick."""
+    log, script = tmp_path / "calls", tmp_path / "cc"
+    log.touch()
+    script.write_text(
+        f'#!/bin/sh\ncase "$*" in *--version*) exec {CC} --version;; esac\n'
+        f'echo "$*" >> {log}\nexec {CC} "$@" -O0\n'
+    )
+    script.chmod(script.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("CC", str(script))
+    return log
+
+
+def count(calls: Path) -> int:
+    return len(calls.read_text().splitlines())
+
+
+def test_the_second_build_compiles_nothing(calls: Path, tmp_path: Path) -> None:
+    first = build(package(), folder=tmp_path / "out")
+    second = build(package(), folder=tmp_path / "out")
+    assert count(calls) == 1
+    assert first.path == second.path
+    assert first.manifest == second.manifest
+
+
+def test_changed_numbers_compile_nothing(calls: Path, tmp_path: Path) -> None:
+    first = build(package(), folder=tmp_path / "out")
+    moved = "mass = 2.0\ninertia = [0.1, 0.12, 0.14]\nposition = [0, 0, 1]\nvelocity = [1, 0, 0]"
+    second = build(package("[0.3, 0.2, 0.1]", moved), folder=tmp_path / "out")
+    assert count(calls) == 1
+    assert first.path == second.path
+    assert first.manifest.sentence["initial_q"] != second.manifest.sentence["initial_q"]
+
+
+def test_changed_structure_and_real_type_compile_beside(calls: Path, tmp_path: Path) -> None:
+    libraries = [
+        build(package(), folder=tmp_path / "out"),
+        build(package(form="implicit"), folder=tmp_path / "out"),
+    ]
+    libraries += [build(package(), real=real, folder=tmp_path / "out") for real in ("float", "long double")]
+    assert count(calls) == len({library.path for library in libraries}) == 4
+    assert [library.dtype.itemsize for library in libraries[:3]] == [8, 8, 4]
+
+
+def test_the_hash_stands_in_name_manifest_and_library(calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path / "out")
+    assert library.path.name == f"libtest-{library.manifest.hash[:16]}.so" == library.manifest.file
+    assert library.cdll.mg_hash().decode() == library.manifest.hash
+
+
+def test_the_default_folder_is_generated_scene(
+    calls: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    library = build(package())
+    assert library.path.parent == tmp_path / "generated" / "test"
+    expected = {*package().files, "manifest.json", library.path.name}
+    assert {path.name for path in library.path.parent.iterdir()} == expected
+
+
+def test_a_manifest_finds_its_library_again(calls: Path, tmp_path: Path) -> None:
+    built = build(package(), folder=tmp_path / "out")
+    assert Library.load(tmp_path / "out" / "manifest.json").manifest == built.manifest
+
+
+def test_a_compiler_that_fails_leaves_its_words(calls: Path, tmp_path: Path) -> None:
+    broken = package()
+    broken = replace(broken, files={**broken.files, "rk4.c": "#error this is wrong\n"})
+    with pytest.raises(LibraryError) as caught:
+        build(broken, folder=tmp_path / "out")
+    (log,) = (tmp_path / "out").glob("*.log")
+    assert "this is wrong" in log.read_text()
+    assert str(log) in str(caught.value)
+    assert "model.c" in str(caught.value)
+    assert not list((tmp_path / "out").glob("*.so"))
+
+
+def test_no_compiler_names_the_command_that_brings_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(CompilerMissing, match=r'no C compiler.*pip install "modelgen\[compiler\]"'):
+        build(package(), folder=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["no-such-compiler", "false"])
+def test_a_wrong_cc_is_named(command: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CC", command)
+    with pytest.raises(CompilerMissing, match=command):
+        build(package(), folder=tmp_path / "out")
+
+
+def test_zig_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(compiler, "CANDIDATES", ())
+    monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: object())
+    monkeypatch.setattr(compiler, "_version", lambda command: "clang version 22")
+    found = compiler.find_compiler()
+    assert found.command[1:] == ("-m", "ziglang", "cc")
+    assert "-march=native" not in found.flags("double")
+
+
+def test_an_unknown_real_type_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(LibraryError, match=r"'half'.*double, float, long double"):
+        build(package(), real="half", folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"abi": 99}, "ABI"), ({"hash": "0" * 64}, "hash"), ({"real": "float"}, "size of the real type")],
+)
+def test_a_stale_manifest_is_refused(
+    change: dict[str, object], message: str, calls: Path, tmp_path: Path
+) -> None:
+    library = build(package(), folder=tmp_path / "out")
+    with pytest.raises(LibraryError, match=f"{message}.*stale"):
+        Library(replace(library.manifest, **change), library.path)  # type: ignore[arg-type]
+
+
+def test_a_renamed_foreign_or_missing_library_is_refused(calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path / "out")
+    renamed = library.path.with_name("libtest-0123456789abcdef.so")
+    shutil.copy(library.path, renamed)
+    with pytest.raises(LibraryError, match="hash in the file name"):
+        Library(library.manifest, renamed)
+    (tmp_path / "text.so").write_text("not a library")
+    with pytest.raises(LibraryError, match="cannot be loaded"):
+        Library(library.manifest, tmp_path / "text.so")
+    with pytest.raises(LibraryError, match="no such file"):
+        Library(library.manifest, tmp_path / "none.so")
+    (tmp_path / "empty.c").write_text("int nothing;\n")
+    os.system(f"{CC} -shared -fPIC -o {tmp_path}/foreign.so {tmp_path}/empty.c")
+    with pytest.raises(LibraryError, match="not a library of modelgen"):
+        Library(library.manifest, tmp_path / "foreign.so")

@@ -1,0 +1,95 @@
+"""The generated text: deterministic, clean under strict warnings, and silent about all but its own names."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from modelgen import derive, emit, require
+from modelgen.codegen.compiler import REALS
+from modelgen.codegen.emit import Package
+from modelgen.scene.types import Scene
+from tests.model.scenes import TABLE, WIDE, ball_on_table, contact, egg, scene
+from tests.running import library_of
+
+CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+PRINT_HASH = """
+import hashlib
+from modelgen import derive, emit, require
+from tests.model.scenes import WIDE
+package = emit(derive(require(WIDE)))
+text = "".join(name + package.files[name] for name in package.files) + package.manifest.to_json()
+print(hashlib.sha256(text.encode()).hexdigest())
+"""
+
+
+def write(package: Package, folder: Path) -> Path:
+    for name, text in package.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder / "model.c"
+
+
+def test_text_is_the_same_in_every_process() -> None:
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", PRINT_HASH],
+            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(["."])},
+            cwd=Path(__file__).parents[2],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("made", [WIDE, ball_on_table()], ids=["wide", "ball"])
+@pytest.mark.skipif(CC is None, reason="needs a C compiler")
+def test_text_compiles_without_a_warning(made: Scene, real: str, tmp_path: Path) -> None:
+    source = write(emit(derive(require(made))), tmp_path)
+    strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", *REALS[real]]
+    answer = subprocess.run(
+        [str(CC), *strict, "-c", source.name, "-o", "model.o"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert answer.returncode == 0, answer.stderr[:2000]
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="needs nm")
+def test_the_library_exports_kernels_and_the_public_header_alone() -> None:
+    package = emit(derive(require(WIDE)))
+    path = library_of(WIDE).path
+    lines = subprocess.run(
+        ["nm", "-D", "--defined-only", path], capture_output=True, text=True, check=True
+    ).stdout
+    symbols = {line.split()[-1] for line in lines.splitlines()}
+    headers = package.files["modelgen.h"] + package.files["lcp.h"]
+    public = set(re.findall(r"MG_API [^;(]*?(\w+)\(", headers))
+    own = re.compile("|".join(package.manifest.functions) + r"|mg_kernels_casadi")
+    assert public | set(package.manifest.functions) <= symbols
+    assert {name for name in symbols - public if not own.match(name)} == set()
+
+
+def test_the_text_knows_the_vocabulary_and_not_the_scene() -> None:
+    one = emit(derive(require(scene(TABLE, egg(), contact("egg", "table")))))
+    other = emit(derive(require(scene(TABLE, egg("pebble", "[0.3, 0.2, 0.1]"), contact("pebble", "table")))))
+    assert one.files == other.files
+    assert one.manifest.sentence != other.manifest.sentence
+
+
+def test_text_does_not_grow_with_the_number_of_bodies() -> None:
+    sizes = set()
+    for n in (2, 6):
+        names = [f"egg{i}" for i in range(n)]
+        touching = [contact(a, b) for a, b in pairwise(names)]
+        made = scene(TABLE, *map(egg, names), *touching, *(contact(name, "table") for name in names))
+        sizes.add(tuple(emit(derive(require(made))).files.values()))
+    assert len(sizes) == 1

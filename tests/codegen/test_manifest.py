@@ -1,0 +1,70 @@
+"""The manifest is plain JSON and loses nothing."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from modelgen import derive, emit, require
+from modelgen.codegen.manifest import Manifest
+from modelgen.errors import LibraryError
+from modelgen.notation import notation
+from tests.model.scenes import WIDE
+
+MANIFEST = emit(derive(require(WIDE))).manifest
+
+
+def test_json_and_back_is_the_identity() -> None:
+    assert Manifest.from_json(MANIFEST.to_json()) == MANIFEST
+
+
+def test_keys_are_sorted() -> None:
+    assert list(json.loads(MANIFEST.to_json())) == sorted(json.loads(MANIFEST.to_json()))
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"abi": 1}'])
+def test_what_is_no_manifest_is_refused(text: str) -> None:
+    with pytest.raises(LibraryError, match=r"m.json: it is not"):
+        Manifest.from_json(text, "m.json")
+
+
+@pytest.mark.parametrize("name", MANIFEST.functions)
+def test_every_argument_has_shape_and_unit(name: str) -> None:
+    entry = MANIFEST.functions[name]
+    for port in (*entry["inputs"], *entry["outputs"]):
+        assert port["unit"] == notation(port["name"]).unit
+        assert len(port["shape"]) == 1
+    assert entry["instructions"] > 0
+    assert entry["citation"]
+
+
+def test_sentence_and_kinds_agree_in_their_sizes() -> None:
+    kinds, sentence = MANIFEST.kinds, MANIFEST.sentence
+    assert (
+        sentence["n_q"]
+        == len(sentence["initial_q"])
+        == sum(kinds["body"][b["kind"]]["n_q"] for b in sentence["bodies"])
+    )
+    assert (
+        sentence["n_u"]
+        == len(sentence["initial_u"])
+        == sum(kinds["body"][b["kind"]]["n_u"] for b in sentence["bodies"])
+    )
+    assert sentence["n_eta"] == sum(kinds["contact"][c["kind"]]["n_eta"] for c in sentence["contacts"])
+    for group, entries in (("body", "bodies"), ("contact", "contacts")):
+        for entry in sentence[entries]:
+            assert len(entry["parameters"]) == len(kinds[group][entry["kind"]]["parameters"])
+    for load in sentence["loads"]:
+        assert len(load["parameters"]) == kinds["load"][load["kind"]]["n_parameters"]
+
+
+def test_offsets_follow_one_another() -> None:
+    kinds, sentence = MANIFEST.kinds, MANIFEST.sentence
+    q = u = eta = 0
+    for body in sentence["bodies"]:
+        assert (body["q"], body["u"]) == (q, u)
+        q, u = q + kinds["body"][body["kind"]]["n_q"], u + kinds["body"][body["kind"]]["n_u"]
+    for contact in sentence["contacts"]:
+        assert contact["eta"] == eta
+        eta += kinds["contact"][contact["kind"]]["n_eta"]

@@ -1,0 +1,123 @@
+"""The composed right-hand side against the same kernels assembled and solved as matrices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from modelgen import derive, read, require
+from modelgen.closed_form import MAX_CONTACTS, solve_symmetric
+from modelgen.derive import Derivation
+from tests.model.scenes import TABLE, WIDE, contact, egg, scene
+from tests.running import SCENES
+
+Array = np.ndarray[Any, Any]
+
+
+def call(function: ca.Function, *arguments: Any) -> list[Array]:
+    return [np.array(value).ravel() for value in function.call([ca.DM(a) for a in arguments])]
+
+
+def test_ellipsoid_on_a_fixed_plane_takes_at_most_200_instructions() -> None:
+    rhs = derive(require(read(SCENES / "ellipsoid_on_plane.toml"))).rhs()
+    assert rhs is not None
+    assert rhs.n_instructions() <= 200
+
+
+def test_many_contacts_have_no_closed_form() -> None:
+    eggs = [egg(f"egg{i}") for i in range(MAX_CONTACTS + 1)]
+    touching = [contact(f"egg{i}", "table") for i in range(MAX_CONTACTS + 1)]
+    assert derive(require(scene(TABLE, *eggs, *touching))).rhs() is None
+
+
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_elimination_solves_positive_definite_systems(n: int) -> None:
+    random = np.random.default_rng(n)
+    root, b = random.normal(size=(n, n)), random.normal(size=n)
+    matrix = root @ root.T + np.eye(n)
+    A, x = ca.SX.sym("A", n, n), ca.SX.sym("b", n)
+    (found,) = call(ca.Function("solve", [A, x], [solve_symmetric(A, x)]), matrix, b)
+    np.testing.assert_allclose(matrix @ found, b, rtol=1e-12, atol=1e-13)
+
+
+def reference(
+    derivation: Derivation, t: float, q: Array, u: Array, eta: Array, g: Array
+) -> tuple[Array, Array]:
+    """udot and forces by M a + J^T lambda = f, J a = -gamma with dense matrices."""
+    model = derivation.model
+    poses, twists, accels, columns = bodies(derivation, t, q, u, g)
+    m = len(model.contacts)
+    J, gamma = np.zeros((m, 6 * len(poses))), np.zeros(m)
+    for i, entry in enumerate(model.contacts):
+        rates = derivation.function(f"mg_{model.contact_kinds[entry.kind].name}_rates")
+        sides = [poses[entry.o], twists[entry.o], poses[entry.f], twists[entry.f]]
+        own = eta[entry.eta : entry.eta + rates.numel_in("eta")]
+        arguments = [a[: rates.numel_in(k)] for k, a in enumerate([*sides, own, np.array(entry.parameters)])]
+        _, J_o, J_f, gamma_i, _, _ = call(rates, *arguments)
+        J[i, 6 * entry.o : 6 * entry.o + len(J_o)], J[i, 6 * entry.f : 6 * entry.f + len(J_f)] = J_o, J_f
+        gamma[i] = gamma_i[0]
+    inverse = np.zeros((6 * len(poses), 6 * len(poses)))
+    for k, body in enumerate(model.bodies):
+        inverse[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = body.mass_inverse[0] * np.eye(3)
+        inverse[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = np.reshape(body.mass_inverse[1:], (3, 3))
+    free = np.concatenate(accels)
+    force = np.linalg.solve(J @ inverse @ J.T, -(J @ free + gamma))
+    return (free + inverse @ J.T @ force)[columns], force
+
+
+def bodies(derivation: Derivation, t: float, q: Array, u: Array, g: Array) -> tuple[Any, ...]:
+    model = derivation.model
+    poses, twists, wrenches = [], [], [np.zeros(6) for _ in model.bodies]
+    accels, columns = [np.zeros(6) for _ in model.bodies], []
+    for k, body in enumerate(model.bodies):
+        kind = model.body_kinds[body.kind]
+        pose, twist = np.r_[np.zeros(3), np.eye(3).ravel()], np.zeros(6)
+        if kind.motion == "fixed":
+            pose = np.array(body.parameters)
+        elif kind.motion == "driven":
+            pose, twist, accels[k] = call(derivation.function(f"mg_{kind.name}_path"), t, body.parameters)
+        elif kind.motion == "point":
+            pose[:3], twist[:3] = q[body.q : body.q + 3], u[body.u : body.u + 3]
+        else:
+            (pose,) = call(derivation.function(f"mg_{kind.name}_pose"), q[body.q : body.q + 7])
+            twist = u[body.u : body.u + 6]
+        columns += [6 * k + i for i in range({"point": 3, "free": 6}.get(kind.motion, 0))]
+        poses.append(pose)
+        twists.append(twist)
+    for load in model.loads:
+        function = derivation.function(f"mg_{model.load_kinds[load.kind].name}_wrench")
+        sides = [part for k in load.bodies for part in (poses[k], twists[k])] + [np.zeros(0)] * 2
+        arguments = [a[: function.numel_in(i + 1)] for i, a in enumerate(sides[:4])]
+        found = call(function, t, *arguments, load.parameters)
+        for k, wrench in zip(load.bodies, found, strict=False):
+            wrenches[k] += wrench
+    for k, body in enumerate(model.bodies):
+        kind = model.body_kinds[body.kind]
+        if kind.motion in ("point", "free"):
+            n_q, n_u = (7, 6) if kind.motion == "free" else (3, 3)
+            own = (
+                q[body.q : body.q + n_q],
+                u[body.u : body.u + n_u],
+                wrenches[k][: n_u if kind.loaded else 0],
+            )
+            accels[k][:n_u] = call(derivation.function(f"mg_{kind.name}_motion"), *own, g, body.parameters)[1]
+    return poses, twists, accels, columns
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_composed_and_assembled_accelerations_agree(seed: int) -> None:
+    derivation = derive(require(WIDE))
+    model, rhs, random = derivation.model, derivation.rhs(), np.random.default_rng(seed)
+    assert rhs is not None
+    q, u = np.array(model.initial_q), random.normal(size=model.n_u)
+    eta, g, t = random.normal(size=model.n_eta), random.normal(size=3), random.normal()
+    entries = (*model.bodies, *model.contacts, *model.loads)
+    parameters = [value for entry in entries for value in entry.parameters]
+    _, udot, _, force = call(rhs, t, q, u, eta, g, parameters)
+    expected_udot, expected_force = reference(derivation, t, q, u, eta, g)
+    size = np.abs(expected_udot).max()
+    np.testing.assert_allclose(udot, expected_udot, rtol=1e-8, atol=1e-9 * size)
+    np.testing.assert_allclose(force, expected_force, rtol=1e-8)
