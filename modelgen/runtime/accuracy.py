@@ -51,7 +51,7 @@ class Accuracy:
     gap: float = 1e-10
     start_gap: float = 1e-8
     drift: float = 1e-15
-    rest_speed: float = 1e-7
+    rest_speed: float = 1e-6
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13

@@ -19,7 +19,7 @@ int main(void) {
                       .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
                           .gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift = (mg_real)1e-15,
-                          .rest_speed = (mg_real)1e-7, .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
+                          .rest_speed = (mg_real)1e-6, .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
                           .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
                           .lcp_iterations = 100, .events_at_once = 100};
   mg_run run = {.x = x, .closed = closed, .active = active, .force = force, .margin = margin};
