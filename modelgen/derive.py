@@ -7,11 +7,11 @@ from typing import Literal
 
 import casadi as ca
 
-from modelgen.closed_form import MAX_CONTACTS, right_hand_side
 from modelgen.contact.kinds import FORMS, contact_kernels
-from modelgen.dynamics import body_kernels
+from modelgen.dynamics.bodies import body_kernels
+from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side
+from modelgen.dynamics.loads import load_kernel
 from modelgen.geometry.surface import surface_kernel
-from modelgen.loads import load_kernel
 from modelgen.model import Model
 
 Role = Literal["pose", "motion", "energy", "path", "wrench", "surface", "rates", "place", "rhs"]

@@ -35,6 +35,8 @@ def scene_of(name: str, form: str = "auto", real: str = "double") -> Library:
     return library_of(replace(scene, contacts=contacts), real)
 
 
-def run(name: str, accuracy: Accuracy, form: str = "auto", real: str = "double", **options: object) -> Trajectory:
+def run(
+    name: str, accuracy: Accuracy, form: str = "auto", real: str = "double", **options: object
+) -> Trajectory:
     """A run of a shipped scene."""
     return simulate(scene_of(name, form, real), accuracy=accuracy, **options)  # type: ignore[arg-type]

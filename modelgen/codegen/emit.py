@@ -47,6 +47,22 @@ MODEL_MIDDLE = """#include "kernels.c"
 
 """
 
+INNER_LOOP = ("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "lone.c", "rhs.c", "rk4.c", "step.c")
+
+COLD_HEAD = """
+#if defined(__GNUC__) && !defined(__clang__) /* what runs once a step or less need not cost compile time */
+#pragma GCC push_options
+#pragma GCC optimize("O1")
+#endif
+
+"""
+
+COLD_FOOT = """
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif
+"""
+
 
 @dataclass(frozen=True)
 class Package:
@@ -105,8 +121,10 @@ def _kernels(formulas: list[Formula]) -> str:
 
 
 def _model(core: Mapping[str, str], internal: Mapping[str, str]) -> str:
-    includes = "".join(f'#include "{name}"\n' for name in core if name.endswith(".c"))
-    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + includes
+    sources = [name for name in core if name.endswith(".c")]
+    warm = "".join(f'#include "{name}"\n' for name in sources if name in INNER_LOOP)
+    cold = "".join(f'#include "{name}"\n' for name in sources if name not in INNER_LOOP)
+    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + warm + COLD_HEAD + cold + COLD_FOOT
 
 
 def _entry(formula: Formula) -> Json:

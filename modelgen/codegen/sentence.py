@@ -8,9 +8,9 @@ from typing import Any
 
 from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.geometry.catalogue import surface_of
-from modelgen.masses import pose_numbers
 from modelgen.model import BodyEntry, BodyKind, ContactKind, LoadKind, Model, ShapeKind, Side
 from modelgen.require import ETA_SIZE, Q_SIZE, U_SIZE
+from modelgen.require.masses import pose_numbers
 from modelgen.scene.types import Shape
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}

@@ -65,7 +65,9 @@ class Accuracy:
     @classmethod
     def fast(cls) -> Accuracy:
         """Errors near 1e-4 of the motion: for looking at a scene."""
-        return cls(name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9)
+        return cls(
+            name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9
+        )
 
     @classmethod
     def balanced(cls) -> Accuracy:
@@ -82,7 +84,10 @@ class Accuracy:
         """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
         if not 1e-18 <= tolerance <= 1e-2:
             raise SimulationError(
-                "accuracy.tolerance", f"{tolerance!r}", "a number from 1e-18 to 1e-2", "choose one within these bounds"
+                "accuracy.tolerance",
+                f"{tolerance!r}",
+                "a number from 1e-18 to 1e-2",
+                "choose one within these bounds",
             )
         return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance)
 

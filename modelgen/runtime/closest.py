@@ -1,7 +1,7 @@
 """Contact parameters to start from: the two surfaces are sampled, the likeliest pairs refined by Newton.
 
-A pair of samples is likely when the points are near each other and the normals opposed; around the likeliest the
-surfaces are sampled again, finer. Of all extrema found, the one with the smallest |d| is taken.
+A pair of samples is likely when the points are near each other and the normals opposed; around the likeliest
+the surfaces are sampled again, finer. Of all extrema found, the one with the smallest |d| is taken.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SHRINK = 0.2  # size of a finer window against the one before
 
 @dataclass(frozen=True)
 class Patch:
-    """Samples of one surface: parameters (n, 2), points and exterior normals (n, 3) in the shape frame and world."""
+    """Samples of one surface: parameters (n, 2), points in the shape frame and the world, normals (n, 3)."""
 
     uv: Array
     local: Array
@@ -74,7 +74,9 @@ class Surface:
 
     def eta(self, patch: Patch, index: int) -> Array:
         """This side's contact parameters at one sample."""
-        return {"point": patch.local, "chart": patch.uv, "none": patch.uv[:, :0]}[self.layout][index]
+        columns = {"point": patch.local, "chart": patch.uv, "none": patch.uv[:, :0]}
+        row: Array = columns[self.layout][index]
+        return row
 
 
 def find_closest(session: Session) -> None:

@@ -48,4 +48,5 @@ def quaternions(rotation: Array) -> Array:
     if rotation.size == 0:
         return np.zeros((*rotation.shape[:-2], 4))
     flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3).astype(float)).as_quat(canonical=True)
-    return np.roll(flat, 1, axis=-1).reshape(*rotation.shape[:-2], 4)
+    ordered: Array = np.roll(flat, 1, axis=-1)
+    return ordered.reshape(*rotation.shape[:-2], 4)

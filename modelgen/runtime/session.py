@@ -133,7 +133,7 @@ class Session:
         )
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
-        """Newton from `eta` (default: the state's) for one contact: steps (-1: failed), d, residual, margin, ..."""
+        """Newton from `eta` (default: the state's) for one contact: steps (-1: failed), d, residual, margin..."""
         n = self.sentence["contacts"]
         start = n[contact]["eta"]
         size = sum({"point": 3, "chart": 2, "none": 0}[kind] for kind in self.layout(contact))

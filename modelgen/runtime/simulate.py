@@ -91,7 +91,12 @@ def _run(
 
 
 def _trajectory(
-    session: Session, recording: Recording, outcome: Outcome, events: list[Event], accuracy: Accuracy, wall: float
+    session: Session,
+    recording: Recording,
+    outcome: Outcome,
+    events: list[Event],
+    accuracy: Accuracy,
+    wall: float,
 ) -> Trajectory:
     run, manifest = session.run, session.library.manifest
     failed = run.failed_contact

@@ -19,7 +19,18 @@ SYSTEM_INDICES = (
 SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "scale")
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
-    *("step", "tolerance", "gap", "start_gap", "drift", "rest_speed", "rest_acceleration", "event", "residual", "step_min"),
+    *(
+        "step",
+        "tolerance",
+        "gap",
+        "start_gap",
+        "drift",
+        "rest_speed",
+        "rest_acceleration",
+        "event",
+        "residual",
+        "step_min",
+    ),
     "margin_refuse",
 )
 RUN_COUNTS = ("steps", "rejected", "rhs_evals", "lcp_solves", "since_projection", "events_at_t")
@@ -68,7 +79,8 @@ class Tables:
         )
         self.Events = _structure(
             "Events",
-            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in ("t", "kind", "contact", "speed")],
+            [("capacity", integer), ("count", integer)]
+            + [(n, pointer) for n in ("t", "kind", "contact", "speed")],
         )
 
 

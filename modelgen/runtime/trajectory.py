@@ -20,9 +20,11 @@ class Outcome(Enum):
         "a closed contact came too near a singularity of its closest points; look at the shapes there: curvatures "
         "that almost conform, or surfaces flat against each other, need another contact model"
     )
-    STEP_TOO_SMALL = "the step became too small for the tolerance; loosen the tolerance or look for a discontinuous load"
-    NOT_FINITE = "a state became infinite or undefined; look at the loads and at shapes without curvature at the contact"
-    COMPLEMENTARITY = "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
+    STEP_TOO_SMALL = "the step became too small; loosen the tolerance or look for a discontinuous load"
+    NOT_FINITE = "a state became infinite; look at the loads and at shapes without curvature at the contact"
+    COMPLEMENTARITY = (
+        "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
+    )
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property
@@ -55,8 +57,8 @@ class Event:
 class Trajectory:
     """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes.
 
-    `energy_drift` is max |E - E_0 - work| over the largest kinetic energy seen (over the characteristic energy
-    m g L if nothing moved); `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
+    `energy_drift` is max |E - E_0 - work| over the largest kinetic energy seen (over m L^2 / T^2 if nothing
+    moved); `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
     the largest |d| of a closed contact at an accepted step, m; `margin_min` the smallest margin of one.
     """
 
@@ -110,7 +112,9 @@ class Trajectory:
             "gap_max": self.gap_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,
-            "events": [{"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed} for e in self.events],
+            "events": [
+                {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed} for e in self.events
+            ],
             "final": {
                 name: {
                     "p": self.p[last, i].tolist(),

@@ -1,9 +1,9 @@
 """ellipsoid_on_plane in MuJoCo and here, cost at equal error, in one run (extra `peers`).
 
-Run with `python -m tests.benchmarks.against_mujoco`. MuJoCo runs at the settings that serve it best on this scene:
-RK4, frictionless contact of dimension 1, solref tied to the step (2 dt), hard solimp, and three tolerances of its
-solver, of which the first is its default and the cheapest. Errors are root mean squares
-over the samples of 2 s and over the tips of the three semi-axes, against the long-double build.
+Run with `python -m tests.benchmarks.against_mujoco`. MuJoCo runs at the settings that serve it best on this
+scene: RK4, frictionless contact of dimension 1, solref tied to the step (2 dt), hard solimp, and three
+tolerances of its solver, of which the first is its default and the cheapest. Errors are root mean squares over
+the samples of 2 s and over the tips of the three semi-axes, against the long-double build.
 """
 
 from __future__ import annotations
@@ -24,11 +24,13 @@ MODEL = """
 <mujoco>
   <option integrator="RK4" timestep="{dt}" gravity="0 0 -9.81" cone="elliptic" tolerance="{solver}"/>
   <worldbody>
-    <geom type="plane" size="5 5 1" condim="1" friction="0" solref="{tc} 1" solimp="0.9999 0.9999 0.001 0.5 2"/>
+    <geom type="plane" size="5 5 1" condim="1" friction="0" solref="{tc} 1"
+          solimp="0.9999 0.9999 0.001 0.5 2"/>
     <body name="egg" pos="{p}" quat="{e}">
       <freejoint/>
       <inertial pos="0 0 0" mass="{m}" diaginertia="{I}"/>
-      <geom type="ellipsoid" size="{s}" condim="1" friction="0" solref="{tc} 1" solimp="0.9999 0.9999 0.001 0.5 2"/>
+      <geom type="ellipsoid" size="{s}" condim="1" friction="0" solref="{tc} 1"
+            solimp="0.9999 0.9999 0.001 0.5 2"/>
     </body>
   </worldbody>
 </mujoco>
@@ -97,7 +99,10 @@ def our_cost(accuracy: Accuracy) -> float:
 def main() -> None:
     finest = replace(Accuracy.tight(), tolerance=1e-16, drift=1e-18, residual=1e-17)
     truth_path = simulate(
-        scene_of("ellipsoid_on_plane", "support", "long double"), until=UNTIL, samples=SAMPLES, accuracy=finest
+        scene_of("ellipsoid_on_plane", "support", "long double"),
+        until=UNTIL,
+        samples=SAMPLES,
+        accuracy=finest,
     )
     truth = of_path(truth_path)
     ours = []
@@ -105,7 +110,8 @@ def main() -> None:
         accuracy = Accuracy.of(tolerance)
         path = simulate(scene_of("ellipsoid_on_plane"), until=UNTIL, samples=SAMPLES, accuracy=accuracy)
         ours.append((distance(of_path(path), truth), our_cost(accuracy), tolerance))
-        print(f"modelgen tolerance {tolerance:g}: error {ours[-1][0]:.1e} m, {ours[-1][1]:.0f} us per simulated s")
+        error, price, _ = ours[-1]
+        print(f"modelgen tolerance {tolerance:g}: error {error:.1e} m, {price:.0f} us per simulated s")
     for solver in (1e-8, 1e-12, 0.0):
         for dt in (2e-3, 1e-3, 2e-4, 1e-4, 5e-5, 2e-5):
             found, cost = mujoco_run(truth_path, dt, solver)

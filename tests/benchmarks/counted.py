@@ -1,4 +1,4 @@
-"""A number of RK4 steps and nothing else, for callgrind: `python -m tests.benchmarks.counted core|hand FOLDER N`.
+"""A number of RK4 steps and nothing else: `python -m tests.benchmarks.counted core|hand FOLDER N`.
 
 FOLDER holds manifest.json, the model's library (named in the manifest) and hand_written.so.
 """
@@ -34,7 +34,10 @@ def hand_steps(library: ctypes.CDLL, state: np.ndarray, n: int) -> None:
     a, b, c, m = 0.12, 0.09, 0.07, 1.2
     body = np.array([a * a, b * b, c * c, 1 / m, 0.00312, 0.004632, 0.0054, 9.81])
     library.hand_written_steps(
-        ctypes.c_void_p(body.ctypes.data), ctypes.c_void_p(state.ctypes.data), ctypes.c_double(STEP), ctypes.c_long(n)
+        ctypes.c_void_p(body.ctypes.data),
+        ctypes.c_void_p(state.ctypes.data),
+        ctypes.c_double(STEP),
+        ctypes.c_long(n),
     )
 
 

@@ -57,8 +57,10 @@ def rows(name: str) -> list[tuple[str, float, float, float]]:
     """(variant, error in m, gap in m, cost in us per simulated second) for one scene."""
     truth = simulate(
         scene_of(name, "implicit", "long double"),
-        until=UNTIL, samples=SAMPLES, accuracy=replace(Accuracy.tight(), tolerance=1e-16, drift=1e-18, residual=1e-17),
-    )  # fmt: skip
+        until=UNTIL,
+        samples=SAMPLES,
+        accuracy=replace(Accuracy.tight(), tolerance=1e-16, drift=1e-18, residual=1e-17),
+    )
     library = scene_of(name, "implicit")
     found = []
     for variant, accuracy in VARIANTS.items():

@@ -31,7 +31,16 @@ def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
     unit = folder / "unit.c"
     sources = [HERE / "bouncing_kinds.c", *sorted(core.glob("*.c")), HERE / "bouncing_driver.c"]
     unit.write_text("".join(f'#include "{source}"\n' for source in sources))
-    command = [compiler, "-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
+    command = [
+        compiler,
+        "-std=c99",
+        "-O1",
+        "-g",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-fsanitize=address,undefined",
+    ]
     command += [*flags, f"-I{core}", str(unit), "-o", str(folder / "driver"), "-lm"]
     subprocess.run(command, check=True)
     done = subprocess.run([folder / "driver"], check=True, capture_output=True, text=True)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from modelgen import derive, read, require
-from modelgen.closed_form import MAX_CONTACTS, solve_symmetric
 from modelgen.derive import Derivation
+from modelgen.dynamics.closed_form import MAX_CONTACTS, solve_symmetric
 from tests.model.scenes import TABLE, WIDE, contact, egg, scene
 from tests.running import SCENES
 

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import derive, require
 from modelgen.derive import Derivation
-from modelgen.dynamics import body_kernels
+from modelgen.dynamics.bodies import body_kernels
+from modelgen.dynamics.turning import SERIES_BELOW, exponential, quaternion
 from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate, parse_expression
 from modelgen.scene.types import Path
-from modelgen.turning import SERIES_BELOW, exponential, quaternion
 from tests.model.scenes import WIDE
 
 Array = np.ndarray[Any, Any]

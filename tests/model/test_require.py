@@ -9,8 +9,8 @@ import pytest
 
 from modelgen import require
 from modelgen.errors import SceneError
-from modelgen.masses import rotation_of
 from modelgen.model import Model
+from modelgen.require.masses import rotation_of
 from tests.model.scenes import TABLE, WIDE, ball, ball_on_table, contact, egg, scene
 
 

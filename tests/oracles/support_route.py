@@ -29,7 +29,9 @@ class Ellipsoid:
 def solid(axes: tuple[float, float, float], mass: float) -> Ellipsoid:
     """A homogeneous solid ellipsoid."""
     a, b, c = axes
-    return Ellipsoid(axes, mass, (mass / 5 * (b * b + c * c), mass / 5 * (a * a + c * c), mass / 5 * (a * a + b * b)))
+    return Ellipsoid(
+        axes, mass, (mass / 5 * (b * b + c * c), mass / 5 * (a * a + c * c), mass / 5 * (a * a + b * b))
+    )
 
 
 def rotation(e: ca.SX) -> ca.SX:
@@ -44,7 +46,9 @@ def rotation(e: ca.SX) -> ca.SX:
 class SupportRoute:
     """State s = [p, quaternion (w x y z), v, w (body), angles (2)]; `fixed` None is the plane z = 0."""
 
-    def __init__(self, moving: Ellipsoid, fixed: Ellipsoid | None, cavity: bool, frame: np.ndarray, g: float = 9.81):
+    def __init__(
+        self, moving: Ellipsoid, fixed: Ellipsoid | None, cavity: bool, frame: np.ndarray, g: float = 9.81
+    ):
         self.frame = np.asarray(frame, float)
         p, e, v, w, angle = (ca.SX.sym(k, n) for k, n in (("p", 3), ("e", 4), ("v", 3), ("w", 3), ("a", 2)))
         n = ca.DM(self.frame) @ ca.vertcat(

@@ -50,7 +50,9 @@ def test_forty_nine_elastic_balls_keep_their_energy() -> None:
         for j in range(7)
     ]
     contact = [{"between": [ball.name, "floor"], "restitution": 1.0} for ball in balls]
-    scene = make.scene("forty_nine", [make.fixed("floor", make.plane()), *balls], contact=contact, run={"until": 20.0})
+    scene = make.scene(
+        "forty_nine", [make.fixed("floor", make.plane()), *balls], contact=contact, run={"until": 20.0}
+    )
     path = simulate(library_of(scene), accuracy=Accuracy.balanced(), samples=200)
     assert path.energy[0] == pytest.approx(49 * 10 * G * 5, rel=1e-12)
     assert np.mean((path.energy - path.energy[0]) ** 2) < 1e-8

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from modelgen.contact.kinds import FORMS, choose_form, order
 from modelgen.errors import SceneError, nearest
-from modelgen.masses import pose_numbers
 from modelgen.model import BodyMotion, ContactKind, ShapeKind, Side
+from modelgen.require.masses import pose_numbers
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
 

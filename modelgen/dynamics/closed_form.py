@@ -14,7 +14,7 @@ from itertools import accumulate, pairwise
 
 import casadi as ca
 
-from modelgen.dynamics import kernel, mass_and_inertia
+from modelgen.dynamics.bodies import kernel, mass_and_inertia
 from modelgen.geometry.frames import dot, zeros
 from modelgen.model import BodyEntry, BodyKind, ContactEntry, Model
 

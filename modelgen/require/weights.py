@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from modelgen.model import BodyMotion, LoadKind
-from modelgen.pruning import points_of
+from modelgen.require.pruning import points_of
 from modelgen.scene.types import ForceLoad, Load, SpringLoad, TorqueLoad, Vector
 
 _ZERO = (0.0, 0.0, 0.0)

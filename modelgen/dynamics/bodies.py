@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.dynamics.turning import exponential
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.geometry.lower import lower
 from modelgen.model import BodyKind
-from modelgen.turning import exponential
 
 INERTIA_SIZE = {"none": 0, "isotropic": 1, "diagonal": 3, "full": 6}
 

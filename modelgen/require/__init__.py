@@ -8,15 +8,6 @@ from itertools import accumulate
 
 from modelgen.contact.kinds import eta_layout
 from modelgen.errors import SceneError
-from modelgen.masses import (
-    Mass,
-    inertia_kind,
-    inertia_numbers,
-    inverse_numbers,
-    mass_of,
-    pose_numbers,
-    rotation_of,
-)
 from modelgen.model import (
     BodyEntry,
     BodyKind,
@@ -28,12 +19,21 @@ from modelgen.model import (
     Model,
     ShapeKind,
 )
-from modelgen.pairing import Partner, contact_names, find_body, find_shape, pair_up, shape_kind
-from modelgen.pruning import bodies_of, check_observed, motion_of
-from modelgen.scales import scales_of
+from modelgen.require.masses import (
+    Mass,
+    inertia_kind,
+    inertia_numbers,
+    inverse_numbers,
+    mass_of,
+    pose_numbers,
+    rotation_of,
+)
+from modelgen.require.pairing import Partner, contact_names, find_body, find_shape, pair_up, shape_kind
+from modelgen.require.pruning import bodies_of, check_observed, motion_of
+from modelgen.require.scales import scales_of
+from modelgen.require.vocabulary import Vocabulary
+from modelgen.require.weights import load_kind, load_parameters
 from modelgen.scene.types import Body, Scene, Vector
-from modelgen.vocabulary import Vocabulary
-from modelgen.weights import load_kind, load_parameters
 
 ETA_SIZE = {"point": 3, "chart": 2, "none": 0}
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from modelgen.errors import SceneError, nearest
-from modelgen.masses import Mass
 from modelgen.model import BodyMotion
+from modelgen.require.masses import Mass
 from modelgen.scene.types import Body, ForceLoad, Load, Scene, Shape, SpringLoad, TorqueLoad, Vector
 
 BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.dynamics import kernel
+from modelgen.dynamics.bodies import kernel
+from modelgen.dynamics.turning import quaternion
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.geometry.lower import lower
 from modelgen.model import BodyMotion, LoadKind
 from modelgen.scene.types import ForceLoad, TorqueLoad
-from modelgen.turning import quaternion
 
 NO_LENGTH = 1e-30  # m: guards the direction of a spring of length zero, which then exerts no force
 

@@ -8,9 +8,9 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from modelgen.geometry.catalogue import surface_of
-from modelgen.masses import Mass
 from modelgen.model import Scales
-from modelgen.pruning import contacting_shapes
+from modelgen.require.masses import Mass
+from modelgen.require.pruning import contacting_shapes
 from modelgen.scene.types import Body, Scene
 
 
