@@ -18,11 +18,22 @@ if TYPE_CHECKING:
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.require import require as require
     from modelgen.runtime.accuracy import Accuracy as Accuracy
+    from modelgen.runtime.batch import simulate_batch as simulate_batch
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.scene.read import read as read
 
 __version__ = "0.1.0"
-__all__ = ["Accuracy", "ModelgenError", "build", "derive", "emit", "read", "require", "simulate"]
+__all__ = [
+    "Accuracy",
+    "ModelgenError",
+    "build",
+    "derive",
+    "emit",
+    "read",
+    "require",
+    "simulate",
+    "simulate_batch",
+]
 
 _HOMES = {
     "read": "modelgen.scene.read",
@@ -31,6 +42,7 @@ _HOMES = {
     "emit": "modelgen.codegen.emit",
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
+    "simulate_batch": "modelgen.runtime.batch",
     "Accuracy": "modelgen.runtime.accuracy",
     "ModelgenError": "modelgen.errors",
 }

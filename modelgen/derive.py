@@ -14,7 +14,7 @@ from modelgen.dynamics.loads import load_kernel
 from modelgen.geometry.surface import surface_kernel
 from modelgen.model import Model
 
-Role = Literal["pose", "motion", "energy", "path", "wrench", "surface", "rates", "place", "rhs"]
+Role = Literal["pose", "motion", "energy", "path", "wrench", "surface", "rates", "place", "angle", "rhs"]
 
 CITATIONS: dict[str, str] = {
     "pose": "rotation matrix of a unit quaternion",
@@ -24,6 +24,7 @@ CITATIONS: dict[str, str] = {
     "force": "wrench of a force about the centre of mass",
     "torque": "wrench of a torque",
     "spring": "Hooke's law with viscous damping along the line of the anchors",
+    "angle": "Theorem 4.1 (4.3): contact angle and its rate",
     "surface": "surface point and exterior unit normal, Section 2",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
@@ -103,4 +104,7 @@ def _of_contacts(model: Model) -> list[Formula]:
         kernels, citation = contact_kernels(kind), FORMS[kind.form].citation
         found.append(_formula(kernels.rates, "rates", index, citation))
         found.append(_formula(kernels.place, "place", index, citation))
+        angle = FORMS[kind.form].angle
+        if angle is not None:
+            found.append(_formula(angle(kind), "angle", index, CITATIONS["angle"]))
     return found

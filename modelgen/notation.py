@@ -29,6 +29,40 @@ _ETA = "point of a surface: 3, chart: 2, plane or no eta: 0, o first"
 _ROW = "6, 3 or 0"
 _SIDES = (("o", "o"), ("f", "f"))
 
+_STEPS = (  # what the rates of a contact are made of; shown by inspection, outputs of no kernel
+    Notation("t1", "t_1", "first tangent of the frame that both surfaces share", "1", "3", "world"),
+    Notation("t2", "t_2", "second tangent of that frame", "1", "3", "world"),
+    Notation("A", "A", "K_f + K_o + d K_o K_f, regular where the contact is", "1/m", "2x2",
+             "tangent", "(4.1)"),
+    Notation("turn", "w^t", "turning of f past o about the tangents, (w_f - w_o) x N", "rad/s", "2",
+             "tangent"),
+    Notation("V", "V", "velocity of the point of f seen from o", "m/s", "2 or 3", "tangent; spheres: world"),
+    Notation("w", "w", "angular velocity of f seen from o, in the contact frame of f", "rad/s", "3",
+             "contact frame of f", "Appendix E"),
+    Notation("nu", "\\nu", "rate of the normal seen from o", "rad/s", "2", "tangent", "(B.5)"),
+    Notation("m", "m", "rate of the normal seen from f, (w_f - w_o) x N", "rad/s", "3", "shape f"),
+    Notation("n_f", "n_f", "exterior normal of f at its support point", "1", "3", "shape f"),
+    Notation("distance", "", "signed distance of the centres", "m", "1"),
+    Notation("metric", "I_o", "first fundamental form of o", "m^2", "2x2", "chart of o"),
+    Notation("X", "X", "products of the tangents, E_o^T E_f", "m^2", "2x2", "charts"),
+    Notation("R_psi", "R_\\psi", "reflection that takes the tangents of f to those of o", "1", "2x2", "",
+             "Theorem 4.1"),
+    *(entry for side, partner in _SIDES for entry in (
+        Notation(f"l_{side}", "l", f"from the centre of mass of {partner} to the contact point", "m", "3",
+                 f"shape {partner}"),
+        Notation(f"K_{side}", "K", f"curvature form of {partner}, positive if convex", "1/m", "2x2",
+                 "tangent"),
+        Notation(f"M_{side}", "M", f"metric form of {partner}, [c_u c_v] = [x y] M", "m", "2x2", "tangent"),
+        Notation(f"B_{side}", "B", f"second fundamental form of {partner}, positive if convex", "m", "2x2",
+                 f"chart of {partner}"),
+        Notation(f"velocity_{side}", "V", f"velocity of the material point of {partner}", "m/s", "3",
+                 "world"),
+        Notation(f"slide_{side}", "s", f"velocity of the contact point over {partner}", "m/s", "2 or 3",
+                 "tangent or world", "(4.1), (4.2)"),
+        Notation(f"g_{side}", "g", f"residual of extremality of {partner}", "m^2 (o), m (f)", "2"),
+    )),
+)  # fmt: skip
+
 _TABLE = (
     Notation("t", "t", "time", "s", "1"),
     Notation("q", "q", "position coordinates: p, then quaternion (w, x, y, z)", "m, 1", "7 or 3", "world"),
@@ -80,6 +114,7 @@ _TABLE = (
              "Theorem 4.1"),
     Notation("psi_dot", "\\dot\\psi", "rate of psi", "rad/s", "1", "", "Theorem 4.1 (4.3)"),
     Notation("force", "\\lambda", "normal contact force, positive when pushing", "N", "1", "", "(2.6)"),
+    *_STEPS,
     *(Notation(f"J_{side}", "J", f"row of d_dot = J u for body {body}", "1, m",
              _ROW, "world, then body axes",
                "Lemma 3.1 (3.3)") for side, body in _SIDES),

@@ -7,5 +7,5 @@ import pytest
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update-golden", action="store_true", help="rewrite tests/golden from what is generated"
+        "--update-golden", action="store_true", help="rewrite generated/*/manifest.json of the shipped scenes"
     )

@@ -24,7 +24,7 @@ from modelgen.cli.options import (
     Until,
 )
 from modelgen.cli.output import check_outputs, exit_with, guarded, print_facts, write_run
-from modelgen.cli.street import accuracy_of, build_scene, derive_scene, read_scene, run_scene
+from modelgen.cli.street import accuracy_of, build_scene, derive_scene, folder_of, read_scene, run_scene
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -64,13 +64,14 @@ def build(
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
-    library = build_scene(read_scene(scene, form), real, out)
+    what = read_scene(scene, form)
+    library = build_scene(what, out or folder_of(what, form), real)
     manifest = library.manifest
     facts = {
         "scene": manifest.sentence["name"],
         "library": str(library.path),
         "real": library.real,
-        "hash": manifest.hash,
+        "hash": library.record.hash,
         "instructions": {name: entry["instructions"] for name, entry in manifest.functions.items()},
     }
     print_facts(facts, as_json, lambda: typer.echo(library.path))
@@ -94,7 +95,7 @@ def simulate(
 
     check_outputs(out, plot)
     settings = accuracy_of(accuracy, tolerance)
-    trajectory, library = run_scene(read_scene(scene, form), until, settings, samples)
+    trajectory, library = run_scene(scene, form, until, settings, samples)
     write_run(trajectory, library, out, plot)
     summary = trajectory.summary()
     print_facts(summary, as_json, lambda: print_summary(summary, Console()))
@@ -118,7 +119,7 @@ def plot(
     if source.suffix == ".npz":
         record = load(source)
     else:
-        trajectory, library = run_scene(read_scene(source, None), None, None, None)
+        trajectory, library = run_scene(source, None, None, None, None)
         record = record_of(trajectory, library)
     draw(record, out)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
@@ -131,17 +132,20 @@ def plot(
 @guarded
 def inspect(
     source: Annotated[str, typer.Argument(metavar="KIND|SCENE", help="a scene, or SHAPE-SHAPE[:FORM]")],
-    formula: Annotated[str | None, typer.Option(help="only the formula of this name")] = None,
+    formula: Annotated[
+        str | None, typer.Option(help="only this formula, role or quantity: mg_..._rates, rates, gamma")
+    ] = None,
     style: Annotated[Style, typer.Option("--format", help="how formulas are written")] = Style.text,
     as_json: AsJson = False,
 ) -> None:
     """Print the formulas of a scene or of a kind of contact: source, units, cost, definition."""
-    from modelgen.report.derivation import formula_facts, formula_text, kind_scene
+    from modelgen.report.derivation import OF_A_PAIR, formula_facts, kind_scene
+    from modelgen.report.typeset import STYLES
 
     is_scene = source.endswith(".toml") or Path(source).exists()
     scene = read_scene(Path(source), None) if is_scene else kind_scene(source)
-    facts = formula_facts(derive_scene(scene), formula, style.value)
-    text = "\n\n".join(formula_text(fact, style.value) for fact in facts)
+    facts = formula_facts(derive_scene(scene), formula, style.value, () if is_scene else OF_A_PAIR)
+    text = "\n\n".join(map(STYLES[style.value], facts))
     print_facts({"source": source, "formulas": facts}, as_json, lambda: typer.echo(text))
 
 

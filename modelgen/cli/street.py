@@ -35,18 +35,28 @@ def derive_scene(scene: Scene) -> Derivation:
         return modelgen.derive(modelgen.require(scene))
 
 
-def build_scene(scene: Scene, real: RealName = RealName.double, folder: Path | None = None) -> Library:
+def folder_of(scene: Scene, form: str | None) -> Path:
+    """Where a scene is built; a forced form has a folder of its own, beside the reviewed manifest."""
+    return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
+
+
+def build_scene(scene: Scene, folder: Path, real: RealName = RealName.double) -> Library:
     derivation = derive_scene(scene)
     with progress("compiling"):
         return modelgen.build(modelgen.emit(derivation), real=real.value, folder=folder)
 
 
 def run_scene(
-    scene: Scene, until: float | None, accuracy: modelgen.Accuracy | None, samples: int | None
+    path: Path,
+    form: str | None,
+    until: float | None,
+    accuracy: modelgen.Accuracy | None,
+    samples: int | None,
 ) -> tuple[Trajectory, Library]:
     """Build and run; a start that is refused leaves no folder behind that was not there before."""
-    with _removed_if_refused(Path("generated") / scene.name) as folder:
-        library = build_scene(scene, folder=folder)
+    scene = read_scene(path, form)
+    with _removed_if_refused(folder_of(scene, form)) as folder:
+        library = build_scene(scene, folder)
         with progress("simulating") as report:
             trajectory = modelgen.simulate(
                 library, until=until, accuracy=accuracy, samples=samples, on_progress=report

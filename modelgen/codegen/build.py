@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import tempfile
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
+import casadi as ca
+
+from modelgen import __version__
 from modelgen.codegen.compiler import REALS, Compiler, compile_library, cpu_target, find_compiler
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.manifest import BuildRecord, record_name
 from modelgen.errors import LibraryError, nearest
 
 
@@ -22,7 +25,7 @@ def build(package: Package, *, real: str = "double", folder: Path | None = None)
     Args:
         package: what `emit` returned.
         real: "double", "float" or "long double".
-        folder: where C, header, manifest and library go; `generated/<scene>` when None.
+        folder: where C, header, manifest, library and its record go; `generated/<scene>` when None.
 
     Raises:
         CompilerMissing: there is no C compiler.
@@ -38,10 +41,10 @@ def build(package: Package, *, real: str = "double", folder: Path | None = None)
     folder.mkdir(parents=True, exist_ok=True)
     if not path.exists():
         _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), path)
-    versions = {**package.manifest.versions, "compiler": compiler.version.partition("\n")[0]}
-    manifest = replace(package.manifest, hash=key, real=real, file=path.name, versions=versions)
-    library = Library(manifest, path)
-    _write(folder, package.files, manifest)
+    record = BuildRecord(key, real, path.name, package.manifest.vocabulary, _versions(compiler))
+    library = Library(package.manifest, record, folder)
+    texts = {"manifest.json": package.manifest.to_json(), record_name(real): record.to_json()}
+    _write(folder, {**package.files, **texts})
     return library
 
 
@@ -61,9 +64,13 @@ def content_hash(package: Package, flags: tuple[str, ...], compiler: Compiler) -
     return digest.hexdigest()
 
 
-def manifest_name(real: str) -> str:
-    """File name of the manifest of a library over one real type."""
-    return "manifest.json" if real == "double" else f"manifest-{real.replace(' ', '-')}.json"
+def _versions(compiler: Compiler) -> dict[str, str]:
+    return {
+        "modelgen": __version__,
+        "casadi": str(ca.CasadiMeta.version()),
+        "python": ".".join(str(part) for part in sys.version_info[:3]),
+        "compiler": compiler.version.partition("\n")[0],
+    }
 
 
 def _compile(files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
@@ -77,8 +84,9 @@ def _compile(files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...
         os.replace(target, path)
 
 
-def _write(folder: Path, files: Mapping[str, str], manifest: Manifest) -> None:
-    for name, text in {**files, manifest_name(manifest.real): manifest.to_json()}.items():
+def _write(folder: Path, files: Mapping[str, str]) -> None:
+    """Each text to its file, by rename, and only if the file holds something else."""
+    for name, text in files.items():
         path = folder / name
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             scratch = folder / f".{name}.{os.getpid()}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -11,7 +10,6 @@ from typing import Any
 
 import casadi as ca
 
-from modelgen import __version__
 from modelgen.codegen.kinds_c import kinds_text, prototypes
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.sentence import kinds_of, sentence_of
@@ -47,7 +45,10 @@ MODEL_MIDDLE = """#include "kernels.c"
 
 """
 
-INNER_LOOP = ("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "lone.c", "rhs.c", "rk4.c", "step.c")
+INNER_LOOP = (
+    *("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "islands.c"),
+    *("lone.c", "rhs.c", "rk4.c", "step.c"),
+)
 
 COLD_HEAD = """
 #if defined(__GNUC__) && !defined(__clang__) /* what runs once a step or less need not cost compile time */
@@ -87,13 +88,9 @@ def emit(derivation: Derivation) -> Package:
     manifest = Manifest(
         abi=abi_of(core["modelgen.h"]),
         functions={formula.name: _entry(formula) for formula in compiled},
+        composed={formula.name: _entry(formula) for formula in derivation.formulas if formula.role == "rhs"},
         kinds=kinds_of(derivation.model),
         sentence=sentence_of(derivation.model),
-        versions={
-            "modelgen": __version__,
-            "casadi": str(ca.CasadiMeta.version()),
-            "python": ".".join(str(part) for part in sys.version_info[:3]),
-        },
     )
     return Package(derivation.model.scene.name, files, manifest)
 

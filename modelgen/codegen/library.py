@@ -1,4 +1,4 @@
-"""A compiled library and its manifest: loaded, checked, and called with exact shapes. No symbols."""
+"""A compiled library, its manifest and its build record: loaded, checked, called with exact shapes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.manifest import BuildRecord, Manifest, record_name
 from modelgen.errors import LibraryError, nearest
 
 Array = np.ndarray[Any, Any]
@@ -22,15 +22,16 @@ DTYPES: Mapping[str, type[np.floating[Any]]] = {
 
 
 class Library:
-    """The functions of one built scene.
+    """The functions of one built scene: what the manifest lists, in the file that the record names.
 
-    Raises LibraryError when the file is missing, foreign, stale, or not what its manifest says.
+    Raises LibraryError when the file is missing, foreign, stale, or not what manifest and record say.
     """
 
-    def __init__(self, manifest: Manifest, path: Path) -> None:
+    def __init__(self, manifest: Manifest, record: BuildRecord, folder: Path) -> None:
         self.manifest = manifest
-        self.path = path
-        self.real = manifest.real
+        self.record = record
+        self.path = path = folder / record.file
+        self.real = record.real
         if self.real not in DTYPES:
             raise LibraryError(
                 str(path), f"real type {self.real!r}", f"allowed: {', '.join(DTYPES)}", "build again"
@@ -45,37 +46,36 @@ class Library:
         self.check()
 
     @classmethod
-    def load(cls, manifest_path: Path) -> Library:
-        """The library that lies beside a manifest file."""
-        try:
-            text = manifest_path.read_text(encoding="utf-8")
-        except OSError as error:
-            raise LibraryError(
-                str(manifest_path), f"it cannot be read: {error.strerror}", "", "build first"
-            ) from None
-        manifest = Manifest.from_json(text, str(manifest_path))
-        return cls(manifest, manifest_path.parent / manifest.file)
+    def load(cls, folder: Path, real: str = "double") -> Library:
+        """The library over one real type that was built last into a folder."""
+        manifest, record = folder / "manifest.json", folder / record_name(real)
+        return cls(
+            Manifest.from_json(_text(manifest), str(manifest)),
+            BuildRecord.from_json(_text(record), str(record)),
+            folder,
+        )
 
     def check(self) -> None:
-        """Raises LibraryError unless ABI, hash, file name and real type agree with the manifest."""
+        """Raises LibraryError unless manifest, record and library agree."""
         try:
             self.cdll.mg_hash.restype = ctypes.c_char_p
             abi, key = self.cdll.mg_abi(), self.cdll.mg_hash().decode()
             size = self.cdll.mg_real_size()
         except AttributeError:
             raise LibraryError(str(self.path), "it is not a library of modelgen", "", "build again") from None
-        wanted = self.manifest
+        manifest, record = self.manifest, self.record
         for what, found, allowed in (
-            ("ABI", abi, wanted.abi),
-            ("hash", key, wanted.hash),
-            ("hash in the file name", self.path.stem.rpartition("-")[2], wanted.hash[:16]),
+            ("ABI", abi, manifest.abi),
+            ("vocabulary", record.vocabulary, manifest.vocabulary),
+            ("hash", key, record.hash),
+            ("hash in the file name", self.path.stem.rpartition("-")[2], record.hash[:16]),
             ("size of the real type", size, self.dtype.itemsize),
         ):
             if found != allowed:
                 raise LibraryError(
                     str(self.path),
                     f"{what} {found}",
-                    f"the manifest says {allowed}",
+                    f"its manifest and record say {allowed}",
                     "it is stale: build again",
                 )
 
@@ -121,6 +121,13 @@ class Kernel:
                 found,
                 f"a contiguous array of {self.dtype} with shape {shape} is needed",
             )
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise LibraryError(str(path), f"it cannot be read: {error.strerror}", "", "build first") from None
 
 
 def _pointers(arrays: tuple[Array, ...]) -> ctypes.Array[ctypes.c_void_p]:

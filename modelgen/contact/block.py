@@ -75,7 +75,8 @@ def block_rates(pair: Pair) -> Rates:
     rate_o, rate_f = solve_block(at, right_o, ca.mtimes(at.E_f.T, cross(w_f - w_o, at.N)))
     N_dot = turned + ca.mtimes([at.E_o, at.shape_o, rate_o])
     slides = ca.mtimes(at.E_o, rate_o), ca.mtimes(at.E_f, rate_f)
-    return rates_of(pair, at.N, N_dot, at.levers, *slides, ca.vertcat(rate_o, rate_f))
+    steps = {"metric": at.metric, "B_o": at.B_o, "B_f": at.B_f, "X": at.X}
+    return rates_of(pair, at.N, N_dot, at.levers, *slides, ca.vertcat(rate_o, rate_f), steps)
 
 
 def block_place(pair: Pair) -> Placement:

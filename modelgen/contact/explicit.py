@@ -51,6 +51,7 @@ def sphere_rates(pair: Pair) -> Rates:
         eta_dot=ca.SX(0, 1),
         normal=at.N,
         normal_rate=N_dot,
+        steps={"distance": at.distance, "normal": at.N, "V": V},
     )
 
 

@@ -86,6 +86,13 @@ def differentiated_rates(pair: Pair) -> Rates:
         eta_dot=eta_dot,
         normal=system.N,
         normal_rate=along(pair, system.N, eta_dot),
+        steps={
+            "normal": system.N,
+            "point_o": system.levers.point_o,
+            "point_f": system.levers.point_f,
+            "g_o": system.g_o,
+            "g_f": system.g_f,
+        },
     )
 
 

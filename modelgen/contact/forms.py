@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import casadi as ca
+
 from modelgen.contact.block import block_place, block_rates
 from modelgen.contact.carriers import (
     carrier_place,
@@ -18,7 +20,7 @@ from modelgen.contact.extremal import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
 from modelgen.contact.sides import Layout, Pair, pair
 from modelgen.contact.support import support_place, support_rates
-from modelgen.contact.surface_surface import paper_rates
+from modelgen.contact.surface_surface import angle_function, paper_rates
 from modelgen.model import ContactKind, ShapeKind
 
 
@@ -85,6 +87,15 @@ def build_paper(kind: ContactKind) -> ContactKernels:
     centripetal signs of (3.11) reversed.
     """
     return _build(kind, chart_layout, paper_rates, carrier_place)
+
+
+def build_angle(kind: ContactKind) -> ca.Function:
+    """`mg_<name>_angle`: the inputs of the rates on two charts -> psi (rad), psi_dot (rad/s) of (4.3).
+
+    psi turns the first tangent of f to that of o about N,
+    psi_dot = w_z + T_f M_f alpha_f_dot + T_o M_o alpha_o_dot.
+    """
+    return angle_function(pair(kind, chart_layout(kind.o.shape, kind.f.shape)), f"mg_{kind.name}_angle")
 
 
 def build_differentiated(kind: ContactKind) -> ContactKernels:

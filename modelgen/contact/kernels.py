@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -25,6 +26,7 @@ class Rates:
     eta_dot: ca.SX  # (n_eta,) m/s for points, parameter/s for charts
     normal: ca.SX  # (3,) world, from o to f
     normal_rate: ca.SX  # (3,) 1/s, world
+    steps: Mapping[str, ca.SX] = field(default_factory=dict)  # what they are made of, by name, in order
 
 
 @dataclass(frozen=True)
@@ -42,28 +44,37 @@ class Placement:
 
 @dataclass(frozen=True)
 class ContactKernels:
-    """The two kernels of a contact kind, and the rate of its normal for inspection and tests."""
+    """The two kernels of a contact kind; beside them, for inspection and tests, the rate of its normal and
+    the rates with the quantities that they are made of as outputs before them."""
 
     rates: ca.Function
     place: ca.Function
     normal_rate: ca.Function
+    steps: ca.Function
 
 
 def kernels(name: str, pair: Pair, rates: Rates, placement: Placement) -> ContactKernels:
-    """The kernels `mg_<name>_rates`, `mg_<name>_place`, `mg_<name>_normal_rate`."""
+    """The kernels `mg_<name>_rates`, `mg_<name>_place`; `mg_<name>_normal_rate`, `mg_<name>_steps`."""
     o, f = pair.o, pair.f
     parameters = ca.vertcat(o.argument, f.argument)
     moving = [o.pose, o.twist, f.pose, f.twist, pair.eta, parameters]
     resting = [o.pose, f.pose, pair.eta, parameters]
+    known = vars(rates)
+    made = {**rates.steps, "normal_rate": rates.normal_rate, **{out: known[out] for out in RATES_OUTPUTS}}
     return ContactKernels(
-        _function(f"mg_{name}_rates", moving, RATES_INPUTS, rates, RATES_OUTPUTS),
-        _function(f"mg_{name}_place", resting, PLACE_INPUTS, placement, PLACE_OUTPUTS),
-        _function(f"mg_{name}_normal_rate", moving, RATES_INPUTS, rates, ("normal_rate",)),
+        _function(f"mg_{name}_rates", moving, RATES_INPUTS, known, RATES_OUTPUTS),
+        _function(f"mg_{name}_place", resting, PLACE_INPUTS, vars(placement), PLACE_OUTPUTS),
+        _function(f"mg_{name}_normal_rate", moving, RATES_INPUTS, known, ("normal_rate",)),
+        _function(f"mg_{name}_steps", moving, RATES_INPUTS, made, tuple(made)),
     )
 
 
 def _function(
-    name: str, inputs: list[ca.SX], in_names: tuple[str, ...], record: object, out_names: tuple[str, ...]
+    name: str,
+    inputs: list[ca.SX],
+    in_names: tuple[str, ...],
+    values: Mapping[str, ca.SX],
+    out_names: tuple[str, ...],
 ) -> ca.Function:
-    outputs = ca.cse([ca.densify(getattr(record, out)) for out in out_names])
+    outputs = ca.cse([ca.densify(values[out]) for out in out_names])
     return ca.Function(name, inputs, outputs, list(in_names), list(out_names))

@@ -11,8 +11,7 @@ import casadi as ca
 from modelgen.contact import forms
 from modelgen.contact.carriers import chart_layout, mixed_layout, no_layout, point_layout
 from modelgen.contact.kernels import ContactKernels
-from modelgen.contact.sides import Layout, pair
-from modelgen.contact.surface_surface import angle_function
+from modelgen.contact.sides import Layout
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of
 from modelgen.model import ContactKind, ShapeKind, Side
@@ -28,6 +27,7 @@ class Form:
     layout: Callable[[ShapeKind, ShapeKind], Layout]
     build: Callable[[ContactKind], ContactKernels]
     citation: str
+    angle: Callable[[ContactKind], ca.Function] | None = None  # psi and psi_dot, where the form has frames
 
 
 def _is_plane(shape: ShapeKind) -> bool:
@@ -94,6 +94,7 @@ _TABLE = (
     Form(
         "paper", _not_two_planes, _without_poles, chart_layout, forms.build_paper,
         f"Theorem 4.1, Lemma 4.2, {_ROW}; eta = two charts",
+        angle=forms.build_angle,
     ),
     Form(
         "differentiated", _not_two_planes, _without_poles, chart_layout, forms.build_differentiated,
@@ -136,11 +137,6 @@ def contact_kernels(kind: ContactKind) -> ContactKernels:
         fitting = [name for name, other in FORMS.items() if other.applies(kind.o.shape, kind.f.shape)]
         raise SceneError(where, f"the form {kind.form!r} does not apply", "forms: " + " ".join(fitting))
     return form.build(kind)
-
-
-def contact_angle_function(kind: ContactKind) -> ca.Function:
-    """`mg_<name>_angle`: inputs as the rates of the form "paper" -> psi (rad), psi_dot (rad/s) of (4.3)."""
-    return angle_function(pair(kind, chart_layout(kind.o.shape, kind.f.shape)), f"mg_{kind.name}_angle")
 
 
 @cache

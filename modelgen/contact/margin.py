@@ -8,17 +8,18 @@ FLOOR = 1e-30  # 1/m; keeps flat on flat at margin 0 instead of 0/0, also in sin
 
 
 def singular_values(A: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """The larger and the smaller singular value of a 2x2 matrix, without cancellation.
+    """The larger and the smaller singular value of a 2x2 matrix, the latter with the sign of det A, without
+    cancellation.
 
     A splits into a rotation-like and a reflection-like part with lengths p and q; they are p + q and |p - q|,
-    the latter computed as |det A|/(p + q).
+    the latter computed as det A/(p + q).
     """
     A = ca.densify(A)
     p = ca.sqrt((A[0, 0] + A[1, 1]) ** 2 + (A[1, 0] - A[0, 1]) ** 2) / 2
     q = ca.sqrt((A[0, 0] - A[1, 1]) ** 2 + (A[1, 0] + A[0, 1]) ** 2) / 2
     larger = p + q
     determinant = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
-    return larger, ca.fabs(determinant) / ca.fmax(larger, FLOOR)
+    return larger, determinant / ca.fmax(larger, FLOOR)
 
 
 def relative_curvature(K_o: ca.SX, K_f: ca.SX, d: ca.SX) -> ca.SX:
@@ -27,7 +28,10 @@ def relative_curvature(K_o: ca.SX, K_f: ca.SX, d: ca.SX) -> ca.SX:
 
 
 def margin(K_o: ca.SX, K_f: ca.SX, d: ca.SX) -> ca.SX:
-    """(mu, sigma_min(A')) with mu = sigma_min/(|K_f| + |K_o| + |d| |K_f| |K_o|) in [0, 1]; shared frame."""
+    """(mu, sigma_min(A')) with mu = sigma_min/(|K_f| + |K_o| + |d| |K_f| |K_o|) in [-1, 1]; shared frame.
+
+    Negative where the extremum is a saddle of the distance: the surfaces cross near points that touch so.
+    """
     _, smallest = singular_values(relative_curvature(K_o, K_f, d))
     size_o, size_f = singular_values(K_o)[0], singular_values(K_f)[0]
     scale = size_f + size_o + ca.fabs(d) * size_f * size_o

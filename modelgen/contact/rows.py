@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -56,7 +57,14 @@ def gap_bias(pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, sli
 
 
 def rates_of(
-    pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX, eta_dot: ca.SX
+    pair: Pair,
+    N: ca.SX,
+    N_dot: ca.SX,
+    at: Levers,
+    slide_o: ca.SX,
+    slide_f: ca.SX,
+    eta_dot: ca.SX,
+    steps: Mapping[str, ca.SX],
 ) -> Rates:
     """All rates from N, the levers, and the motion of the contact points over the surfaces."""
     J_o, J_f = jacobian_rows(pair, N, at)
@@ -68,4 +76,14 @@ def rates_of(
         eta_dot=eta_dot,
         normal=N,
         normal_rate=N_dot,
+        steps={
+            "normal": N,
+            "point_o": at.point_o,
+            "point_f": at.point_f,
+            "velocity_o": at.velocity_o,
+            "velocity_f": at.velocity_f,
+            **steps,
+            "slide_o": slide_o,
+            "slide_f": slide_f,
+        },
     )

@@ -70,6 +70,7 @@ def support_rates(pair: Pair) -> Rates:
         eta_dot=ca.SX(0, 1),
         normal=at.N,
         normal_rate=turn_o_world,
+        steps={"normal": at.N, "n_f": -at.n, "l_f": at.l_f, "m": m},
     )
 
 

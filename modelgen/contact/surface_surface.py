@@ -66,7 +66,16 @@ def paper_rates(pair: Pair) -> Rates:
     slide_o, slide_f = ca.mtimes(at.o.M, rate_o), ca.mtimes(at.f.M, rate_f)
     N_dot = cross(pair.o.spin_world, at.N) + ca.mtimes([at.axes_o, at.o.K, slide_o])
     slides = ca.mtimes(at.axes_o, slide_o), ca.mtimes(at.axes_f, slide_f)
-    return rates_of(pair, at.N, N_dot, at.levers, *slides, ca.vertcat(rate_o, rate_f))
+    steps = {
+        "M_o": at.o.M,
+        "M_f": at.f.M,
+        "K_o": at.o.K,
+        "K_f": at.f.K,
+        "R_psi": at.R_psi,
+        "V": at.v,
+        "w": at.w,
+    }
+    return rates_of(pair, at.N, N_dot, at.levers, *slides, ca.vertcat(rate_o, rate_f), steps)
 
 
 def contact_angle(pair: Pair) -> tuple[ca.SX, ca.SX]:
@@ -78,7 +87,7 @@ def contact_angle(pair: Pair) -> tuple[ca.SX, ca.SX]:
 
 
 def angle_function(pair: Pair, name: str) -> ca.Function:
-    """`<name>`: the inputs of `rates` -> (psi, psi_dot), for inspection; no kernel needs them."""
+    """`<name>`: the inputs of `rates` -> (psi, psi_dot), for users; the core needs neither."""
     o, f = pair.o, pair.f
     inputs = [o.pose, o.twist, f.pose, f.twist, pair.eta, ca.vertcat(o.argument, f.argument)]
     outputs = ca.cse(list(contact_angle(pair)))

@@ -100,6 +100,21 @@ def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
         eta_dot=ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), f.eta_rate(ca.mtimes(frame.T_f, b))),
         normal=frame.n_w,
         normal_rate=ca.mtimes(frame.T_w, nu) + cross(pair.o.spin_world, frame.n_w),
+        steps={
+            "normal": frame.n_w,
+            "t1": frame.T_w[:, 0],
+            "t2": frame.T_w[:, 1],
+            "l_o": at.l_o,
+            "l_f": at.l_f,
+            "K_o": at.K_o,
+            "K_f": at.K_f,
+            "A": A,
+            "turn": turn,
+            "V": V,
+            "slide_f": b,
+            "nu": nu,
+            "slide_o": a,
+        },
     )
 
 

@@ -59,15 +59,26 @@ static int mg_settle_drift(mg_context *c) {
   return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
+/* What an event left on the contacts that stay closed, too slow to open them, is removed at once. */
+static int mg_change_mode(mg_context *c, mg_events *events) {
+  const int outcome = mg_transition(c, events);
+  if (outcome || !c->set->project) return outcome;
+  return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
+}
+
 /* One accepted step of at most h, ended by the first event within it. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
+  const mg_real reach = mg_reach(c);
+  if (c->set->method == MG_DOP853 && h > reach) h = reach;
+  mg_mark_falling(c);
   int outcome = mg_accurate_step(c, &h), event = 0;
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (mg_fired(c) || c->suspect) {
+  const int dips = mg_dips(c, h), passed = mg_fired(c) || c->suspect;
+  if (passed || dips) {
     mg_make_dense(c, run->t, run->x, h);
-    const mg_real shorter = mg_locate(c, h);
+    const mg_real shorter = mg_locate(c, h, passed);
     event = shorter > 0;
     if (event) h = shorter;
   }
@@ -75,7 +86,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   mg_commit(c, h);
   outcome = mg_settle_drift(c);
   if (outcome) return outcome;
-  if (event) outcome = mg_transition(c, events);
+  if (event) outcome = mg_change_mode(c, events);
   else if (mg_unsettled(c)) {
     for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
     outcome = mg_solve_modes(c, events);

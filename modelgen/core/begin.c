@@ -10,9 +10,12 @@ static int mg_find_extrema(mg_context *c) {
     if (c->place[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->place[0] <= touching;
     c->run->active[i] = 0;
+    c->run->margin[i] = mg_margin_of(c);
+    if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
+    if (c->run->closed[i] && !(c->run->margin[i] >= c->set->margin_refuse)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
-  return MG_DONE;
+  return mg_has_room(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
 /* Contacts at zero gap that already separate are open. */
@@ -21,8 +24,15 @@ static void mg_open_leaving(mg_context *c) {
     if (c->run->closed[i] && c->d_dot[i] > c->set->rest_speed * c->sys->length / c->sys->time) c->run->closed[i] = 0;
 }
 
+/* After the first impacts: contacts that were struck and do not rebound. */
+static void mg_report_caught(const mg_context *c, mg_events *events) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && mg_approaching(c, i)) mg_emit(events, c->run->t, MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+}
+
 static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
+  run->redundant_max = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = MG_MAX;
   run->t_event = run->t;
@@ -45,6 +55,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   run->energy_0 = mg_energy(&c, &kinetic);
   for (int i = 0; i < system->n_contact; i++) c.fired[i] = 0;
   outcome = mg_impact(&c, events);
+  mg_report_caught(&c, events);
   if (!outcome) outcome = mg_solve_modes(&c, events);
   if (!outcome && settings->project && !mg_project(&c)) outcome = MG_NO_EXTREMUM;
   if (outcome) return outcome;

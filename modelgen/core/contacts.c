@@ -64,20 +64,31 @@ static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int cont
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 static void mg_assemble(mg_context *c, const int *list, int n) {
   const mg_system *s = c->sys;
-  for (int i = 0; i < s->n_contact; i++) c->mask[i] = -1;
-  for (int r = 0; r < n; r++) c->mask[list[r]] = r, mg_weigh(c, list[r]);
+  for (int r = 0; r < n; r++) c->column[list[r]] = r, mg_weigh(c, list[r]);
   for (int k = 0; k < n * n; k++) c->A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
       const int body = side ? s->contact_f[list[r]] : s->contact_o[list[r]];
       const mg_real *J = mg_half(c, c->J, list[r], body);
       for (int k = c->first[body]; k < c->first[body + 1]; k++) {
-        const int column = c->mask[c->incident[k]];
+        const int column = c->column[c->incident[k]];
         if (column < 0) continue;
         const mg_real *MJ = mg_half(c, c->MJ, c->incident[k], body);
         c->A[r + n * column] += mg_dot6(J, MJ);
       }
     }
+  for (int r = 0; r < n; r++) c->column[list[r]] = -1;
+}
+
+/* The part of d_dot that driven bodies make. */
+static mg_real mg_driven_rate(const mg_context *c, int contact) {
+  mg_real rate = 0;
+  for (int side = 0; side < 2; side++) {
+    const int body = side ? c->sys->contact_f[contact] : c->sys->contact_o[contact];
+    if (mg_body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
+      rate += mg_dot6(c->J + 12 * contact + 6 * side, c->twist + 6 * body);
+  }
+  return rate;
 }
 
 static void mg_gap_rates(mg_context *c) {

@@ -16,13 +16,13 @@ static int *mg_take_int(int **next, long n) {
 static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
 MG_API long mg_work_size(const mg_system *s) {
-  const long b = s->n_body, m = s->n_contact, x = mg_states(s);
-  return 30 * b + m * (24 + 8) + s->n_eta + m * m + 2 * m + mg_lcp_work_size((int)m) + (MG_STAGES + 10) * x +
-         32 + 2 * s->n_eta;
+  const long b = s->n_body, m = s->n_contact, k = s->n_closed, x = mg_states(s);
+  return 30 * b + 34 * m + s->n_eta + k * k + 2 * k + mg_lcp_work_size((int)k) + (MG_STAGES + 10) * x + 32 +
+         2 * s->n_eta;
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
-  return 5L * s->n_contact + mg_lcp_iwork_size(s->n_contact) + s->n_body + 1;
+  return 8L * s->n_contact + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -45,18 +45,22 @@ static void mg_zero(mg_real *a, long n) {
 
 static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
-  const long b = s->n_body, m = s->n_contact, x = c->n_x;
+  const long b = s->n_body, m = s->n_contact, n = s->n_closed, x = c->n_x;
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
   c->J = mg_take(&work, 12 * m), c->MJ = mg_take(&work, 12 * m);
   c->d = mg_take(&work, m), c->gamma = mg_take(&work, m), c->d_dot = mg_take(&work, m);
   c->normal = mg_take(&work, 3 * m), c->force = mg_take(&work, m), c->eta_dot = mg_take(&work, s->n_eta + m);
-  c->A = mg_take(&work, m * m), c->b = mg_take(&work, m), c->z = mg_take(&work, m);
-  c->lcp = mg_take(&work, mg_lcp_work_size((int)m));
+  c->A = mg_take(&work, n * n), c->b = mg_take(&work, n), c->z = mg_take(&work, n);
+  c->lcp = mg_take(&work, mg_lcp_work_size((int)n));
   c->K = mg_take(&work, MG_STAGES * x), c->x_next = mg_take(&work, x), c->x_stage = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
+  c->rate = mg_take(&work, m), c->amount = mg_take(&work, m);
   c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);
-  c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)m));
+  c->falling = mg_take_int(&iwork, m);
+  c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
+  c->column = mg_take_int(&iwork, m), c->next = mg_take_int(&iwork, m), c->island = mg_take_int(&iwork, n);
+  c->parent = mg_take_int(&iwork, b), c->head = mg_take_int(&iwork, b);
   c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * m);
 }
 
@@ -68,6 +72,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * sys->n_contact); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, sys->n_contact);
+  for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1;
   mg_incidence(c);
   mg_set_fixed(c);
 }

@@ -3,16 +3,22 @@
 
 #define MG_SCAN 16     /* sub-intervals of a step in which the first event is sought */
 #define MG_POLISH 1000 /* the interpolant finds the event to this part of the step */
+#define MG_LEAVE 100   /* so many times mg_slack: a gap held without force leaves its rest within a step */
 
 static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
 
-/* After mg_rhs and mg_gap_rates: an open gap that closes, an active force that turns to pulling. */
+static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
+
+/* After mg_rhs and mg_gap_rates: an open gap that closes, an active force that turns to pulling, a gap held without
+   force that accelerates. */
 static int mg_fired(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->run->closed[i])
-      c->fired[i] = c->run->active[i] && c->force[i] < 0;
+    if (mg_held(c, i))
+      c->fired[i] = fabs(mg_separation(c, i)) > MG_LEAVE * mg_slack(c);
+    else if (c->run->closed[i])
+      c->fired[i] = c->force[i] < 0;
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
     count += c->fired[i];
@@ -50,25 +56,43 @@ static mg_real mg_event_slope(mg_context *c, int contact, mg_real h, mg_real the
 static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real tried) {
   const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried / MG_POLISH;
   mg_real moved = 0;
-  for (int round = 0; round < 4; round++) {
+  for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);
     const mg_real change = slope != 0 ? -mg_event_value(c, contact) / slope : 0;
     moved += change;
-    if (fabs(change) <= close || fabs(moved) > reach || h + change <= 0 || h + change > tried) break;
+    if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
+    if (h + change <= 0 || h + change > tried) return h;
     h += change;
   }
-  return h;
+}
+
+/* The first of MG_SCAN parts of the step h at which an event has fired; 0 when none has. */
+static mg_real mg_scan(mg_context *c, mg_real h) {
+  for (int j = 1; j <= MG_SCAN; j++)
+    if (mg_fired_at(c, h, (mg_real)j / MG_SCAN)) return (mg_real)j / MG_SCAN;
+  return 0;
+}
+
+/* Where a gap that shrinks and grows again is low enough for an event; 0 when it nowhere is. */
+static mg_real mg_dip(mg_context *c, int contact, mg_real h) {
+  mg_real low = 0, high = 1;
+  for (int j = 0; j < 50; j++) {
+    const mg_real middle = (low + high) / 2;
+    if (mg_fired_at(c, h, middle)) return middle;
+    if (c->d[contact] > fabs(c->d_dot[contact]) * (high - low) * h) return 0;
+    if (c->d_dot[contact] < 0) low = middle;
+    else high = middle;
+  }
+  return 0;
 }
 
 /* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
-   c->fired; 0 when none fires. Needs the interpolant of that step. */
-static mg_real mg_locate(mg_context *c, mg_real h) {
-  mg_real low = 0, high = 0;
-  for (int j = 1; j <= MG_SCAN && high == 0; j++) {
-    if (mg_fired_at(c, h, (mg_real)j / MG_SCAN)) high = (mg_real)j / MG_SCAN;
-    else low = (mg_real)j / MG_SCAN;
-  }
+   c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end. Needs the interpolant. */
+static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
+  mg_real high = passed ? mg_scan(c, h) : 0, low = high > 0 ? high - (mg_real)1 / MG_SCAN : 0;
+  for (int i = 0; i < c->sys->n_contact && high == 0; i++)
+    if (c->falling[i]) high = mg_dip(c, i, h);
   if (high == 0) return 0;
   const mg_real width = c->set->event * c->sys->time / h;
   for (int j = 0; j < 60 && high - low > width; j++) {
@@ -79,7 +103,7 @@ static mg_real mg_locate(mg_context *c, mg_real h) {
   mg_fired_at(c, h, high);
   const int first = mg_first_fired(c);
   if (first < 0) return 0;
-  const mg_real slope = mg_event_slope(c, first, h, high);
+  const mg_real slope = mg_held(c, first) ? 0 : mg_event_slope(c, first, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, high * h, slope, h);
 }

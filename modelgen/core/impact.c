@@ -6,6 +6,11 @@ static int mg_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
 }
 
+/* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
+static int mg_nearing(const mg_context *c, int contact) {
+  return c->d_dot[contact] < -c->set->drift * c->sys->length / c->sys->time;
+}
+
 static int mg_list_closed(mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -13,14 +18,15 @@ static int mg_list_closed(mg_context *c) {
   return n;
 }
 
-/* Adds the impulses to u and their work to the ledger. */
+/* Adds the impulses to u, and their work on the bodies that they move to the ledger. */
 static void mg_apply_impulses(mg_context *c, int n) {
   const mg_system *s = c->sys;
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
   for (int r = 0; r < n; r++) {
-    const mg_real before = c->d_dot[c->list[r]], after = before + mg_row(c, c->list[r], c->wrench);
-    c->run->x[c->work_index] += c->z[r] * (before + after) / 2;
+    const int i = c->list[r];
+    const mg_real before = c->d_dot[i], after = before + mg_row(c, i, c->wrench);
+    c->run->x[c->work_index] += c->z[r] * ((before + after) / 2 - mg_driven_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
@@ -52,7 +58,7 @@ static int mg_impact(mg_context *c, mg_events *events) {
   const int n = mg_list_closed(c);
   int struck = 0;
   mg_lcp_report report;
-  for (int r = 0; r < n; r++) struck += mg_approaching(c, c->list[r]);
+  for (int r = 0; r < n; r++) struck += mg_nearing(c, c->list[r]);
   if (!struck) return MG_DONE;
   mg_assemble(c, c->list, n);
   for (int r = 0; r < n; r++) {

@@ -17,6 +17,7 @@
 typedef struct {
   int n_body, n_contact, n_load;
   int n_q, n_u, n_eta;
+  int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_kind, *contact_o, *contact_f, *contact_eta, *contact_parameters;
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
@@ -52,7 +53,8 @@ typedef struct {
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11,       /* the start is refused */
-       MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24 };
+       MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24,
+       MG_TOO_MANY_CLOSED = 25 };
 
 enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3 };
 
@@ -64,6 +66,7 @@ typedef struct {
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
+  long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
@@ -98,6 +101,10 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
 /* Runs to t_stop or for max_steps accepted steps. MG_FULL: empty the lists and call again. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
                       long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork);
+
+/* n independent runs from their own starts to t_stop; outcome (n) holds their codes. `events` is scratch. */
+MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
+                     int *outcome, mg_events *events, mg_real *work, int *iwork);
 
 /* n steps of RK4 without event search, projection or ledger: the smooth part alone. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,

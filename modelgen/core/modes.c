@@ -19,7 +19,7 @@ static void mg_refresh(mg_context *c) {
 static int mg_choose_active(mg_context *c, const int *skip) {
   const int m = c->sys->n_contact;
   mg_lcp_report report;
-  int n = 0;
+  int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
   mg_refresh(c);
   for (int i = 0; i < m; i++)
@@ -31,7 +31,8 @@ static int mg_choose_active(mg_context *c, const int *skip) {
   c->run->lcp_solves++;
   if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
   if (report.outcome != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
-  for (int r = 0; r < n; r++) c->run->active[c->list[r]] = c->mask[r] != 0;
+  for (int r = 0; r < n; r++) c->run->active[c->list[r]] = c->mask[r] != 0, carrying += c->mask[r] != 0;
+  if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;
   mg_refresh(c);
   return MG_DONE;
 }
@@ -39,6 +40,29 @@ static int mg_choose_active(mg_context *c, const int *skip) {
 static void mg_lift(mg_context *c, mg_events *events, int contact) {
   c->run->closed[contact] = c->run->active[contact] = 0;
   mg_emit(events, c->run->t, MG_EVENT_LIFT_OFF, contact, 0);
+}
+
+/* True if the active contacts hold this one's gap as well, so that it rests without force. */
+static int mg_held_by_others(mg_context *c, int contact) {
+  int n = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->active[i]) c->list[n++] = i;
+  c->list[n++] = contact;
+  mg_assemble(c, c->list, n);
+  const mg_real *column = c->A + (long)n * (n - 1);
+  mg_real own = column[n - 1];
+  for (int r = 0; r < n; r++) c->b[r] = column[r], c->mask[r] = r < n - 1;
+  mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
+  for (int r = 0; r < n - 1; r++) own += column[r] * c->z[r];
+  return own <= (mg_real)1e6 * MG_EPS * column[n - 1];
+}
+
+/* A closed contact without active force opens: at once where its gap accelerates, and at a force that has
+   just reached zero, after which its gap will. */
+static int mg_opens(mg_context *c, int contact) {
+  if (!c->run->closed[contact] || c->run->active[contact]) return 0;
+  if (mg_separation(c, contact) > mg_slack(c)) return 1;
+  return c->fired[contact] && !mg_held_by_others(c, contact);
 }
 
 /* Contacts marked in c->fired are tried open first: their force has just reached zero. */
@@ -55,8 +79,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
     if (outcome) return outcome;
   }
   for (int i = 0; i < m; i++)
-    if (c->run->closed[i] && !c->run->active[i] && (c->fired[i] || mg_separation(c, i) > mg_slack(c)))
-      mg_lift(c, events, i);
+    if (mg_opens(c, i)) mg_lift(c, events, i);
   return MG_DONE;
 }
 
@@ -74,14 +97,22 @@ static int mg_too_many(mg_context *c) {
   return ++run->events_at_t > c->set->events_at_once;
 }
 
+/* False when more contacts are closed than the caller gave room for. */
+static int mg_has_room(const mg_context *c) {
+  int n = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) n += c->run->closed[i] != 0;
+  return n <= c->sys->n_closed;
+}
+
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
 static int mg_transition(mg_context *c, mg_events *events) {
   const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && c->d_dot[i] < 0))) {
+    if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
       c->run->closed[i] = 1, c->run->active[i] = 0, c->fired[i] = MG_NEW;
     }
+  if (!mg_has_room(c)) return MG_TOO_MANY_CLOSED;
   const int outcome = mg_impact(c, events);
   if (outcome) return outcome;
   for (int i = 0; i < c->sys->n_contact; i++) {

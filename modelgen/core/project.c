@@ -1,17 +1,10 @@
 /* Drift off d = 0 and d_dot = 0 is removed along M^-1 J^T: the least change in the kinetic metric. */
 #include "core.h"
 
-static int mg_collect_closed(mg_context *c) {
-  int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i]) c->list[n++] = i;
-  return n;
-}
-
-static mg_real mg_largest(const mg_context *c, const mg_real *value, int n) {
+static mg_real mg_largest(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
-  for (int r = 0; r < n; r++)
-    if (fabs(value[c->list[r]]) > largest) largest = fabs(value[c->list[r]]);
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
   return largest;
 }
 
@@ -19,13 +12,11 @@ static void mg_clear(mg_context *c) {
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
 }
 
-/* M^-1 J^T z with A z = -value, six numbers a body, in c->wrench. */
-static void mg_correction(mg_context *c, const mg_real *value, int n) {
-  mg_assemble(c, c->list, n);
-  for (int r = 0; r < n; r++) c->b[r] = value[c->list[r]], c->mask[r] = 1;
-  mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
+/* M^-1 J^T z with A z = -value over the closed contacts, six numbers a body, in c->wrench. */
+static void mg_correction(mg_context *c, const mg_real *value) {
+  const int n = mg_hold(c, c->run->closed, value, c->amount);
   mg_clear(c);
-  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
 }
 
 static void mg_turn(mg_real *e, const mg_real *angle) {
@@ -60,16 +51,14 @@ static void mg_push(mg_context *c) {
 /* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
 static int mg_project(mg_context *c) {
   const mg_real drift = c->set->drift * c->sys->length;
-  const int n = mg_collect_closed(c);
-  if (mg_largest(c, c->d, n) > drift) {
-    mg_correction(c, c->d, n);
+  if (mg_largest(c, c->d) > drift) {
+    mg_correction(c, c->d);
     mg_move(c);
     if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
     mg_refresh(c);
-    mg_collect_closed(c);
   }
-  if (mg_largest(c, c->d_dot, n) > drift / c->sys->time) {
-    mg_correction(c, c->d_dot, n);
+  if (mg_largest(c, c->d_dot) > drift / c->sys->time) {
+    mg_correction(c, c->d_dot);
     mg_push(c);
     mg_refresh(c);
   }
@@ -79,9 +68,8 @@ static int mg_project(mg_context *c) {
 /* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
 static int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    const int n = mg_collect_closed(c);
-    if (mg_largest(c, c->d, n) <= c->set->drift * c->sys->length) return 1;
-    mg_correction(c, c->d, n);
+      if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
+    mg_correction(c, c->d);
     mg_move(c);
     for (int extra = 0; extra < 3; extra++)
       if (!mg_place_all(c, c->run->t, c->run->x)) return 0;

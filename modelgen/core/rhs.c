@@ -3,34 +3,17 @@
 
 /* Forces on the active contacts: A force = -(J a + Gamma2), the unconstrained accelerations a in c->accel. */
 static void mg_forces(mg_context *c) {
-  const int *active = c->run->active;
-  int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    c->force[i] = 0;
-    if (active[i]) c->list[n++] = i;
-  }
-  if (n == 1) {
-    const int i = c->list[0];
-    c->force[i] = -(mg_row(c, i, c->accel) + c->gamma[i]) / mg_weigh(c, i);
-  } else if (n > 1) {
-    mg_assemble(c, c->list, n);
-    for (int r = 0; r < n; r++) c->b[r] = mg_row(c, c->list[r], c->accel) + c->gamma[c->list[r]], c->mask[r] = 1;
-    mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
-    for (int r = 0; r < n; r++) c->force[c->list[r]] = c->z[r];
-  }
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->active[i]) c->rate[i] = mg_separation(c, i);
+  const int n = mg_hold(c, c->run->active, c->rate, c->force);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->force[c->list[r]], c->accel);
 }
 
 /* Power that driven bodies put into the moving ones through the contacts. */
 static mg_real mg_driven_power(const mg_context *c) {
-  const mg_system *s = c->sys;
   mg_real power = 0;
-  for (int i = 0; i < s->n_contact; i++)
-    for (int side = 0; side < 2 && c->run->active[i]; side++) {
-      const int body = side ? s->contact_f[i] : s->contact_o[i];
-      if (mg_body_kinds[mg_kind_of(c, body)].motion != MG_DRIVEN) continue;
-      for (int k = 0; k < 6; k++) power -= c->force[i] * c->J[12 * i + 6 * side + k] * c->twist[6 * body + k];
-    }
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->active[i]) power -= c->force[i] * mg_driven_rate(c, i);
   return power;
 }
 
@@ -47,7 +30,7 @@ static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
 }
 
 /* d_ddot of one contact under the accelerations last computed. */
-static mg_real mg_separation(mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
+static mg_real mg_separation(const mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
 
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,
                         const mg_real *x, mg_real *x_dot, mg_real *work, int *iwork) {

@@ -1,105 +1,150 @@
-"""The formulas of a model as text or LaTeX: source, inputs and outputs, cost, and how each is computed."""
+"""The formulas of a model: source, inputs and outputs, cost, and how each is computed."""
 
 from __future__ import annotations
 
 import inspect
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
+import casadi as ca
 import sympy as sp
 
 from modelgen.codegen.emit import emit
 from modelgen.codegen.manifest import Manifest
-from modelgen.contact.kinds import FORMS
+from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.model import Model
-from modelgen.report.symbolic import definition
+from modelgen.notation import notation
+from modelgen.report.symbolic import Line, definition, leading_to
+from modelgen.report.typeset import symbol_latex
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Body, ContactPair, Scene, Shape
 
 Format = Literal["text", "latex"]
 GROUPS = {
     **dict.fromkeys(("motion", "energy", "path"), "body"),
-    **dict.fromkeys(("rates", "place"), "contact"),
+    **dict.fromkeys(("rates", "place", "angle"), "contact"),
     "surface": "shape",
 }  # of the manifest's kinds, by the role of a formula
+OF_A_PAIR = ("surface", "rates", "place", "angle")  # the roles that a pair of shapes decides
 
 
-def formula_facts(derivation: Derivation, name: str | None, style: Format) -> list[dict[str, Any]]:
-    """All formulas of a derivation, or the named one: the `formulas` of `inspect --json`.
+def formula_facts(
+    derivation: Derivation, name: str | None, style: Format, roles: Sequence[str] = ()
+) -> list[dict[str, Any]]:
+    """The formulas of a derivation: the `formulas` of `inspect --json`.
 
-    Raises ModelgenError if no formula has that name.
+    Args:
+        derivation: what `derive` returned.
+        name: of a formula, of a role such as "rates", or of a quantity such as "gamma", which is then
+            written with what leads to it and nothing else; all formulas when None.
+        style: how expressions are written.
+        roles: the roles to show when there is no name; all when empty.
+
+    Raises ModelgenError if nothing has that name.
     """
-    names = [formula.name for formula in derivation.formulas]
-    if name is not None and name not in names:
-        remedy = nearest(name, names) or f"known are {', '.join(names)}"
-        raise ModelgenError("inspect", f"no formula named {name!r}", "", remedy)
     manifest = emit(derivation).manifest
-    return [
-        _facts(formula, derivation.model, manifest, style)
-        for formula in derivation.formulas
-        if name in (None, formula.name)
-    ]
+    found = []
+    for formula in derivation.formulas:
+        whole = name in (None, formula.name, formula.role) and (name or not roles or formula.role in roles)
+        function, steps = _written_out(formula, derivation.model)
+        if whole or name in function.name_out():
+            lines = definition(function, _parameter_names(formula, derivation.model, manifest), steps)
+            found.append(_facts(formula, derivation.model, manifest, lines, None if whole else name, style))
+    if not found:
+        raise _unknown(str(name), derivation)
+    return found
 
 
-def _facts(formula: Formula, model: Model, manifest: Manifest, style: Format) -> dict[str, Any]:
-    entry = manifest.functions.get(formula.name, {})
-    lines = definition(formula.function, _parameter_names(formula, manifest.kinds))
-    write = sp.latex if style == "latex" else sp.sstr
+def _unknown(name: str, derivation: Derivation) -> ModelgenError:
+    formulas = [formula.name for formula in derivation.formulas]
+    functions = [_written_out(formula, derivation.model)[0] for formula in derivation.formulas]
+    outputs = list(dict.fromkeys(out for function in functions for out in function.name_out()))
+    allowed = f"formulas are {', '.join(formulas)}; quantities are {', '.join(outputs)}"
+    found = f"no formula and no quantity named {name!r}"
+    return ModelgenError("inspect", found, allowed, nearest(name, [*formulas, *outputs]))
+
+
+def _written_out(formula: Formula, model: Model) -> tuple[ca.Function, tuple[str, ...]]:
+    """The function that is written, and those of its outputs that are steps on the way to the others."""
+    if formula.role != "rates":
+        return formula.function, ()
+    function = contact_kernels(model.contact_kinds[formula.kind]).steps
+    known = formula.function.name_out()
+    return function, tuple(name for name in function.name_out() if name not in known)
+
+
+def _facts(
+    formula: Formula, model: Model, manifest: Manifest, lines: Sequence[Line], only: str | None, style: Format
+) -> dict[str, Any]:
+    """One formula, or `only` one quantity of it."""
+    entry = {**manifest.functions, **manifest.composed}[formula.name]
+    written = lines if only is None else leading_to(lines, only)
+    kernel_outputs = [port["name"] for port in entry["outputs"]]
+    steps = dict.fromkeys(line.output for line in written if line.output not in ("", *kernel_outputs))
+    outputs = [port for port in entry["outputs"] if only in (None, port["name"])]
     return {
         "name": formula.name,
         "role": formula.role,
+        "quantity": only or "",
         "citation": formula.citation,
         "statement": _statement(formula, model),
-        "inputs": entry.get("inputs") or _ports(formula, output=False),
-        "outputs": entry.get("outputs") or _ports(formula, output=True),
-        "instructions": formula.function.n_instructions(),
-        "definition": [{"name": write(line.target), "value": write(line.value)} for line in lines],
+        "inputs": [_explained(port) for port in entry["inputs"]],
+        "outputs": [_explained(port) for port in outputs],
+        "steps": [_explained({"name": name, "unit": notation(name).unit}) for name in steps],
+        "instructions": formula.instructions,
+        "definition": [_line(line, style) for line in written],
     }
 
 
-def _ports(formula: Formula, *, output: bool) -> list[dict[str, Any]]:
-    """Names and shapes of a function that is not compiled and so has no entry in the manifest."""
-    f = formula.function
-    if output:
-        return [{"name": f.name_out(i), "shape": list(f.size_out(i))} for i in range(f.n_out())]
-    return [{"name": f.name_in(i), "shape": list(f.size_in(i))} for i in range(f.n_in())]
+def _explained(port: Mapping[str, Any]) -> dict[str, Any]:
+    """A port of the manifest with what the dictionary of names says of it."""
+    entry = notation(port["name"])
+    return {**port, "meaning": entry.meaning, "frame": entry.frame, "equation": entry.equation}
+
+
+def _line(line: Line, style: Format) -> dict[str, str]:
+    if style == "text":
+        return {"name": str(line.target), "value": sp.sstr(line.value)}
+    symbols = {symbol: symbol_latex(str(symbol)) for symbol in line.value.free_symbols}
+    return {"name": symbol_latex(str(line.target)), "value": sp.latex(line.value, symbol_names=symbols)}
 
 
 def _statement(formula: Formula, model: Model) -> str:
     """What the form of a contact states, in the words of its own docstring."""
-    if formula.role not in ("rates", "place"):
+    if formula.role not in ("rates", "place", "angle"):
         return ""
-    return inspect.getdoc(FORMS[model.contact_kinds[formula.kind].form].build) or ""
+    form = FORMS[model.contact_kinds[formula.kind].form]
+    return inspect.getdoc(form.angle if formula.role == "angle" else form.build) or ""
 
 
-def _parameter_names(formula: Formula, kinds: dict[str, Any]) -> dict[str, list[str]]:
-    """The names of the entries of `parameters`, where the manifest lists them: `a_o` of `o.a`."""
+def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict[str, list[str]]:
+    """The names of the entries of `parameters`: `a_o` of `o.a`; with owners in the composed function."""
+    kinds = manifest.kinds
+    if formula.role == "rhs":
+        entries = [("body", body.kind, body.name) for body in model.bodies]
+        entries += [("contact", contact.kind, contact.name) for contact in model.contacts]
+        owned = [
+            f"{_identifier(name)}_{re.sub(r'[^A-Za-z0-9]+', '_', owner)}"
+            for group, kind, owner in entries
+            for name in _listed(kinds[group][kind])
+        ]
+        loads = sum(len(load.parameters) for load in model.loads)
+        return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
     group = GROUPS.get(formula.role)
-    if group is None:
-        return {}
-    kind = kinds[group][formula.kind]
-    written = [] if kind.get("folded") is not None else kind["parameters"]
-    return {"parameters": ["_".join(reversed(name.split("."))) for name in written]}
+    return (
+        {} if group is None else {"parameters": list(map(_identifier, _listed(kinds[group][formula.kind])))}
+    )
 
 
-def formula_text(facts: dict[str, Any], style: Format) -> str:
-    """One formula as it is printed: a heading, inputs and outputs with units, then its lines."""
-    comment = "%" if style == "latex" else "#"
-    heads = [f"{facts['name']}: {facts['citation']}", f"{facts['instructions']} instructions"]
-    heads += [f"{way[:-1]} {_port(port)}" for way in ("inputs", "outputs") for port in facts[way]]
-    heads += facts["statement"].splitlines()
-    head = "\n".join(f"{comment} {line}".rstrip() for line in heads)
-    if style == "text":
-        return "\n".join((head, *(f"{line['name']} = {line['value']}" for line in facts["definition"])))
-    rows = " \\\\\n".join(f"{line['name']} &= {line['value']}" for line in facts["definition"])
-    return f"{head}\n\\begin{{align*}}\n{rows}\n\\end{{align*}}"
+def _listed(kind: Mapping[str, Any]) -> list[str]:
+    return [] if kind.get("folded") is not None else list(kind["parameters"])
 
 
-def _port(port: dict[str, Any]) -> str:
-    shape = port["shape"]
-    sizes = "x".join(str(n) for n in shape) if isinstance(shape, list | tuple) else str(shape)
-    return f"{port['name']} ({sizes}) {port.get('unit', '')}".rstrip()
+def _identifier(name: str) -> str:
+    return "_".join(reversed(name.split(".")))
 
 
 def kind_scene(kind: str) -> Scene:

@@ -52,6 +52,11 @@ _PROPERTIES = {
     "advice": _entry("string", "what the outcome means and what to do about it"),
     "outcome_contact": _entry("string", "the contact that the outcome speaks of, or empty"),
     "accuracy": _entry("string", "the Accuracy that was used"),
+    "warnings": {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "what the user should know of the run, such as a margin that fell low",
+    },
     "steps": _entry("integer", "accepted integration steps", minimum=0),
     "rejected": _entry("integer", "steps repeated with a smaller size", minimum=0),
     "rhs_evals": _entry("integer", "evaluations of the right-hand side", minimum=0),
@@ -67,6 +72,11 @@ _PROPERTIES = {
     ),
     "margin_min": _entry(
         _NUMBER, "smallest dimensionless distance of a closed contact to singularity, at most 1"
+    ),
+    "redundant_max": _entry(
+        "integer",
+        "most force-carrying contacts beyond the rank of their rows; their forces are those of minimum norm, "
+        "each weighted by the square root of its diagonal entry of J M^-1 J^T",
     ),
     "events": _entry("array", "changes of mode in order of time", items=_EVENT),
     "final": _entry("object", "each body at the last sample", additionalProperties=_STATE),

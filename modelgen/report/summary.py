@@ -24,6 +24,8 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}",
         soft_wrap=True,
     )
+    for warning in summary["warnings"]:
+        console.print(f"warning: {warning}", markup=False)
     _print_events(summary["events"], console)
     for name, state in summary["final"].items():
         parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))

@@ -7,7 +7,17 @@ from collections.abc import Iterable
 from modelgen.errors import SceneError, nearest
 from modelgen.model import BodyMotion
 from modelgen.require.masses import Mass
-from modelgen.scene.types import Body, ForceLoad, Load, Scene, Shape, SpringLoad, TorqueLoad, Vector
+from modelgen.scene.types import (
+    IDENTITY_QUATERNION,
+    Body,
+    ForceLoad,
+    Load,
+    Scene,
+    Shape,
+    SpringLoad,
+    TorqueLoad,
+    Vector,
+)
 
 BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 CONTACT_QUANTITIES = ("force", "gap")
@@ -64,10 +74,10 @@ def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
 
 
 def _is_watched(scene: Scene, body: Body) -> bool:
-    """True if its turning is observed. When all is observed, only a body without spin stays still."""
+    """True if its turning is observed. When all is, only a body without turn and spin can do without."""
     if scene.observe:
         return any(f"{body.name}.{name}" in scene.observe for name in ("orientation", "angular_velocity"))
-    return body.angular_velocity != _ZERO
+    return body.angular_velocity != _ZERO or body.pose.quaternion != IDENTITY_QUATERNION
 
 
 def _is_centred_sphere(shape: Shape, centre: Vector) -> bool:

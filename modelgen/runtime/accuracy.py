@@ -6,12 +6,30 @@ against its characteristic time T.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal
 
 from modelgen.errors import SimulationError
 
 Method = Literal["dop853", "rk4"]
+
+# What a real type resolves, in multiples of its epsilon: no run takes a finer tolerance. Only `float` is so
+# coarse that this raises tolerances of `fast`, `balanced` or `tight`.
+RESOLVED: Mapping[str, int] = MappingProxyType(
+    {
+        "tolerance": 8,
+        "gap": 16,
+        "start_gap": 64,
+        "drift": 4,
+        "rest_speed": 16,
+        "rest_acceleration": 64,
+        "event": 8,
+        "residual": 64,
+        "step_min": 8,
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,7 +133,7 @@ class Session:
         )
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
-        """Newton from `eta` (default: the state's) for one contact: steps (-1: failed), d, residual, margin..."""
+        """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
         n = self.sentence["contacts"]
         start = n[contact]["eta"]
         size = sum({"point": 3, "chart": 2, "none": 0}[kind] for kind in self.layout(contact))
@@ -166,3 +166,13 @@ class Session:
     def smooth(self, n: int) -> None:
         """n RK4 steps of the accuracy's step without events, projection or ledger."""
         self.library.cdll.mg_smooth(*self._head, ctypes.c_long(n), *self._scratch)
+
+    def batch(self, runs: ctypes.Array[ctypes.Structure], t_stop: float, codes: Array) -> None:
+        """Starts and advances each mg_run of an array to t_stop; writes the core's codes."""
+        ends = self.tables.real(t_stop), ctypes.c_void_p(address(codes)), ctypes.byref(self.events)
+        self.library.cdll.mg_batch(*self._head[:2], len(runs), runs, *ends, *self._scratch)
+
+    def evaluate(self, t: float, x: Array, x_dot: Array) -> None:
+        """Writes the right-hand side at (t, x) into x_dot, and the forces of active contacts into `force`."""
+        pointers = ctypes.c_void_p(address(x)), ctypes.c_void_p(address(x_dot))
+        self.library.cdll.mg_evaluate(*self._head, self.tables.real(t), *pointers, *self._scratch)

@@ -101,7 +101,9 @@ def _trajectory(
     run, manifest = session.run, session.library.manifest
     failed = run.failed_contact
     scales = session.sentence["scales"]
-    energy = float(run.kinetic_max) or scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    moved = run.kinetic_max > np.finfo(session.tables.dtype).eps * resting
+    energy = float(run.kinetic_max) if moved else resting
     kinds = (kind["name"] for group in ("body", "contact", "load") for kind in manifest.kinds[group])
     return Trajectory(
         scene=session.sentence["name"],
@@ -120,7 +122,26 @@ def _trajectory(
         gap_max=float(run.gap_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
+        redundant_max=int(run.redundant_max),
         kinds=tuple(kinds),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,
+        warnings=_warnings(session, accuracy),
     )
+
+
+def _warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
+    """What the user should know of a run that ended well all the same."""
+    margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
+    found = []
+    if margin < accuracy.margin_warn:
+        found.append(
+            f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
+            "its contact points lose about as many digits as the margin has zeros"
+        )
+    if redundant:
+        found.append(
+            f"contact forces are not unique: {redundant} more contacts carried force than have independent "
+            "rows; the motion is unique, the forces given are those of minimum norm"
+        )
+    return tuple(found)

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.accuracy import RESOLVED
+
 Array = np.ndarray[Any, Any]
 
-SYSTEM_INTEGERS = ("n_body", "n_contact", "n_load", "n_q", "n_u", "n_eta")
+SYSTEM_INTEGERS = ("n_body", "n_contact", "n_load", "n_q", "n_u", "n_eta", "n_closed")
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
     *("contact_kind", "contact_o", "contact_f", "contact_eta", "contact_parameters"),
@@ -33,7 +35,15 @@ SETTINGS_REALS = (
     ),
     "margin_refuse",
 )
-RUN_COUNTS = ("steps", "rejected", "rhs_evals", "lcp_solves", "since_projection", "events_at_t")
+RUN_COUNTS = (
+    "steps",
+    "rejected",
+    "rhs_evals",
+    "lcp_solves",
+    "since_projection",
+    "events_at_t",
+    "redundant_max",
+)
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
@@ -41,6 +51,7 @@ RUN_REALS = (
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "energy", "work"),
 )
+ROOM, ROOM_PER_BODY = 64, 12
 METHODS = {"rk4": 0, "dop853": 1}
 
 
@@ -119,15 +130,20 @@ def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tu
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    system = tables.System(
-        len(bodies), len(contacts), len(loads), sentence["n_q"], sentence["n_u"], sentence["n_eta"]
-    )
+    sizes = (len(bodies), len(contacts), len(loads), sentence["n_q"], sentence["n_u"], sentence["n_eta"])
+    system = tables.System(*sizes, _room(sentence))
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
     for name, value in sentence["scales"].items():
         setattr(system, name, value)
     return system, list(arrays.values())
+
+
+def _room(sentence: Mapping[str, Any]) -> int:
+    """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
+    moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
+    return min(len(sentence["contacts"]), max(ROOM, ROOM_PER_BODY * moving))
 
 
 def _append(parameters: list[float], values: list[float]) -> int:
@@ -137,12 +153,13 @@ def _append(parameters: list[float], values: list[float]) -> int:
 
 
 def fill_settings(tables: Tables, accuracy: Any) -> Any:
-    """The mg_settings of an Accuracy."""
+    """The mg_settings of an Accuracy, no tolerance finer than the real type resolves."""
     settings = tables.Settings()
+    epsilon = float(np.finfo(tables.dtype).eps)
     for name in ("newton", "project", "lcp_iterations", "events_at_once"):
         setattr(settings, name, int(getattr(accuracy, name)))
     for name in SETTINGS_REALS[1:]:
-        setattr(settings, name, float(getattr(accuracy, name)))
+        setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
     settings.method = METHODS[accuracy.method]
     settings.use_gamma = int(accuracy.use_gamma)
     settings.step = accuracy.step or 0.0

@@ -17,14 +17,15 @@ class Outcome(Enum):
     DONE = "the run reached its end"
     INTERRUPTED = "interrupted; what had been computed is kept: run again with a later start or fewer samples"
     MARGIN = (
-        "a closed contact came too near a singularity of its closest points; look at the shapes there: curvatures "
-        "that almost conform, or surfaces flat against each other, need another contact model"
+        "a closed contact came too near a singularity of its closest points; look at the shapes there: "
+        "curvatures that almost conform, or surfaces flat against each other, need another contact model"
     )
     STEP_TOO_SMALL = "the step became too small; loosen the tolerance or look for a discontinuous load"
     NOT_FINITE = "a state became infinite; look at the loads and at shapes without curvature at the contact"
     COMPLEMENTARITY = (
         "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
     )
+    TOO_MANY_CLOSED = "more contacts closed at once than there is room for; leave out pairs that cannot touch"
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property
@@ -39,6 +40,7 @@ OUTCOME_OF_CODE = {
     22: Outcome.NOT_FINITE,
     23: Outcome.COMPLEMENTARITY,
     24: Outcome.TOO_MANY_EVENTS,
+    25: Outcome.TOO_MANY_CLOSED,
 }
 EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin")
 
@@ -90,9 +92,11 @@ class Trajectory:
     gap_max: float
     complementarity_max: float
     margin_min: float
+    redundant_max: int  # most active contacts beyond the rank of their rows; their forces have minimum norm
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    warnings: tuple[str, ...] = ()
 
     def summary(self) -> dict[str, Any]:
         """The object that `simulate --json` prints: plain JSON values."""
@@ -104,6 +108,7 @@ class Trajectory:
             "advice": self.outcome.value,
             "outcome_contact": self.outcome_contact,
             "accuracy": self.accuracy,
+            "warnings": list(self.warnings),
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,
@@ -112,6 +117,7 @@ class Trajectory:
             "gap_max": self.gap_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,
+            "redundant_max": self.redundant_max,
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed} for e in self.events
             ],

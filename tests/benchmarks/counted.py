@@ -1,6 +1,6 @@
 """A number of RK4 steps and nothing else: `python -m tests.benchmarks.counted core|hand FOLDER N`.
 
-FOLDER holds manifest.json, the model's library (named in the manifest) and hand_written.so.
+FOLDER holds manifest.json, library.json, the model's library (named in the latter) and hand_written.so.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
 
@@ -50,8 +49,7 @@ def state_of(session: Session) -> np.ndarray:
 
 
 def main(which: str, folder: Path, n: int) -> None:
-    manifest = Manifest.from_json((folder / "manifest.json").read_text())
-    session = start(Library(manifest, folder / manifest.file))
+    session = start(Library.load(folder))
     if which == "core":
         core_steps(session, n)
     else:

@@ -71,10 +71,11 @@ def instructions() -> None:
         folder = Path(name)
         hand_written(folder, COUNTED_CPU)
         (folder / "manifest.json").write_text(library.manifest.to_json())
+        (folder / "library.json").write_text(library.record.to_json())
         compiler = find_compiler()
         flags = [COUNTED_CPU if flag == "-march=native" else flag for flag in compiler.flags("double")]
         source, target = library.path.parent / "model.c", folder / library.path.name
-        define = f'-DMG_HASH="{library.manifest.hash}"'
+        define = f'-DMG_HASH="{library.record.hash}"'
         subprocess.run([*compiler.command, *flags, define, str(source), "-o", str(target), "-lm"], check=True)
         for which in ("core", "hand"):
             few, many = (callgrind(which, folder, n) for n in (1000, 1001000))

@@ -50,7 +50,7 @@ def test_the_second_build_compiles_nothing(calls: Path, tmp_path: Path) -> None:
     second = build(package(), folder=tmp_path / "out")
     assert count(calls) == 1
     assert first.path == second.path
-    assert first.manifest == second.manifest
+    assert (first.manifest, first.record) == (second.manifest, second.record)
 
 
 def test_changed_numbers_compile_nothing(calls: Path, tmp_path: Path) -> None:
@@ -72,10 +72,22 @@ def test_changed_structure_and_real_type_compile_beside(calls: Path, tmp_path: P
     assert [library.dtype.itemsize for library in libraries[:3]] == [8, 8, 4]
 
 
-def test_the_hash_stands_in_name_manifest_and_library(calls: Path, tmp_path: Path) -> None:
+def test_the_hash_stands_in_name_record_and_library(calls: Path, tmp_path: Path) -> None:
     library = build(package(), folder=tmp_path / "out")
-    assert library.path.name == f"libtest-{library.manifest.hash[:16]}.so" == library.manifest.file
-    assert library.cdll.mg_hash().decode() == library.manifest.hash
+    assert library.path.name == f"libtest-{library.record.hash[:16]}.so" == library.record.file
+    assert library.cdll.mg_hash().decode() == library.record.hash
+
+
+def test_the_manifest_knows_neither_machine_nor_real_type(calls: Path, tmp_path: Path) -> None:
+    folders = [tmp_path / "a", tmp_path / "b"]
+    libraries = [
+        build(package(), real=r, folder=f) for r, f in zip(("double", "float"), folders, strict=True)
+    ]
+    texts = {(folder / "manifest.json").read_text() for folder in folders}
+    assert texts == {package().manifest.to_json()}
+    for library in libraries:
+        for fact in (*library.record.versions.values(), library.record.hash, str(tmp_path)):
+            assert f'"{fact}"' not in next(iter(texts))
 
 
 def test_the_default_folder_is_generated_scene(
@@ -84,13 +96,31 @@ def test_the_default_folder_is_generated_scene(
     monkeypatch.chdir(tmp_path)
     library = build(package())
     assert library.path.parent == tmp_path / "generated" / "test"
-    expected = {*package().files, "manifest.json", library.path.name}
+    expected = {*package().files, "manifest.json", "library.json", library.path.name}
     assert {path.name for path in library.path.parent.iterdir()} == expected
 
 
-def test_a_manifest_finds_its_library_again(calls: Path, tmp_path: Path) -> None:
-    built = build(package(), folder=tmp_path / "out")
-    assert Library.load(tmp_path / "out" / "manifest.json").manifest == built.manifest
+@pytest.mark.parametrize("real", ["double", "long double"])
+def test_a_folder_gives_its_library_again(real: str, calls: Path, tmp_path: Path) -> None:
+    built, other = (build(package(), real=r, folder=tmp_path) for r in (real, "float"))
+    found = Library.load(tmp_path, real)
+    assert (found.manifest, found.record, found.path) == (built.manifest, built.record, built.path)
+    assert Library.load(tmp_path, "float").path == other.path
+
+
+def test_a_library_of_another_vocabulary_is_not_taken_for_this_one(calls: Path, tmp_path: Path) -> None:
+    build(package(), folder=tmp_path)
+    build(package(form="implicit"), real="float", folder=tmp_path)
+    with pytest.raises(LibraryError, match=r"vocabulary.*stale: build again"):
+        Library.load(tmp_path)
+
+
+def test_a_folder_without_a_build_says_so(tmp_path: Path) -> None:
+    with pytest.raises(LibraryError, match=r"manifest\.json: it cannot be read.*build first"):
+        Library.load(tmp_path)
+    (tmp_path / "manifest.json").write_text(package().manifest.to_json())
+    with pytest.raises(LibraryError, match=r"library-float\.json: it cannot be read.*build first"):
+        Library.load(tmp_path, "float")
 
 
 def test_a_compiler_that_fails_leaves_its_words(calls: Path, tmp_path: Path) -> None:
@@ -140,28 +170,32 @@ def test_an_unknown_real_type_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"abi": 99}, "ABI"), ({"hash": "0" * 64}, "hash"), ({"real": "float"}, "size of the real type")],
+    [({"hash": "0" * 64}, "hash"), ({"real": "float"}, "size of the real type")],
 )
-def test_a_stale_manifest_is_refused(
-    change: dict[str, object], message: str, calls: Path, tmp_path: Path
-) -> None:
-    library = build(package(), folder=tmp_path / "out")
+def test_a_stale_record_is_refused(change: dict[str, str], message: str, calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path)
     with pytest.raises(LibraryError, match=f"{message}.*stale"):
-        Library(replace(library.manifest, **change), library.path)  # type: ignore[arg-type]
+        Library(library.manifest, replace(library.record, **change), tmp_path)  # type: ignore[arg-type]
+
+
+def test_a_manifest_of_another_abi_is_refused(calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path)
+    with pytest.raises(LibraryError, match=r"ABI.*stale"):
+        Library(replace(library.manifest, abi=99), library.record, tmp_path)
 
 
 def test_a_renamed_foreign_or_missing_library_is_refused(calls: Path, tmp_path: Path) -> None:
-    library = build(package(), folder=tmp_path / "out")
+    library = build(package(), folder=tmp_path)
     renamed = library.path.with_name("libtest-0123456789abcdef.so")
     shutil.copy(library.path, renamed)
-    with pytest.raises(LibraryError, match="hash in the file name"):
-        Library(library.manifest, renamed)
     (tmp_path / "text.so").write_text("not a library")
-    with pytest.raises(LibraryError, match="cannot be loaded"):
-        Library(library.manifest, tmp_path / "text.so")
-    with pytest.raises(LibraryError, match="no such file"):
-        Library(library.manifest, tmp_path / "none.so")
     (tmp_path / "empty.c").write_text("int nothing;\n")
     os.system(f"{CC} -shared -fPIC -o {tmp_path}/foreign.so {tmp_path}/empty.c")
-    with pytest.raises(LibraryError, match="not a library of modelgen"):
-        Library(library.manifest, tmp_path / "foreign.so")
+    for file, message in (
+        (renamed.name, "hash in the file name"),
+        ("text.so", "cannot be loaded"),
+        ("none.so", "no such file"),
+        ("foreign.so", "not a library of modelgen"),
+    ):
+        with pytest.raises(LibraryError, match=message):
+            Library(library.manifest, replace(library.record, file=file), tmp_path)

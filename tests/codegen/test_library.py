@@ -7,10 +7,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen import derive, require
 from modelgen.errors import LibraryError
-from tests.model.scenes import WIDE
+from tests.model.scenes import WIDE, contact, egg, scene
 from tests.running import library_of
 
 Array = np.ndarray[Any, Any]
@@ -83,3 +84,45 @@ def test_a_kernel_refuses_too_few_arguments() -> None:
 def test_an_unknown_kernel_is_refused_with_the_nearest() -> None:
     with pytest.raises(LibraryError, match="did you mean 'mg_free_full_loaded_pose'"):
         library_of(WIDE).kernel("mg_free_full_loaded_posse")
+
+
+PAPER = scene(
+    egg("o"),
+    egg("f", "[0.1, 0.2, 0.3]", "density = 500.0\nposition = [0.0, 0.0, 1.0]"),
+    contact("o", "f", 'form = "paper"'),
+)
+
+
+def moved(pose: Array, twist: Array, h: float) -> Array:
+    """The pose after h seconds, to second order in h; twist = [world velocity, body spin]."""
+    turn = Rotation.from_rotvec(h * twist[3:]).as_matrix()
+    return np.concatenate([pose[:3] + h * twist[:3], (pose[3:].reshape(3, 3).T @ turn).ravel(order="F")])
+
+
+def test_the_contact_angle_of_the_paper_is_a_kernel_of_the_library() -> None:
+    """(4.3): psi_dot is the rate of psi along a motion of an extremal pair, here along x."""
+    library, name = library_of(PAPER), "mg_ellipsoid_ellipsoid_paper_angle"
+    angle, rates = library.kernel(name), library.kernel(name.replace("angle", "rates"))
+    rotation, parameters = np.eye(3).ravel(), np.array([0.12, 0.09, 0.07, 0.1, 0.2, 0.3])
+    o, f = np.array([0.0, 0.0, 0.0, *rotation]), np.array([0.4, 0.0, 0.0, *rotation])
+    u_o, u_f = np.array([0.1, 0.2, 0.3, 1.0, -0.5, 0.7]), np.array([0.3, -0.1, 0.2, 0.4, 0.2, -0.6])
+    eta = np.array([0.0, 0.0, np.pi, 0.0])
+    eta_dot = rates(o, u_o, f, u_f, eta, parameters)[4]
+    psi, psi_dot = angle(o, u_o, f, u_f, eta, parameters)
+    h = 1e-5
+    after, before = (
+        angle(moved(o, u_o, s), u_o, moved(f, u_f, s), u_f, eta + s * eta_dot, parameters)[0] for s in (h, -h)
+    )
+    assert abs(psi_dot[0]) > 0.1
+    change = (after - before + np.pi) % (2 * np.pi) - np.pi  # psi is an angle
+    np.testing.assert_allclose(change / (2 * h), psi_dot, rtol=1e-7)
+    external = ca.external(name, str(library.path))
+    assert external.name_out() == ["psi", "psi_dot"]
+    assert [float(value) for value in external(o, u_o, f, u_f, eta, parameters)] == [psi[0], psi_dot[0]]
+    entry = library.manifest.functions[name]
+    assert [port["unit"] for port in entry["outputs"]] == ["rad", "rad/s"]
+    assert "(4.3)" in entry["citation"]
+
+
+def test_other_forms_have_no_contact_angle() -> None:
+    assert not [name for name in KERNELS if name.endswith("_angle")]

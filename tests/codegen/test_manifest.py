@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from modelgen import derive, emit, require
-from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.manifest import BuildRecord, Manifest
 from modelgen.errors import LibraryError
 from modelgen.notation import notation
 from tests.model.scenes import WIDE
@@ -17,6 +18,19 @@ MANIFEST = emit(derive(require(WIDE))).manifest
 
 def test_json_and_back_is_the_identity() -> None:
     assert Manifest.from_json(MANIFEST.to_json()) == MANIFEST
+
+
+def test_a_build_record_survives_as_well() -> None:
+    record = BuildRecord("0f", "double", "lib.so", MANIFEST.vocabulary, {"casadi": "3"})
+    assert BuildRecord.from_json(record.to_json()) == record
+    with pytest.raises(LibraryError, match=r"r.json: it is not a BuildRecord"):
+        BuildRecord.from_json(MANIFEST.to_json(), "r.json")
+
+
+def test_the_vocabulary_is_all_but_the_sentence() -> None:
+    assert replace(MANIFEST, sentence={}, composed={}).vocabulary == MANIFEST.vocabulary
+    for other in (replace(MANIFEST, abi=0), replace(MANIFEST, functions={}), replace(MANIFEST, kinds={})):
+        assert other.vocabulary != MANIFEST.vocabulary
 
 
 def test_keys_are_sorted() -> None:
@@ -29,9 +43,12 @@ def test_what_is_no_manifest_is_refused(text: str) -> None:
         Manifest.from_json(text, "m.json")
 
 
-@pytest.mark.parametrize("name", MANIFEST.functions)
+FUNCTIONS = {**MANIFEST.functions, **MANIFEST.composed}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_argument_has_shape_and_unit(name: str) -> None:
-    entry = MANIFEST.functions[name]
+    entry = FUNCTIONS[name]
     for port in (*entry["inputs"], *entry["outputs"]):
         assert port["unit"] == notation(port["name"]).unit
         assert len(port["shape"]) == 1

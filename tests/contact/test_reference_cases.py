@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from modelgen.contact.kinds import FORMS, contact_angle_function, contact_kernels, eta_layout
+from modelgen.contact.forms import build_angle
+from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
 from modelgen.contact.points import montana_frame
 from modelgen.contact.sides import partner
 from modelgen.model import ContactKind, ShapeKind, Side
@@ -71,7 +72,7 @@ def test_sphere_rolling_on_a_plane(form: str) -> None:
 
 
 def test_contact_angle_of_the_rolling_sphere() -> None:
-    psi, psi_dot = contact_angle_function(rolling_kind("paper"))(*rolling_arguments())
+    psi, psi_dot = build_angle(rolling_kind("paper"))(*rolling_arguments())
     assert float(psi) == pytest.approx(PSI, abs=1e-12)
     assert float(psi_dot) == pytest.approx(PSI_DOT, abs=1e-12)
 
@@ -130,6 +131,6 @@ def test_two_ellipsoids_to_ten_digits(form: str) -> None:
 
 def test_contact_angle_of_two_ellipsoids() -> None:
     kind = ContactKind("pair", "paper", Side(ELLIPSOID, "free"), Side(ELLIPSOID, "free"))
-    psi, psi_dot = contact_angle_function(kind)(*ellipsoid_arguments(("chart", "chart")))
+    psi, psi_dot = build_angle(kind)(*ellipsoid_arguments(("chart", "chart")))
     assert float(psi) == pytest.approx(ANGLE, abs=1e-11)
     assert float(psi_dot) == pytest.approx(ANGLE_DOT, abs=1e-10)

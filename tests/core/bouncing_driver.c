@@ -11,7 +11,7 @@ int main(void) {
   int closed[1], active[1], kind[COUNT], contact[COUNT], iwork[200];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
-  mg_system system = {.n_body = 2, .n_contact = 1, .n_q = 3, .n_u = 3, .body_kind = body_kind, .body_q = zeros,
+  mg_system system = {.n_body = 2, .n_contact = 1, .n_q = 3, .n_u = 3, .n_closed = 1, .body_kind = body_kind, .body_q = zeros,
                       .body_u = zeros, .body_parameters = body_parameters, .contact_kind = zeros, .contact_o = zeros,
                       .contact_f = f, .contact_eta = zeros, .contact_parameters = contact_parameters,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,

@@ -105,7 +105,7 @@ def truth(o: str, f: str, seed: int) -> tuple[Configurations, dict[str, Any]]:
     """One configuration, and the truth as doubles."""
     one, two = SPECIMENS[o], SPECIMENS[f]
     drawn = random_pairs(one, two, 30, seed=100 + seed)  # ten apart, ten touching, ten overlapping
-    moderate = np.abs(_margins(o, f, drawn) - 0.3) < 0.25
+    moderate = np.abs(np.abs(_margins(o, f, drawn)) - 0.3) < 0.25
     chosen = int(np.argmax(moderate & (np.arange(30) // 10 == seed % 3)))
     fields = {name: getattr(drawn, name)[..., chosen : chosen + 1] for name in drawn.__dataclass_fields__}
     at = replace(drawn, **fields)

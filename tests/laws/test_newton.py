@@ -32,7 +32,8 @@ def along_the_motion(o: str, f: str, form: str) -> ca.Function:
 
 
 def margins(o: str, f: str, form: str, eta: Array, poses: tuple[Array, Array]) -> Array:
-    return columns(contact_kernels(kind_of(o, f, form)).place, *poses, eta, parameters(o, f, COUNT))[3]
+    place = contact_kernels(kind_of(o, f, form)).place
+    return np.abs(columns(place, *poses, eta, parameters(o, f, COUNT))[3])
 
 
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import ModelgenError
-from modelgen.report.symbolic import Line, component, definition
+from modelgen.report.symbolic import Line, component, definition, leading_to
 
 UNARY = (
     *(ca.sin, ca.cos, ca.tan, ca.asin, ca.acos, ca.atan, ca.sinh, ca.cosh, ca.tanh, ca.exp, ca.log),
@@ -75,6 +75,24 @@ def test_values_used_once_are_written_in_place() -> None:
     f = ca.Function("f", [X, Y], [ca.sin(X[0] + Y[0])], ["x", "y"], ["z"])
     lines = definition(f)
     assert [str(line.target) for line in lines] == ["z"]
+
+
+def test_a_value_that_is_an_output_has_its_name_from_there_on() -> None:
+    total = ca.sin(X[0] + Y[0])
+    f = ca.Function("f", [X, Y], [total, total**2 + total], ["x", "y"], ["total", "z"])
+    assert [str(line.value) for line in definition(f)] == ["sin(x_1 + y_1)", "total**2 + total"]
+
+
+def test_steps_that_are_numbers_or_other_names_are_not_written() -> None:
+    f = ca.Function("f", [X, Y], [ca.SX(2), X[0], X[0] * Y[0]], ["x", "y"], ["two", "same", "z"])
+    assert [str(line.target) for line in definition(f)] == ["z", "two", "same"]
+    assert [str(line.target) for line in definition(f, steps=("two", "same"))] == ["z"]
+
+
+def test_one_quantity_stands_with_what_leads_to_it() -> None:
+    root = ca.sqrt(X[0] + Y[0])
+    f = ca.Function("f", [X, Y], [root, ca.exp(Y[1]), root * X[1]], ["x", "y"], ["root", "other", "z"])
+    assert [line.output for line in leading_to(definition(f), "z")] == ["root", "z"]
 
 
 def test_operation_without_notation_is_refused() -> None:

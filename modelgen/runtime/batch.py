@@ -1,0 +1,100 @@
+"""Many runs of one library from different starts, in one call of the core."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.closest import find_closest
+from modelgen.runtime.session import NO_EXTREMUM, PENETRATION, Session
+from modelgen.runtime.tables import Array, address
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """The ends of n runs, q and u laid out as in the manifest's sentence (offsets `q` and `u` of a body)."""
+
+    q: Array  # (n, n_q) m and unit quaternions (w, x, y, z)
+    u: Array  # (n, n_u) m/s in world axes, rad/s in body axes
+    t: Array  # (n,) s, where each run came
+    outcomes: tuple[Outcome, ...]
+    energy_drift: Array  # (n,) max |E - E_0 - work| over the largest kinetic energy
+    steps: Array  # (n,)
+
+
+def simulate_batch(
+    library: Library, q: Array, u: Array, *, until: float, accuracy: Accuracy | None = None
+) -> Batch:
+    """Run one scene from n starts.
+
+    Args:
+        library: what `build` returned.
+        q: (n, n_q) positions (m, world) and quaternions at t = 0, in the order of the manifest.
+        u: (n, n_u) velocities (m/s, world; rad/s, body axes).
+        until: end time, s.
+        accuracy: as for `simulate`; `balanced` when None.
+
+    Raises:
+        SimulationError: the shapes do not fit, or a start interpenetrates; names the run and the contact.
+    """
+    session = Session(library, accuracy or Accuracy.balanced())
+    n_q, n_u = session.sentence["n_q"], session.sentence["n_u"]
+    starts = np.concatenate([_checked("q", q, n_q), _checked("u", u, n_u)], axis=1)
+    n = len(starts)
+    x = np.zeros((n, session.n_x), dtype=session.tables.dtype)
+    for row, start in zip(x, starts, strict=True):
+        session.x[: n_q + n_u] = start
+        find_closest(session)
+        row[:] = session.x
+    runs, kept = _runs(session, x)
+    codes = np.zeros(n, dtype=np.intc)
+    session.batch(runs, until, codes)
+    _refuse(session, codes, runs)
+    energy = [float(run.energy_error_max) / (float(run.kinetic_max) or 1.0) for run in runs]
+    del kept
+    return Batch(
+        q=x[:, :n_q],
+        u=x[:, n_q : n_q + n_u],
+        t=np.array([float(run.t) for run in runs]),
+        outcomes=tuple(OUTCOME_OF_CODE[code] for code in codes.tolist()),
+        energy_drift=np.array(energy),
+        steps=np.array([run.steps for run in runs]),
+    )
+
+
+def _checked(name: str, values: Array, width: int) -> Array:
+    array = np.atleast_2d(np.asarray(values, dtype=float))
+    if array.shape[1] != width or not np.isfinite(array).all():
+        raise SimulationError(name, f"shape {array.shape}", f"finite numbers, (n, {width})", "")
+    return array
+
+
+def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], list[Array]]:
+    """One mg_run a row of x, and the arrays that they point into."""
+    n, m = len(x), session.n_contact + 1
+    closed, active = np.zeros((n, m), dtype=np.intc), np.zeros((n, m), dtype=np.intc)
+    force, margin = np.zeros((n, m), dtype=x.dtype), np.zeros((n, m), dtype=x.dtype)
+    runs = (session.tables.Run * n)()
+    columns = {"x": x, "closed": closed, "active": active, "force": force, "margin": margin}
+    for index, run in enumerate(runs):
+        for name, array in columns.items():
+            setattr(run, name, address(array[index]))
+    return runs, list(columns.values())
+
+
+def _refuse(session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure]) -> None:
+    for index, (code, run) in enumerate(zip(codes.tolist(), runs, strict=True)):
+        if code in (PENETRATION, NO_EXTREMUM):
+            name = session.contacts[run.failed_contact]
+            found = (
+                "the bodies interpenetrate" if code == PENETRATION else "no pair of closest points was found"
+            )
+            raise SimulationError(
+                f"run {index}, contact {name!r}", f"{found} at the start", "", "move them apart"
+            )

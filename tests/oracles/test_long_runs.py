@@ -1,0 +1,22 @@
+"""A thousand seconds of rocking, some 10^5 steps, keep energy and contact, whatever the form."""
+
+from __future__ import annotations
+
+import pytest
+
+from modelgen import Accuracy, simulate
+from modelgen.runtime.trajectory import Outcome
+from tests.registry import REGISTRY, forced
+
+SCENES = ("ellipsoid_on_plane", "ellipsoid_in_cavity")
+
+
+@pytest.mark.parametrize(("accuracy", "drift"), [("balanced", 1e-7), ("tight", 1e-9)])
+@pytest.mark.parametrize(("name", "form"), [(name, form) for name in SCENES for form in REGISTRY[name].forms])
+def test_a_thousand_seconds(name: str, form: str, accuracy: str, drift: float) -> None:
+    library = forced(name, form)
+    path = simulate(library, until=1000.0, accuracy=Accuracy.named(accuracy), samples=1)
+    assert path.outcome is Outcome.DONE
+    assert path.events == ()
+    assert path.energy_drift < drift
+    assert path.gap_max < 1e-10 * library.manifest.sentence["scales"]["length"]

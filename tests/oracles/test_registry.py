@@ -1,0 +1,117 @@
+"""Every shipped scene, at every accuracy and in every regular form, keeps what the registry promises."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shutil
+import subprocess
+from collections import Counter
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, read, require, simulate
+from modelgen.runtime.trajectory import Outcome, Trajectory
+from tests.registry import REGISTRY, forced, forms_of
+from tests.running import SCENES
+
+TESTS = Path(__file__).parents[1]
+ACCURACIES = ("fast", "balanced", "tight")
+COMPLEMENTARITY = dict(zip(ACCURACIES, (1e-7, 1e-10, 1e-10), strict=True))
+FILE = r"mg_kernels_casadi_(real_size|int_size|version)"
+CASADI = (
+    r"(_(alloc_mem|init_mem|free_mem|checkout|release|incref|decref|n_in|n_out|name_in|name_out|default_in|"
+)
+CASADI += r"sparsity_in|sparsity_out|work|work_bytes))?"
+FORCED = [(name, form) for name, shipped in REGISTRY.items() for form in shipped.forms]
+
+
+@cache
+def path_of(name: str, form: str, accuracy: str) -> Trajectory:
+    return simulate(forced(name, form), accuracy=Accuracy.named(accuracy))
+
+
+def test_the_registry_lists_every_scene_file() -> None:
+    assert {path.stem for path in SCENES.iterdir()} == set(REGISTRY)
+
+
+@pytest.mark.parametrize("name", REGISTRY)
+def test_the_registry_lists_every_regular_form(name: str) -> None:
+    assert forms_of(name) == set(REGISTRY[name].forms)
+
+
+@pytest.mark.parametrize("name", REGISTRY)
+def test_every_scene_has_a_test_against_its_reference(name: str) -> None:
+    path, _, wanted = REGISTRY[name].reference.partition("::")
+    tree = ast.parse((TESTS / path).read_text(encoding="utf-8"))
+    assert wanted in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert name in ast.unparse(next(node for node in tree.body if getattr(node, "name", "") == wanted))
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize(("name", "form"), FORCED)
+def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accuracy: str) -> None:
+    path, library = path_of(name, form, accuracy), forced(name, form)
+    length = library.manifest.sentence["scales"]["length"]
+    assert path.outcome is Outcome.DONE
+    assert path.t_end == path.t[-1] == library.manifest.sentence["run"]["until"]
+    numbers = (path.p, path.quaternion, path.v, path.w, path.eta, path.force, path.points_o, path.points_f)
+    assert all(np.isfinite(array).all() for array in numbers)
+    assert path.energy_drift < REGISTRY[name].drift[ACCURACIES.index(accuracy)]
+    assert path.gap_max < 1e-10 * length
+    assert path.complementarity_max < COMPLEMENTARITY[accuracy]
+    assert path.margin_min > Accuracy.balanced().margin_warn
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize(("name", "form"), FORCED)
+def test_events_are_those_of_the_registry(name: str, form: str, accuracy: str) -> None:
+    found, expected = (
+        Counter(event.kind for event in path_of(name, form, accuracy).events),
+        REGISTRY[name].events,
+    )
+    assert set(found) == set(expected)
+    counts = {kind: count for kind, count in expected.items() if count is not None and accuracy != "fast"}
+    assert {kind: found[kind] for kind in counts} == counts
+
+
+@pytest.mark.parametrize("name", [name for name, shipped in REGISTRY.items() if len(shipped.forms) > 1])
+def test_all_forms_end_in_the_same_state(name: str) -> None:
+    first, *others = (path_of(name, form, "tight") for form in REGISTRY[name].forms)
+    for other in others:
+        assert np.abs(other.p[-1] - first.p[-1]).max() < REGISTRY[name].apart
+        assert np.abs(other.quaternion[-1] - first.quaternion[-1]).max() < 100 * REGISTRY[name].apart
+
+
+@pytest.mark.parametrize("name", REGISTRY)
+def test_a_scene_requires_these_kinds(name: str) -> None:
+    model = require(read(SCENES / f"{name}.toml"))
+    groups = (model.body_kinds, model.contact_kinds, model.load_kinds)
+    assert tuple(kind.name for group in groups for kind in group) == REGISTRY[name].kinds
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="nm is not installed")
+@pytest.mark.parametrize("name", REGISTRY)
+def test_a_library_exports_the_kernels_of_its_kinds_and_the_core_and_nothing_else(name: str) -> None:
+    library = forced(name, REGISTRY[name].forms[0])
+    command = ["nm", "--dynamic", "--defined-only", "--format=posix", str(library.path)]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    exported = {line.split()[0] for line in listed.splitlines()}
+    headers = [files("modelgen") / "core" / header for header in ("modelgen.h", "lcp.h")]
+    declared = {
+        symbol
+        for header in headers
+        for symbol in re.findall(r"^MG_API .*?(mg_\w+)\(", header.read_text(), re.M)
+    }
+    kernels = "|".join(library.manifest.functions)
+    others = exported - declared
+    assert declared <= exported
+    assert {symbol for symbol in others if not re.fullmatch(f"({kernels}){CASADI}|{FILE}", symbol)} == set()
+    assert set(library.manifest.functions) <= others
+    kinds = (*REGISTRY[name].kinds, *(kind["name"] for kind in library.manifest.kinds["shape"]))
+    of_kinds = re.compile(f"mg_({'|'.join(kinds)})_[a-z]+")
+    assert all(of_kinds.fullmatch(kernel) for kernel in library.manifest.functions)

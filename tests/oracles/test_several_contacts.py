@@ -1,0 +1,122 @@
+"""Several contacts at once: forces in balance, redundant supports, and who lifts when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import build as make
+from tests.oracles.pieces import TABLE, G, ball, imbalance, ran
+
+CORNERS = [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)]
+MASS = 2.0
+
+
+def stool(feet: Sequence[tuple[float, float]], **keys: object):
+    """A slab on spherical feet that touch the table."""
+    shapes = [make.sphere(0.02, name=f"f{i}", position=[x, y, -0.1]) for i, (x, y) in enumerate(feet)]
+    return make.dynamic("slab", *shapes, mass=MASS, inertia=[0.1, 0.1, 0.15], position=[0, 0, 0.12], **keys)
+
+
+def stood(name: str, feet: Sequence[tuple[float, float]], until: float, **keys: object) -> Trajectory:
+    contact = [{"between": [f"slab/f{i}", "table"]} for i in range(len(feet))]
+    return ran(name, [TABLE, stool(feet)], until, contact, **keys)
+
+
+def load_at(x: float, y: float, force: str) -> list[dict[str, object]]:
+    return [{"body": "slab", "point": [x, y, -0.12], "force": ["0.0", "0.0", force]}]
+
+
+def test_three_feet_share_the_weight_by_their_levers() -> None:
+    feet = [(0.3, 0.1), (-0.2, 0.25), (-0.1, -0.3)]
+    path = stood("three_feet", feet, 1.0, force=load_at(0.05, 0.02, "-5-3*sin(7*t)"))
+    levers = np.vstack([np.ones(3), np.transpose(feet)])
+    push = 5 + 3 * np.sin(7 * path.t)
+    sums = np.outer([1, 0, 0], MASS * G + 0 * push) + np.outer([1, 0.05, 0.02], push)
+    assert np.abs(path.force - np.linalg.solve(levers, sums).T).max() < 1e-10
+    assert not path.events
+
+
+@pytest.mark.parametrize("feet", [CORNERS, [*CORNERS, (0.1, 0.05)]], ids=["four", "five"])
+def test_redundant_feet_carry_the_least_forces_that_balance(feet: list[tuple[float, float]]) -> None:
+    path = stood(f"feet_{len(feet)}", feet, 1.0, force=load_at(0.05, 0.02, "-5.0"))
+    # the least norm of the forces weighed by sqrt(A_ii), A = J M^-1 J^T
+    A = np.array([[1 / MASS + y * y / 0.1 + x * x / 0.1] for x, y in feet]).ravel()
+    levers = np.vstack([np.ones(len(feet)), np.transpose(feet)])
+    sums = np.array([MASS * G + 5, 5 * 0.05, 5 * 0.02])
+    least = np.linalg.pinv(levers / np.sqrt(A)) @ sums / np.sqrt(A)
+    assert np.abs(path.force - least).max() < 1e-9
+    assert np.abs(path.p[:, 1] - [0, 0, 0.12]).max() < 1e-14
+
+
+def test_a_load_beyond_the_edge_lifts_two_feet_when_their_moment_is_gone() -> None:
+    path = stood("edge", CORNERS, 2.2, force=load_at(0.6, 0, "-10*t"))
+    lifts = [event for event in path.events if event.kind == "lift-off"]
+    assert {event.contact.split("-")[0] for event in lifts} == {"slab/f1", "slab/f2"}
+    assert [event.t for event in lifts] == pytest.approx([MASS * G / 10] * 2, abs=1e-7)
+    before = path.t < 1.96
+    assert np.abs(path.force[before, 0] - (MASS * G / 4 + 7.5 * path.t[before])).max() < 1e-10
+    assert imbalance(path) < 1e-10
+
+
+def test_a_foot_without_force_on_a_slab_at_rest_does_not_lift() -> None:
+    # the least forces leave the far corner bare, long before the slab tips
+    path = stood("bare", CORNERS, 2.0, force=load_at(0.3, 0.3, "-20*sin(2*pi*t)**2"))
+    assert path.force[:, 2].min() == 0
+    assert not path.events
+    assert np.abs(path.p[:, 1] - [0, 0, 0.12]).max() < 1e-13
+    assert path.energy_drift < 1e-10
+    levers = np.vstack([np.ones(4), np.transpose(CORNERS)])
+    push = 20 * np.sin(2 * np.pi * path.t) ** 2
+    sums = np.outer([MASS * G, 0, 0], 1 + 0 * push) + np.outer([1, 0.3, 0.3], push)
+    assert np.abs(levers @ path.force.T - sums).max() < 1e-10
+
+
+def test_a_load_on_the_diagonal_tips_a_slab_over_one_corner() -> None:
+    path = stood("diagonal", CORNERS, 2.1, force=load_at(0.6, 0.6, "-10*t"))
+    lifts = {event.contact.split("-")[0]: event.t for event in path.events if event.kind == "lift-off"}
+    assert set(lifts) == {"slab/f1", "slab/f2", "slab/f3"}
+    assert list(lifts.values()) == pytest.approx([MASS * G / 10] * 3, abs=1e-7)
+    assert imbalance(path) < 1e-10
+
+
+def test_a_sliding_spinning_slab_on_redundant_feet_moves_freely() -> None:
+    contact = [{"between": [f"slab/f{i}", "table"]} for i in range(4)]
+    moving = stool(CORNERS, velocity=[0.5, 0.2, 0], angular_velocity=[0, 0, 3.0])
+    path = ran("spinning_slab", [TABLE, moving], 5.0, contact)
+    assert np.abs(path.p[:, 1] - np.outer(path.t, [0.5, 0.2, 0]) - np.array([0, 0, 0.12])).max() < 1e-11
+    assert np.abs(path.force - MASS * G / 4).max() < 1e-8
+    assert not path.events
+
+
+def test_balls_stacked_in_a_tube_press_by_the_weight_above() -> None:
+    # two dimensions: each ball touches the wall, centres zigzag at the angle asin of half the clearance
+    radius, offset = 0.1, 0.05
+    rise = float(np.sqrt(4 * radius**2 - 4 * offset**2))
+    tube = make.fixed("tube", make.cylinder(radius + offset, cavity=True))
+    balls = [ball(f"b{i}", [offset * (-1) ** i, 0, radius + rise * i], mass=1.0 + i) for i in range(4)]
+    contact = [{"between": ["b0", "table"]}]
+    contact += [{"between": [b.name, "tube"]} for b in balls]
+    contact += [{"between": [f"b{i}", f"b{i + 1}"]} for i in range(3)]
+    path = ran("tube", [TABLE, tube, *balls], 3.0, contact)
+    above = np.array([G * sum(1.0 + k for k in range(i + 1, 4)) for i in range(3)])
+    side = above * 2 * offset / rise
+    force = dict(zip(path.contact_names, path.force.T, strict=True))
+    assert np.abs(force["b0-table"] - 10 * G).max() < 1e-8
+    for i in range(3):
+        assert np.abs(force[f"b{i}-b{i + 1}"] - above[i] * 2 * radius / rise).max() < 1e-7
+    assert np.abs(force["b3-tube"] - side[2]).max() < 1e-7
+    assert np.abs(force["b1-tube"] - side[0] - side[1]).max() < 1e-7
+    assert np.ptp(path.p, axis=0).max() < 1e-12
+
+
+def test_a_ball_wedged_between_two_planes_is_held_by_both() -> None:
+    left, right = ({"axis": [0, 1, 0], "angle": sign * 0.6} for sign in (1, -1))
+    walls = [make.fixed("l", make.plane(), axis_angle=left), make.fixed("r", make.plane(), axis_angle=right)]
+    height = 0.1 / np.cos(0.6)
+    path = ran("wedge", [*walls, ball("b", [0, 0, height])], 2.0, [{"between": ["b", side]} for side in "lr"])
+    assert np.abs(path.force - G / (2 * np.cos(0.6))).max() < 1e-10
+    assert np.abs(path.p[:, 2] - [0, 0, height]).max() < 1e-14

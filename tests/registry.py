@@ -1,0 +1,105 @@
+"""Every shipped scene with what is expected of it: the one list that tests over scenes run over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+
+from modelgen import read, require
+from modelgen.codegen.library import Library
+from modelgen.contact.kinds import regular_forms
+from modelgen.scene.types import Scene
+from tests.running import SCENES, library_of
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """What holds for one scene in every regular form.
+
+    Attributes:
+        kinds: what `check` prints for the scene as it stands: bodies, then contacts in the chosen form.
+        forms: all that are regular for one of the scene's contacts.
+        reference: the test that holds the scene against its reference, as `file::function` in tests.
+        events: how often each kind of event happens at `balanced` and at `tight`; None: many.
+        drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
+        apart: bound on the difference of final positions between forms at `tight`, m.
+    """
+
+    kinds: tuple[str, ...]
+    forms: tuple[str, ...]
+    reference: str
+    events: Mapping[str, int | None] = field(default_factory=dict)
+    drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
+    apart: float = 1e-12
+
+
+REGISTRY: Mapping[str, Shipped] = {
+    "ball_in_bowl": Shipped(
+        kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
+        forms=("explicit", "implicit"),
+        reference="oracles/test_closed_forms.py::test_a_ball_in_a_bowl_is_a_pendulum",
+    ),
+    "ball_leaves_sphere": Shipped(
+        kinds=("fixed", "point", "sphere_sphere_explicit"),
+        forms=("explicit", "implicit"),
+        reference="oracles/test_closed_forms.py::test_a_ball_leaves_a_fixed_sphere_at_two_thirds_of_its_height",
+        events={"lift-off": 1},
+    ),
+    "bouncing_ball": Shipped(
+        kinds=("fixed", "point", "plane_sphere_explicit"),
+        forms=("explicit", "support", "implicit"),
+        reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
+        events={"impact": 43, "touch-down": 1},
+    ),
+    "ellipsoid_in_cavity": Shipped(
+        kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),
+        forms=("implicit",),
+        reference="oracles/test_second_routes.py::test_an_ellipsoid_in_a_cavity_follows_a_second_route",
+    ),
+    "ellipsoid_on_ellipsoid": Shipped(
+        kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_implicit"),
+        forms=("implicit",),
+        reference="oracles/test_second_routes.py::test_an_ellipsoid_slides_off_an_ellipsoid_as_on_a_second_route",
+        events={"lift-off": 1},
+    ),
+    "ellipsoid_on_plane": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support"),
+        forms=("support", "implicit"),
+        reference="oracles/test_second_routes.py::test_an_ellipsoid_on_a_plane_follows_its_reference",
+    ),
+    "ellipsoids_in_bowl": Shipped(
+        kinds=("fixed", "free_diagonal", "ellipsoid_paraboloid_implicit", "ellipsoid_ellipsoid_implicit"),
+        forms=("implicit", "mixed"),
+        reference="oracles/test_bowl.py::test_up_to_the_first_collision_each_stone_moves_as_if_alone",
+        events={"touch-down": None, "lift-off": None},
+        drift=(1e-6, 1e-9, 1e-9),
+        apart=1e-9,
+    ),
+    "user_surface": Shipped(
+        kinds=("fixed", "free_diagonal", "chart_chart_2_block"),
+        forms=("block", "paper", "differentiated"),
+        reference="oracles/test_second_routes.py::test_a_bean_on_a_wavy_sheet_follows_its_reference",
+    ),
+}
+
+
+def _forms_of_contacts(scene: Scene) -> list[tuple[str, ...]]:
+    """The regular forms of every contact of a scene, in its order."""
+    model = require(scene)
+    kinds = (model.contact_kinds[contact.kind] for contact in model.contacts)
+    return [regular_forms(kind.o, kind.f) for kind in kinds]
+
+
+def forms_of(name: str) -> set[str]:
+    """All forms that are regular for one of the contacts of a shipped scene."""
+    return {form for forms in _forms_of_contacts(read(SCENES / f"{name}.toml")) for form in forms}
+
+
+@cache
+def forced(name: str, form: str) -> Library:
+    """A shipped scene with one form on every contact for which it is regular, the chosen one elsewhere."""
+    scene = read(SCENES / f"{name}.toml")
+    fitting = zip(scene.contacts, _forms_of_contacts(scene), strict=True)
+    contacts = tuple(replace(pair, form=form if form in forms else "auto") for pair, forms in fitting)
+    return library_of(replace(scene, contacts=contacts))

@@ -1,0 +1,36 @@
+"""A batch is as many runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, simulate, simulate_batch
+from modelgen.errors import SimulationError
+from tests.running import scene_of
+
+
+def test_a_batch_of_one_start_is_the_run_of_the_scene() -> None:
+    library = scene_of("ellipsoid_on_ellipsoid")
+    sentence = library.manifest.sentence
+    q, u = np.array([sentence["initial_q"]] * 3), np.array([sentence["initial_u"]] * 3)
+    u[1, 5] = 0.3
+    batch = simulate_batch(library, q, u, until=0.6, accuracy=Accuracy.tight())
+    alone = simulate(library, until=0.6, accuracy=Accuracy.tight(), samples=1)
+    assert batch.q[0, :3] == pytest.approx(alone.p[-1, 1], abs=1e-15)
+    assert np.array_equal(batch.q[0], batch.q[2])
+    assert np.abs(batch.q[1] - batch.q[0]).max() > 1e-3
+    assert all(outcome.succeeded for outcome in batch.outcomes)
+    assert batch.energy_drift.max() < 1e-11
+    assert batch.t == pytest.approx(0.6)
+
+
+def test_a_batch_names_the_run_that_cannot_start() -> None:
+    library = scene_of("ellipsoid_on_plane")
+    sentence = library.manifest.sentence
+    q, u = np.array([sentence["initial_q"]] * 2), np.array([sentence["initial_u"]] * 2)
+    q[1, 2] -= 0.01
+    with pytest.raises(SimulationError, match="run 1, contact 'egg-table': the bodies interpenetrate"):
+        simulate_batch(library, q, u, until=0.1)
+    with pytest.raises(SimulationError, match=r"\(n, 7\)"):
+        simulate_batch(library, q[:, :5], u, until=0.1)

@@ -1,0 +1,108 @@
+"""`inspect` as a reader of the equations uses it: a scene, a pair of shapes, one quantity, a LaTeX text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from modelgen.contact.kinds import FORMS
+from modelgen.notation import NAMES
+
+EGG = "scenes/ellipsoid_on_plane.toml"
+PAIRS = {
+    "explicit": "sphere-sphere",
+    "support": "plane-ellipsoid",
+    **dict.fromkeys(("implicit", "mixed", "block", "paper", "differentiated"), "ellipsoid-torus"),
+}
+COMMANDS = {
+    *(
+        "subsection*",
+        "paragraph",
+        "texttt",
+        "begin",
+        "end",
+        "mbox",
+        "linewidth",
+        "allowdisplaybreaks",
+        "mathrm",
+    ),
+    *(
+        "frac",
+        "sqrt",
+        "left",
+        "right",
+        "cos",
+        "sin",
+        "operatorname",
+        "min",
+        "max",
+        "dot",
+        "cdot",
+        "operatorname*",
+    ),
+    *("alpha", "Gamma", "eta", "lambda", "mu", "sigma", "nu", "omega", "psi", "rho", "tau"),
+    *("textasciicircum", "textbackslash", "textasciitilde", "textless", "textgreater", "textbar"),
+}
+Modelgen = Callable[..., Any]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen) -> None:
+    formulas = modelgen("inspect", f"{PAIRS[form]}:{form}", "--json").json["formulas"]
+    roles = ["rates", "place", *(["angle"] if form == "paper" else [])]
+    assert [formula["role"] for formula in formulas if formula["role"] != "surface"] == roles
+    rates = next(formula for formula in formulas if formula["role"] == "rates")
+    assert form in rates["name"]
+    assert rates["statement"]
+    assert len(rates["steps"]) >= 2
+    assert {step["name"] for step in rates["steps"]} <= set(NAMES)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_one_quantity_is_shorter_than_the_formula_and_ends_in_itself(form: str, modelgen: Modelgen) -> None:
+    pair = f"{PAIRS[form]}:{form}"
+    (whole,) = modelgen("inspect", pair, "--formula", "rates", "--json").json["formulas"]
+    (alone,) = modelgen("inspect", pair, "--formula", "gamma", "--json").json["formulas"]
+    assert len(alone["definition"]) < len(whole["definition"])
+    assert [port["name"] for port in alone["outputs"]] == ["gamma"]
+    assert alone["definition"][-1]["name"] == "gamma"
+    assert all(line in whole["definition"] for line in alone["definition"])
+
+
+def test_text_has_source_cost_units_frames_and_meaning(modelgen: Modelgen) -> None:
+    text = modelgen("inspect", EGG, "--formula", "mg_plane_ellipsoid_support_rates").out
+    for words in (
+        "source: Lemma 3.1, Corollary 3.2", "cost: 89 instructions", "statement:", "inputs:", "outputs:",
+        "steps on the way:", "definition:", "m/s^2", "world, then body axes", "normal from o to f; (3.1)",
+    ):  # fmt: skip
+        assert words in text
+    assert re.search(r"^    gamma +=", text, re.MULTILINE)
+
+
+def test_the_contact_angle_stands_beside_the_form_of_the_paper(modelgen: Modelgen) -> None:
+    (angle,) = modelgen("inspect", "torus-ellipsoid:paper", "--formula", "angle", "--json").json["formulas"]
+    assert "(4.3)" in angle["citation"]
+    assert {port["name"]: port["unit"] for port in angle["outputs"]} == {"psi": "rad", "psi_dot": "rad/s"}
+
+
+@pytest.mark.parametrize("source", [EGG, "torus-ellipsoid:paper", "sphere-plane", "superellipsoid-ellipsoid"])
+def test_latex_is_balanced_and_uses_known_commands(source: str, modelgen: Modelgen) -> None:
+    text = modelgen("inspect", source, "--format", "latex").out
+    text = re.sub(r"\\begin\{verbatim\}.*?\\end\{verbatim\}", "", text, flags=re.DOTALL)
+    assert set(re.findall(r"\\([A-Za-z]+\*?)", text)) <= COMMANDS
+    opened = re.findall(r"\\begin\{(\w+\*?)\}", text)
+    assert opened == re.findall(r"\\end\{(\w+\*?)\}", text)
+    assert set(opened) == {"tabular", "align*"}
+    bare = re.sub(r"\\[{}]", "", text)
+    assert bare.count("{") == bare.count("}")
+    assert text.count(r"\left") == text.count(r"\right")
+    for block in re.findall(r"\\begin\{align\*\}(.*?)\\end\{align\*\}", text, re.DOTALL):
+        rows = block.strip().split("\\\\\n")
+        assert all(row.count("&=") == 1 for row in rows)
+        assert all(row.count("{") == row.count("}") for row in rows)
+        assert not re.search(r"[A-Za-z]{3,}", re.sub(r"\\[A-Za-z]+\*?(\{[A-Za-z]+\})?", "", block))
+    outside = re.sub(r"\$[^$]*\$|\\begin\{align\*\}.*?\\end\{align\*\}", "", text, flags=re.DOTALL)
+    assert not re.search(r"(?<!\\)[_#%$^~]", outside)
