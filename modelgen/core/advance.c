@@ -44,15 +44,27 @@ static int mg_check_margins(mg_context *c, mg_events *events) {
   return MG_DONE;
 }
 
+/* The end of the step h with eta on the extremum, in c->settled. Returns 0 where a closed contact passed its
+   singularity, or lost it, and a shorter step can still come nearer. */
+static int mg_settle_end(mg_context *c, mg_real h) {
+  const mg_run *run = c->run;
+  int sound = 1;
+  for (int i = 0; i < c->n_x; i++) c->settled[i] = c->x_next[i];
+  mg_normalise(c, c->settled);
+  sound = mg_place_all(c, run->t + h, c->settled);
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (run->closed[i] && !(run->margin[i] >= c->set->margin_refuse)) sound = 0;
+  return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
+}
+
 static void mg_commit(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->x_next[i];
+  for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
   c->run->t += h;
   c->run->steps++;
-  mg_normalise(c, c->run->x);
 }
 
 static int mg_settle_drift(mg_context *c) {
-  if (!mg_place_all(c, c->run->t, c->run->x)) return MG_NOT_FINITE;
+  if (!mg_finite(c->run->x, c->n_x)) return MG_NOT_FINITE;
   mg_refresh(c);
   if (!c->set->project || ++c->run->since_projection < c->set->project) return MG_DONE;
   c->run->since_projection = 0;
@@ -66,7 +78,7 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
   return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* One accepted step of at most h, ended by the first event within it. */
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real reach = mg_reach(c);
@@ -81,6 +93,10 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     const mg_real shorter = mg_locate(c, h, passed);
     event = shorter > 0;
     if (event) h = shorter;
+  }
+  if (!mg_settle_end(c, h)) {
+    run->h = h / 2;
+    return MG_DONE;
   }
   mg_record_until(c, record, h);
   mg_commit(c, h);

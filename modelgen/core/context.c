@@ -17,7 +17,7 @@ static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, k = s->n_closed, x = mg_states(s);
-  return 30 * b + 34 * m + s->n_eta + k * k + 2 * k + mg_lcp_work_size((int)k) + (MG_STAGES + 10) * x + 32 +
+  return 30 * b + 34 * m + s->n_eta + k * k + 2 * k + mg_lcp_work_size((int)k) + (MG_STAGES + 11) * x + 32 +
          2 * s->n_eta;
 }
 
@@ -54,6 +54,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->A = mg_take(&work, n * n), c->b = mg_take(&work, n), c->z = mg_take(&work, n);
   c->lcp = mg_take(&work, mg_lcp_work_size((int)n));
   c->K = mg_take(&work, MG_STAGES * x), c->x_next = mg_take(&work, x), c->x_stage = mg_take(&work, x);
+  c->settled = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, m), c->amount = mg_take(&work, m);
   c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);

@@ -17,7 +17,8 @@ typedef struct {
   mg_real *d, *gamma, *d_dot, *normal;      /* per contact 1, 1, 1, 3 */
   mg_real *force, *rate, *amount, *eta_dot; /* per contact 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
-  mg_real *K, *x_next, *x_stage, *dense;    /* stages; states; interpolant (8 rows) */
+  mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
+  mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */

@@ -35,7 +35,6 @@ def solid(name: str, axes: Sequence[float], mass: float = 1.0, **keys: object) -
 
 
 def ran(
-    name: str,
     bodies: Sequence[Body],
     until: float,
     contact: Sequence[Mapping[str, object]] = (),
@@ -43,8 +42,8 @@ def ran(
     samples: int = 20,
     **keys: object,
 ) -> Trajectory:
-    """The run of a scene, tight unless told otherwise."""
-    scene = make.scene(name, bodies, contact=list(contact), **keys)
+    """The run of a scene, tight unless told otherwise. Scenes of one vocabulary share one library."""
+    scene = make.scene("oracle", bodies, contact=list(contact), **keys)
     return simulate(library_of(scene), until=until, accuracy=accuracy or Accuracy.tight(), samples=samples)
 
 

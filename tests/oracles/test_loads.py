@@ -84,7 +84,6 @@ def test_every_load_at_once_moves_a_body_as_on_a_second_route() -> None:
     )
     at = POINTS.tolist()
     seen = ran(
-        "every_load",
         [body, wall, arm, small],
         3.0,
         gravity=GRAVITY.tolist(),
@@ -121,7 +120,7 @@ def test_a_force_at_a_point_is_the_force_at_the_centre_and_its_moment(frame: str
     keys = {"mass": 2.0, "inertia": [0.1, 0.2, 0.25], "rpy": [0.2, -0.4, 0.6]}
     written = [str(value) for value in force.tolist()]
     one = {"body": "b", "force": written, "point": point.tolist(), "frame": frame}
-    a = ran(f"at_point_{frame}", [make.dynamic("b", **keys)], 0.5, force=[one], gravity=[0, 0, 0])
+    a = ran([make.dynamic("b", **keys)], 0.5, force=[one], gravity=[0, 0, 0])
     if frame == "body":
         moment = [str(value) for value in np.cross(point, force).tolist()]
         two = {
@@ -135,15 +134,13 @@ def test_a_force_at_a_point_is_the_force_at_the_centre_and_its_moment(frame: str
         arm = ["+".join(f"({rows[3 * i + j]})*({point[j]})" for j in range(3)) for i in range(3)]
         moment = [f"({arm[i - 2]})*({force[i - 1]})-({arm[i - 1]})*({force[i - 2]})" for i in range(3)]
         two = {"force": [one | {"point": [0, 0, 0]}], "torque": [{"body": "b", "torque": moment}]}
-    b = ran(f"at_centre_{frame}", [make.dynamic("b", **keys)], 0.5, gravity=[0, 0, 0], **two)
+    b = ran([make.dynamic("b", **keys)], 0.5, gravity=[0, 0, 0], **two)
     assert np.abs(a.p - b.p).max() < 1e-13
     assert np.abs(a.quaternion - b.quaternion).max() < 1e-12
 
 
 def test_drag_on_a_falling_ball_gives_the_exponential() -> None:
-    path = ran(
-        "drag", [ball("b", [0, 0, 0])], 4.0, force=[{"body": "b", "force": ["-0.5*vx", "-0.5*vy", "-0.5*vz"]}]
-    )
+    path = ran([ball("b", [0, 0, 0])], 4.0, force=[{"body": "b", "force": ["-0.5*vx", "-0.5*vy", "-0.5*vz"]}])
     assert np.abs(path.v[:, 0, 2] + 2 * G * (1 - np.exp(-path.t / 2))).max() < 1e-11
     assert imbalance(path) < 1e-11
 
@@ -151,7 +148,7 @@ def test_drag_on_a_falling_ball_gives_the_exponential() -> None:
 def test_a_spring_between_two_balls_keeps_their_momentum_and_its_frequency() -> None:
     bodies = [ball("a", [0, 0, 0], mass=2.0), ball("b", [1.2, 0, 0], mass=3.0)]
     spring = {"between": ["a", "b"], "stiffness": 30.0, "rest_length": 1.0}
-    path = ran("two_on_a_spring", bodies, 5.0, spring=[spring], gravity=[0, 0, 0], samples=50)
+    path = ran(bodies, 5.0, spring=[spring], gravity=[0, 0, 0], samples=50)
     length = path.p[:, 1, 0] - path.p[:, 0, 0]
     assert np.abs(length - 1 - 0.2 * np.cos(5 * path.t)).max() < 1e-11  # k / m = 30 / (6/5)
     assert np.abs(2 * path.v[:, 0] + 3 * path.v[:, 1]).max() < 1e-13
@@ -161,7 +158,6 @@ def test_a_force_that_grows_from_nothing_holds_a_touching_ball() -> None:
     # a closed contact without force takes it up at the instant at which it is pressed
     push = [{"body": "b", "force": ["0.0", "0.0", "-t*sin(t)"]}]
     path = ran(
-        "pressed",
         [TABLE, ball("b", [0, 0, 0.1])],
         6.0,
         [{"between": ["b", "table"]}],

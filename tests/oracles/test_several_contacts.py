@@ -21,9 +21,9 @@ def stool(feet: Sequence[tuple[float, float]], **keys: object):
     return make.dynamic("slab", *shapes, mass=MASS, inertia=[0.1, 0.1, 0.15], position=[0, 0, 0.12], **keys)
 
 
-def stood(name: str, feet: Sequence[tuple[float, float]], until: float, **keys: object) -> Trajectory:
+def stood(feet: Sequence[tuple[float, float]], until: float, **keys: object) -> Trajectory:
     contact = [{"between": [f"slab/f{i}", "table"]} for i in range(len(feet))]
-    return ran(name, [TABLE, stool(feet)], until, contact, **keys)
+    return ran([TABLE, stool(feet)], until, contact, **keys)
 
 
 def load_at(x: float, y: float, force: str) -> list[dict[str, object]]:
@@ -32,7 +32,7 @@ def load_at(x: float, y: float, force: str) -> list[dict[str, object]]:
 
 def test_three_feet_share_the_weight_by_their_levers() -> None:
     feet = [(0.3, 0.1), (-0.2, 0.25), (-0.1, -0.3)]
-    path = stood("three_feet", feet, 1.0, force=load_at(0.05, 0.02, "-5-3*sin(7*t)"))
+    path = stood(feet, 1.0, force=load_at(0.05, 0.02, "-5-3*sin(7*t)"))
     levers = np.vstack([np.ones(3), np.transpose(feet)])
     push = 5 + 3 * np.sin(7 * path.t)
     sums = np.outer([1, 0, 0], MASS * G + 0 * push) + np.outer([1, 0.05, 0.02], push)
@@ -42,7 +42,7 @@ def test_three_feet_share_the_weight_by_their_levers() -> None:
 
 @pytest.mark.parametrize("feet", [CORNERS, [*CORNERS, (0.1, 0.05)]], ids=["four", "five"])
 def test_redundant_feet_carry_the_least_forces_that_balance(feet: list[tuple[float, float]]) -> None:
-    path = stood(f"feet_{len(feet)}", feet, 1.0, force=load_at(0.05, 0.02, "-5.0"))
+    path = stood(feet, 1.0, force=load_at(0.05, 0.02, "-5.0"))
     # the least norm of the forces weighed by sqrt(A_ii), A = J M^-1 J^T
     A = np.array([[1 / MASS + y * y / 0.1 + x * x / 0.1] for x, y in feet]).ravel()
     levers = np.vstack([np.ones(len(feet)), np.transpose(feet)])
@@ -53,7 +53,7 @@ def test_redundant_feet_carry_the_least_forces_that_balance(feet: list[tuple[flo
 
 
 def test_a_load_beyond_the_edge_lifts_two_feet_when_their_moment_is_gone() -> None:
-    path = stood("edge", CORNERS, 2.2, force=load_at(0.6, 0, "-10*t"))
+    path = stood(CORNERS, 2.2, force=load_at(0.6, 0, "-10*t"))
     lifts = [event for event in path.events if event.kind == "lift-off"]
     assert {event.contact.split("-")[0] for event in lifts} == {"slab/f1", "slab/f2"}
     assert [event.t for event in lifts] == pytest.approx([MASS * G / 10] * 2, abs=1e-7)
@@ -64,7 +64,7 @@ def test_a_load_beyond_the_edge_lifts_two_feet_when_their_moment_is_gone() -> No
 
 def test_a_foot_without_force_on_a_slab_at_rest_does_not_lift() -> None:
     # the least forces leave the far corner bare, long before the slab tips
-    path = stood("bare", CORNERS, 2.0, force=load_at(0.3, 0.3, "-20*sin(2*pi*t)**2"))
+    path = stood(CORNERS, 2.0, force=load_at(0.3, 0.3, "-20*sin(2*pi*t)**2"))
     assert path.force[:, 2].min() == 0
     assert not path.events
     assert np.abs(path.p[:, 1] - [0, 0, 0.12]).max() < 1e-13
@@ -76,7 +76,7 @@ def test_a_foot_without_force_on_a_slab_at_rest_does_not_lift() -> None:
 
 
 def test_a_load_on_the_diagonal_tips_a_slab_over_one_corner() -> None:
-    path = stood("diagonal", CORNERS, 2.1, force=load_at(0.6, 0.6, "-10*t"))
+    path = stood(CORNERS, 2.1, force=load_at(0.6, 0.6, "-10*t"))
     lifts = {event.contact.split("-")[0]: event.t for event in path.events if event.kind == "lift-off"}
     assert set(lifts) == {"slab/f1", "slab/f2", "slab/f3"}
     assert list(lifts.values()) == pytest.approx([MASS * G / 10] * 3, abs=1e-7)
@@ -86,7 +86,7 @@ def test_a_load_on_the_diagonal_tips_a_slab_over_one_corner() -> None:
 def test_a_sliding_spinning_slab_on_redundant_feet_moves_freely() -> None:
     contact = [{"between": [f"slab/f{i}", "table"]} for i in range(4)]
     moving = stool(CORNERS, velocity=[0.5, 0.2, 0], angular_velocity=[0, 0, 3.0])
-    path = ran("spinning_slab", [TABLE, moving], 5.0, contact)
+    path = ran([TABLE, moving], 5.0, contact)
     assert np.abs(path.p[:, 1] - np.outer(path.t, [0.5, 0.2, 0]) - np.array([0, 0, 0.12])).max() < 1e-11
     assert np.abs(path.force - MASS * G / 4).max() < 1e-8
     assert not path.events
@@ -101,7 +101,7 @@ def test_balls_stacked_in_a_tube_press_by_the_weight_above() -> None:
     contact = [{"between": ["b0", "table"]}]
     contact += [{"between": [b.name, "tube"]} for b in balls]
     contact += [{"between": [f"b{i}", f"b{i + 1}"]} for i in range(3)]
-    path = ran("tube", [TABLE, tube, *balls], 3.0, contact)
+    path = ran([TABLE, tube, *balls], 3.0, contact)
     above = np.array([G * sum(1.0 + k for k in range(i + 1, 4)) for i in range(3)])
     side = above * 2 * offset / rise
     force = dict(zip(path.contact_names, path.force.T, strict=True))
@@ -117,6 +117,6 @@ def test_a_ball_wedged_between_two_planes_is_held_by_both() -> None:
     left, right = ({"axis": [0, 1, 0], "angle": sign * 0.6} for sign in (1, -1))
     walls = [make.fixed("l", make.plane(), axis_angle=left), make.fixed("r", make.plane(), axis_angle=right)]
     height = 0.1 / np.cos(0.6)
-    path = ran("wedge", [*walls, ball("b", [0, 0, height])], 2.0, [{"between": ["b", side]} for side in "lr"])
+    path = ran([*walls, ball("b", [0, 0, height])], 2.0, [{"between": ["b", side]} for side in "lr"])
     assert np.abs(path.force - G / (2 * np.cos(0.6))).max() < 1e-10
     assert np.abs(path.p[:, 2] - [0, 0, height]).max() < 1e-14
