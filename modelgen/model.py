@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from modelgen.scene.types import Chart, ForceLoad, Path, Scene, TorqueLoad
+from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Scene, TorqueLoad
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
@@ -18,13 +18,14 @@ Posing = Literal["identity", "general"]
 
 @dataclass(frozen=True, slots=True)
 class ShapeKind:
-    """The structure of a surface; its lengths are parameters."""
+    """The structure of a surface or curve; its lengths are parameters."""
 
     name: str  # C identifier, unique within a Model; equals `kind` for shapes of the catalogue
-    kind: str  # name in the catalogue, or "chart"
+    kind: str  # name in the catalogue, "chart" or "curve"
     parameter_names: tuple[str, ...]
     cavity: bool = False
     chart: Chart | None = None
+    curve: Curve | None = None
     folded: tuple[float, ...] | None = None  # values when numbers are folded: no parameters then
 
 
@@ -93,6 +94,7 @@ class ContactEntry:
     parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
     restitution: float
     swapped: bool  # the user named f first
+    normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
 
 
 @dataclass(frozen=True, slots=True)

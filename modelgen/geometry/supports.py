@@ -1,4 +1,4 @@
-"""Support maps of convex shapes: the point of the surface where the exterior normal is n.
+"""Support maps of convex shapes and plane convex curves: the point where the exterior normal is n.
 
 A support is a core point plus `offset` times n. The offset moves the surface along its normal and changes
 neither levers x cross n nor, against a plane, any rate, so kernels leave it out of the core point.
@@ -47,6 +47,20 @@ def torus(n: ca.SX, p: ca.SX) -> Support:
 
     core = ca.vertcat(p[0] * ex, p[0] * ey, zeros(1))
     return Support(core, p[1], p[0] * across, lambda m: p[0] / across * (m[1] * ex - m[0] * ey) ** 2)
+
+
+def circle(n: ca.SX, p: ca.SX) -> Support:
+    """The circle of `torus` by itself."""
+    tube = torus(n, ca.vertcat(p[0], zeros(1)))
+    return Support(tube.core, zeros(1), tube.height, tube.form)
+
+
+def ellipse(n: ca.SX, p: ca.SX) -> Support:
+    """x = (a^2 n_x, b^2 n_y, 0)/h, h = sqrt(a^2 n_x^2 + b^2 n_y^2); form (a b (m_x n_y - m_y n_x))^2/h^3."""
+    nx = n[0] + TINY
+    h = ca.sqrt((p[0] * nx) ** 2 + (p[1] * n[1]) ** 2)
+    core = ca.vertcat(p[0] ** 2 * nx / h, p[1] ** 2 * n[1] / h, zeros(1))
+    return Support(core, zeros(1), h, lambda m: (p[0] * p[1] * (m[0] * n[1] - m[1] * nx)) ** 2 / h**3)
 
 
 def superellipsoid(n: ca.SX, p: ca.SX) -> Support:

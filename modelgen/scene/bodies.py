@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from modelgen.scene.chart import read_chart
+from modelgen.scene.chart import read_chart, read_curve
 from modelgen.scene.format import PATH_NAMES, ZERO
 from modelgen.scene.formulas import finite, triple
 from modelgen.scene.place import Place
@@ -19,12 +19,14 @@ def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
     kind = values["kind"]
     common = {
         "kind": kind,
-        "cavity": values["cavity"],
+        "cavity": values.get("cavity", False),
         "pose": read_pose(values, place),
         "name": values["name"] or kind,
     }
     if kind == "chart":
         return Shape(parameters=values["parameters"], chart=read_chart(values, place), **common)
+    if kind == "curve":
+        return Shape(parameters=values["parameters"], curve=read_curve(values, place), **common)
     spec = SHAPES[kind]
     numbers = spec.values(values)
     broken = spec.constraint(numbers)
@@ -88,7 +90,7 @@ def _check_solid(shapes: tuple[Shape, ...], place: Place) -> None:
     if not shapes:
         raise place.error("a density without a shape", "", "add a shape, or give mass and inertia")
     for each in shapes:
-        closed = each.kind == "chart" or SHAPES[each.kind].closed
+        closed = each.chart is not None or (each.curve is None and SHAPES[each.kind].closed)
         if each.cavity or not closed:
             what = "the cavity" if each.cavity else f"the {each.kind}"
             raise place.error(

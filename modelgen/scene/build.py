@@ -24,7 +24,7 @@ Pair = Sequence[float]
 
 
 def shape(kind: str, **keys: object) -> Shape:
-    """A shape of the catalogue or a chart; keys as in the scene format. Raises SceneError."""
+    """A shape of the catalogue, a chart or a curve; keys as in the scene format. Raises SceneError."""
     place = Place(SOURCE, f"shape {kind}")
     return read_shape(SHAPE.read({"kind": kind, **keys}, place), place)
 
@@ -70,6 +70,36 @@ def chart(x: str, y: str, z: str, *, domain: Sequence[Pair], **keys: object) -> 
     The exterior is the side of d(x,y,z)/du x d(x,y,z)/dv.
     """
     return shape("chart", x=x, y=y, z=z, domain=domain, **keys)
+
+
+def line(**keys: object) -> Shape:
+    """The z axis as a curve without ends."""
+    return shape("line", **keys)
+
+
+def segment(length: float, **keys: object) -> Shape:
+    """The z axis from -length/2 to length/2; `length` in m."""
+    return shape("segment", length=length, **keys)
+
+
+def circle(radius: float, **keys: object) -> Shape:
+    """The curve (radius cos t, radius sin t, 0); `radius` in m."""
+    return shape("circle", radius=radius, **keys)
+
+
+def ellipse_curve(a: float, b: float, **keys: object) -> Shape:
+    """The curve (a cos t, b sin t, 0); semi-axes in m."""
+    return shape("ellipse_curve", semi_axes=[a, b], **keys)
+
+
+def helix(radius: float, pitch: float, **keys: object) -> Shape:
+    """The curve (radius cos t, radius sin t, pitch t); `pitch` in m per radian."""
+    return shape("helix", radius=radius, pitch=pitch, **keys)
+
+
+def curve(x: str, y: str, z: str, *, domain: Pair, **keys: object) -> Shape:
+    """A curve of your own: x, y, z in m as expressions of t and `parameters`."""
+    return shape("curve", x=x, y=y, z=z, domain=domain, **keys)
 
 
 def fixed(name: str, *shapes: Shape, **keys: object) -> Body:

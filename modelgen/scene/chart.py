@@ -1,4 +1,4 @@
-"""The user's own surface: its expressions, checked on a few points of its domain."""
+"""The user's own surface or curve: its expressions, checked on a few points of its domain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from modelgen.scene.formulas import finite
 from modelgen.scene.place import Place
-from modelgen.scene.types import Chart
+from modelgen.scene.types import Chart, Curve
 
 CLOSURE = 1e-9  # mismatch of the two ends of a periodic chart, against its size
 NODES = (0.1, 0.25, 0.4, 0.55, 0.7, 0.85)  # of the domain, where the components must be finite
@@ -43,9 +43,32 @@ def _check_chart(chart: Chart, parameters: dict[str, float], place: Place) -> No
                 _check_closed((first, last), size, name, place.key(key))
 
 
-def _check_closed(ends: tuple[float, float], size: float, name: str, place: Place) -> None:
+def read_curve(values: Mapping[str, Any], place: Place) -> Curve:
+    """The curve from the values of its table; raises SceneError."""
+    parameters = dict(values["parameters"])
+    x, y, z = (place.key(key).expression(values[key], ("t", *parameters)) for key in "xyz")
+    lower, upper = values["domain"]
+    if not lower < upper:
+        raise place.key("domain").error(
+            f"the interval [{lower:g}, {upper:g}]", "the first number must be the smaller"
+        )
+    if "t" not in x.names | y.names | z.names:
+        raise place.error("x, y, z do not depend on t", "a curve needs t", "use t")
+    for key, component in zip("xyz", (x, y, z), strict=True):
+        at = place.key(key)
+        nodes = [parameters | {"t": lower + (upper - lower) * node} for node in NODES]
+        size = max(abs(finite(component, node, at)) for node in nodes)
+        if values["periodic"]:
+            first, last = (finite(component, parameters | {"t": end}, at) for end in (lower, upper))
+            _check_closed((first, last), size, "t", at, "curve")
+    return Curve((x, y, z), (lower, upper), values["periodic"])
+
+
+def _check_closed(
+    ends: tuple[float, float], size: float, name: str, place: Place, noun: str = "chart"
+) -> None:
     if abs(ends[0] - ends[1]) > CLOSURE * size:
         found = f"{ends[0]:.9g} and {ends[1]:.9g} at the two ends of {name}"
         raise place.error(
-            found, f"a chart periodic in {name} closes there", f"mend it or the domain of {name}"
+            found, f"a {noun} periodic in {name} closes there", f"mend it or the domain of {name}"
         )

@@ -6,10 +6,14 @@ from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagg
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
-from modelgen.scene.shapes import CHART_FIELDS, SHAPES
+from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 
 ACCURACIES = ("fast", "balanced", "tight")
-FORMS = ("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated")
+FORMS = (
+    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
+    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+    *("curves_block", "curves_paper", "curves_differentiated"),
+)
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 
@@ -36,8 +40,8 @@ def _formulas(doc: str) -> Sequence:
     return Sequence(ExpressionText(doc), 3)
 
 
+_CAVITY = Field("cavity", Switch(), "the material is on the other side of the surface", default=False)
 _SHAPE_FIELDS = (
-    Field("cavity", Switch(), "the material is on the other side of the surface", default=False),
     Field("name", NAME, "name of the shape within its body; its kind if absent"),
     *POSE_FIELDS,
 )
@@ -46,9 +50,13 @@ SHAPE = Defined(
     "shape",
     Tagged(
         "kind",
-        "the shape's name in the catalogue, or chart for a surface of your own",
-        {kind: Table((*spec.fields, *_SHAPE_FIELDS), _ORIENTATION) for kind, spec in SHAPES.items()}
-        | {"chart": Table((*CHART_FIELDS, *_SHAPE_FIELDS), _ORIENTATION)},
+        "the shape's name in the catalogue, chart for a surface and curve for a curve of your own",
+        {
+            kind: Table((*spec.fields, *(() if spec.curve else (_CAVITY,)), *_SHAPE_FIELDS), _ORIENTATION)
+            for kind, spec in SHAPES.items()
+        }
+        | {"chart": Table((*CHART_FIELDS, _CAVITY, *_SHAPE_FIELDS), _ORIENTATION)}
+        | {"curve": Table((*CURVE_FIELDS, *_SHAPE_FIELDS), _ORIENTATION)},
     ),
 )
 
@@ -104,8 +112,12 @@ CONTACT = Table(
         Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
         Field("restitution", Real(0.0, 1.0), "Newton's coefficient of restitution", default=0.0),
         Field("form", Choice(FORMS), "form of the contact's equations; auto: the cheapest", default="auto"),
+        Field(
+            "normal", VECTOR,
+            "two curves: on which side the second lies at t = 0, roughly, from the first, world axes",
+        ),
     )
-)
+)  # fmt: skip
 
 _FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")
 _LOADED = Field("body", NAME, "name of a dynamic body", required=True)

@@ -9,6 +9,7 @@ from modelgen.errors import nearest
 from modelgen.scene.format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.formulas import triple
 from modelgen.scene.place import Place
+from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, SpringLoad, TorqueLoad
 
 Bodies = Mapping[str, Body]
@@ -70,7 +71,21 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
     at = place.key("between")
     first, second = (_partner(text, bodies, at) for text in values["between"])
     _check_partners((first[0], second[0]), bodies, at)
-    return ContactPair((first, second), values["restitution"], values["form"])
+    normal = values["normal"]
+    if normal is not None and not (any(normal) and _are_curves((first, second), bodies)):
+        raise place.key("normal").error(
+            f"{list(normal)} between {first[1]!r} and {second[1]!r}",
+            "a nonzero direction between two curves is allowed: a surface has an exterior side",
+            "remove it",
+        )
+    return ContactPair((first, second), values["restitution"], values["form"], normal)
+
+
+def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:
+    shapes = (each for body, name in partners for each in bodies[body].shapes if each.name == name)
+    return all(
+        shape.curve is not None or (shape.chart is None and SHAPES[shape.kind].curve) for shape in shapes
+    )
 
 
 def _partner(text: str, bodies: Bodies, place: Place) -> Partner:

@@ -2,7 +2,8 @@
 
 Shape frames: plane z = 0 with exterior +z; sphere, ellipsoid and superellipsoid centred at the origin;
 torus and cylinder about z; paraboloid z = x^2/(2 rho_x) + y^2/(2 rho_y) with exterior +z.
-A cavity has its material on the other side of the surface.
+A cavity has its material on the other side of the surface. Curves have no inside: line, segment and helix run
+along z, circle and ellipse_curve lie in the xy-plane about z.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from modelgen.scene.fields import Field, NamedNumbers, Sequence
 from modelgen.scene.scalars import NUMBER, POSITIVE, ExpressionText, Real, Switch
 
 PARAMETER_NAMES = r"^(?!pi$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
+CURVE_PARAMETER_NAMES = r"^(?!pi$|t$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,7 @@ class ShapeSpec:
     implicit: bool  # has a smooth function that vanishes on the surface
     constraint: Callable[[tuple[float, ...]], str] = lambda values: ""
     rule: str = ""
+    curve: bool = False  # a curve instead of a surface: no inside, no cavity
 
     def values(self, read: Mapping[str, Any]) -> tuple[float, ...]:
         """The parameters in C order from the fields as read."""
@@ -51,6 +54,10 @@ def _torus_constraint(values: tuple[float, ...]) -> str:
 def _paraboloid_constraint(values: tuple[float, ...]) -> str:
     flat = [value for value in values if abs(value) < POSITIVE.minimum]
     return f"the radius {flat[0]:g}" if flat else ""
+
+
+def _curve(kind: str, doc: str, parameters: tuple[str, ...], fields: tuple[Field, ...]) -> ShapeSpec:
+    return ShapeSpec(kind, doc, parameters, fields, closed=False, implicit=False, curve=True)
 
 
 _SEMI_AXES = Field("semi_axes", Sequence(POSITIVE, 3), "semi-axes [a, b, c] along x, y, z, m", required=True)
@@ -93,6 +100,20 @@ _CATALOGUE = (
         ),
         closed=True, implicit=True,
     ),
+    _curve("line", "the z axis, without ends", (), ()),
+    _curve(
+        "segment", "the z axis from -length/2 to length/2", ("length",),
+        (Field("length", POSITIVE, "length, m", required=True),),
+    ),
+    _curve("circle", "(radius cos t, radius sin t, 0)", ("radius",), (_RADIUS,)),
+    _curve(
+        "ellipse_curve", "(a cos t, b sin t, 0)", ("a", "b"),
+        (Field("semi_axes", Sequence(POSITIVE, 2), "semi-axes [a, b] along x, y, m", required=True),),
+    ),
+    _curve(
+        "helix", "(radius cos t, radius sin t, pitch t), without ends", ("radius", "pitch"),
+        (_RADIUS, Field("pitch", NUMBER, "rise along z, m per radian", required=True)),
+    ),
 )  # fmt: skip
 
 CHART_FIELDS = (
@@ -111,5 +132,21 @@ CHART_FIELDS = (
     ),
 )
 
+_OF_T = ExpressionText("expression of t and the parameters, m")
+
+CURVE_FIELDS = (
+    *(Field(key, _OF_T, f"{key}(t), m", required=True) for key in "xyz"),
+    Field("domain", Sequence(NUMBER, 2), "[t_min, t_max]", required=True),
+    Field("periodic", Switch(), "whether t wraps around its domain", default=False),
+    Field(
+        "parameters",
+        NamedNumbers(
+            CURVE_PARAMETER_NAMES, "a letter, then letters, digits, single _ (not pi, t) are allowed"
+        ),
+        "named numbers that x, y, z may use",
+        default=(),
+    ),
+)
+
 SHAPES: Mapping[str, ShapeSpec] = {spec.kind: spec for spec in _CATALOGUE}
-KINDS = (*SHAPES, "chart")
+KINDS = (*SHAPES, "chart", "curve")

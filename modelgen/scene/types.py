@@ -36,14 +36,24 @@ class Chart:
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
-    """A surface bounding material. `cavity` puts the material on the other side of the surface."""
+class Curve:
+    """A curve of the user's own: x, y, z as expressions of t and the named parameters."""
 
-    kind: str  # a name of the catalogue, or "chart"
-    parameters: tuple[tuple[str, float], ...] = ()  # in the order of the catalogue (chart: as written)
+    components: tuple[Expression, Expression, Expression]
+    domain: tuple[float, float]  # (t_min, t_max)
+    periodic: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A surface bounding material, or a curve. `cavity` puts the material on a surface's other side."""
+
+    kind: str  # a name of the catalogue, "chart" or "curve"
+    parameters: tuple[tuple[str, float], ...] = ()  # in the order of the catalogue (user's own: as written)
     cavity: bool = False
     pose: Pose = Pose()  # of the shape in the body axes as written
     chart: Chart | None = None
+    curve: Curve | None = None
     name: str = "shape"  # unique within the body
 
 
@@ -75,6 +85,7 @@ class ContactPair:
     between: tuple[tuple[str, str], tuple[str, str]]  # ((body, shape), (body, shape))
     restitution: float = 0.0  # Newton's coefficient, 0..1
     form: str = "auto"  # "auto" or the name of a form
+    normal: Vector | None = None  # two curves: roughly N at t = 0, world, from the first to the second
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from modelgen.geometry.catalogue import SURFACES, exterior_sign, surface_of
+from modelgen.geometry.curves import CURVES
 from modelgen.geometry.frames import tangent_frame
 from modelgen.geometry.surface import surface_kernel
 from modelgen.model import ShapeKind
@@ -58,7 +59,8 @@ def equation(name: str, x: np.ndarray, lengths: tuple[float, ...]) -> tuple[floa
 
 
 def test_the_catalogue_is_that_of_the_scene() -> None:
-    assert set(SURFACES) == set(SHAPES)
+    assert set(SURFACES) == {name for name, spec in SHAPES.items() if not spec.curve}
+    assert set(CURVES) == {name for name, spec in SHAPES.items() if spec.curve}
     assert all(len(SHAPES[name].parameters) == len(LENGTHS[name]) for name in SURFACES)
 
 

@@ -1,0 +1,119 @@
+"""Curves c(t) with two derivatives, by any regular parameter: the catalogue and the user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import inf, pi
+
+import casadi as ca
+import numpy as np
+
+from modelgen.geometry import supports
+from modelgen.geometry.frames import zeros
+from modelgen.geometry.lower import lower
+from modelgen.geometry.supports import Support
+from modelgen.geometry.surface import shape_parameters
+from modelgen.model import ShapeKind
+from modelgen.scene.types import Curve, Shape
+
+SAMPLES = 257  # of a user's curve, for its bounding radius
+
+
+@dataclass(frozen=True)
+class CurveJet:
+    """A curve and its derivatives at t; |c'| must not vanish."""
+
+    x: ca.SX  # (3,) m
+    first: ca.SX  # (3,) c'
+    second: ca.SX  # (3,) c''
+
+
+@dataclass(frozen=True)
+class SpaceCurve:
+    """What is known about one kind of curve; every callable takes the parameters last."""
+
+    components: Callable[[ca.SX, ca.SX], ca.SX]
+    domain: tuple[float, float]
+    periodic: bool
+    support: Callable[[ca.SX, ca.SX], Support] | None = None
+    bounding: Callable[[Sequence[float]], float] = lambda p: inf  # m, radius about the shape's origin
+
+    def jet(self, t: ca.SX, p: ca.SX) -> CurveJet:
+        symbol = ca.SX.sym("t")
+        x = self.components(symbol, p)
+        first = ca.jacobian(x, symbol)
+        values = ca.substitute([x, first, ca.jacobian(first, symbol)], [symbol], [t])
+        return CurveJet(*values)
+
+
+def _line(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(zeros(2), t)
+
+
+def _segment(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(zeros(2), p[0] * t)
+
+
+def _circle(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(p[0] * ca.cos(t), p[0] * ca.sin(t), zeros(1))
+
+
+def _ellipse(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(p[0] * ca.cos(t), p[1] * ca.sin(t), zeros(1))
+
+
+def _helix(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(p[0] * ca.cos(t), p[0] * ca.sin(t), p[1] * t)
+
+
+_TURN, _ENDLESS = (-pi, pi), (-inf, inf)
+
+CURVES: Mapping[str, SpaceCurve] = {
+    "line": SpaceCurve(_line, _ENDLESS, False),
+    "segment": SpaceCurve(_segment, (-0.5, 0.5), False, bounding=lambda p: p[0] / 2),
+    "circle": SpaceCurve(_circle, _TURN, True, supports.circle, lambda p: p[0]),
+    "ellipse_curve": SpaceCurve(_ellipse, _TURN, True, supports.ellipse, lambda p: max(p[0:2])),
+    "helix": SpaceCurve(_helix, _ENDLESS, False),
+}
+
+
+def is_curve(shape: ShapeKind | Shape) -> bool:
+    """Whether the shape is a curve instead of a surface."""
+    return shape.curve is not None or shape.kind in CURVES
+
+
+def curve_of(shape: ShapeKind | Shape) -> SpaceCurve:
+    """The curve of a kind of the catalogue or of the user's own."""
+    if shape.curve is None:
+        return CURVES[shape.kind]
+    if isinstance(shape, ShapeKind):
+        return _user_curve(shape.curve, shape.parameter_names)
+    return _user_curve(shape.curve, tuple(name for name, _ in shape.parameters))
+
+
+def _user_curve(curve: Curve, names: tuple[str, ...]) -> SpaceCurve:
+    def components(t: ca.SX, p: ca.SX) -> ca.SX:
+        symbols = {"t": t} | {name: p[i] for i, name in enumerate(names)}
+        return ca.vertcat(*(lower(expression, symbols) for expression in curve.components))
+
+    def bounding(p: Sequence[float]) -> float:
+        """Largest distance from the origin on a grid, plus the largest step of the grid."""
+        t = ca.SX.sym("t")
+        point = ca.Function("point", [t], [ca.densify(components(t, ca.SX(ca.DM(list(p)))))])
+        x = np.asarray(point(np.linspace(*curve.domain, SAMPLES).reshape(1, -1)))
+        steps = np.linalg.norm(np.diff(x, axis=1), axis=0)
+        return float(np.linalg.norm(x, axis=0).max() + steps.max())
+
+    return SpaceCurve(components, curve.domain, curve.periodic, bounding=bounding)
+
+
+@cache
+def curve_kernel(kind: ShapeKind) -> ca.Function:
+    """`mg_<kind>_curve`: (s(1), parameters) -> (x(3) m, tangent(3) = c', of any length), shape frame."""
+    argument, parameters = shape_parameters(kind)
+    s = ca.SX.sym("s")
+    jet = curve_of(kind).jet(s, parameters)
+    outputs = ca.cse([ca.densify(jet.x), ca.densify(jet.first)])
+    return ca.Function(f"mg_{kind.name}_curve", [s, argument], outputs, ["s", "parameters"], ["x", "tangent"])
