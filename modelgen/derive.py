@@ -11,10 +11,13 @@ from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side
 from modelgen.dynamics.loads import load_kernel
+from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.surface import surface_kernel
 from modelgen.model import Model
 
-Role = Literal["pose", "motion", "energy", "path", "wrench", "surface", "rates", "place", "angle", "rhs"]
+Role = Literal[
+    "pose", "motion", "energy", "path", "wrench", "surface", "curve", "rates", "place", "angle", "rhs"
+]
 
 CITATIONS: dict[str, str] = {
     "pose": "rotation matrix of a unit quaternion",
@@ -24,8 +27,9 @@ CITATIONS: dict[str, str] = {
     "force": "wrench of a force about the centre of mass",
     "torque": "wrench of a torque",
     "spring": "Hooke's law with viscous damping along the line of the anchors",
-    "angle": "Theorem 4.1 (4.3): contact angle and its rate",
+    "angle": "Theorems 4.1 (4.3), 4.3 (4.13), 4.6 (4.29): contact angles and their rates",
     "surface": "surface point and exterior unit normal, Section 2",
+    "curve": "point of a curve and its derivative, Section 2",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
 
@@ -92,10 +96,12 @@ def _of_loads(model: Model) -> list[Formula]:
 
 
 def _of_shapes(model: Model) -> list[Formula]:
-    return [
-        _formula(surface_kernel(kind), "surface", index, CITATIONS["surface"])
-        for index, kind in enumerate(model.shape_kinds)
-    ]
+    found: list[Formula] = []
+    for index, kind in enumerate(model.shape_kinds):
+        role: Role = "curve" if is_curve(kind) else "surface"
+        kernel = curve_kernel(kind) if is_curve(kind) else surface_kernel(kind)
+        found.append(_formula(kernel, role, index, CITATIONS[role]))
+    return found
 
 
 def _of_contacts(model: Model) -> list[Formula]:

@@ -25,7 +25,7 @@ class Notation:
     equation: str = ""
 
 
-_ETA = "point of a surface: 3, chart: 2, plane or no eta: 0, o first"
+_ETA = "point of a surface: 3, chart: 2, curve: 1, plane or no eta: 0, o first; two curves: and two signs"
 _ROW = "6, 3 or 0"
 _SIDES = (("o", "o"), ("f", "f"))
 
@@ -43,6 +43,10 @@ _STEPS = (  # what the rates of a contact are made of; shown by inspection, outp
     Notation("m", "m", "rate of the normal seen from f, (w_f - w_o) x N", "rad/s", "3", "shape f"),
     Notation("n_f", "n_f", "exterior normal of f at its support point", "1", "3", "shape f"),
     Notation("distance", "", "signed distance of the centres", "m", "1"),
+    Notation("e", "e", "derivative of the curve in the tangent plane", "m per parameter", "2", "tangent"),
+    Notation("beta", "\\beta", "second derivative of the curve along N", "m per parameter^2", "1", "",
+             "Theorem 4.6"),
+    Notation("g", "g", "residual of extremality", "m^2, m", "3 or 2"),
     Notation("metric", "I_o", "first fundamental form of o", "m^2", "2x2", "chart of o"),
     Notation("X", "X", "products of the tangents, E_o^T E_f", "m^2", "2x2", "charts"),
     Notation("R_psi", "R_\\psi", "reflection that takes the tangents of f to those of o", "1", "2x2", "",
@@ -52,6 +56,8 @@ _STEPS = (  # what the rates of a contact are made of; shown by inspection, outp
                  f"shape {partner}"),
         Notation(f"K_{side}", "K", f"curvature form of {partner}, positive if convex", "1/m", "2x2",
                  "tangent"),
+        Notation(f"E_{side}", "E", f"derivative of the curve of {partner} by its parameter",
+                 "m per parameter", "3", "world"),
         Notation(f"M_{side}", "M", f"metric form of {partner}, [c_u c_v] = [x y] M", "m", "2x2", "tangent"),
         Notation(f"B_{side}", "B", f"second fundamental form of {partner}, positive if convex", "m", "2x2",
                  f"chart of {partner}"),
@@ -89,6 +95,8 @@ _TABLE = (
     Notation("spin", "", "angular momentum about the world origin", "kg m^2/s", "3", "world"),
     Notation("uv", "\\alpha", "chart coordinates of a surface", "as its chart", "2"),
     Notation("x", "c(\\alpha)", "point of a surface", "m", "3", "shape", "Section 2"),
+    Notation("s", "t", "parameter of a curve", "as its curve", "1"),
+    Notation("tangent", "c'", "derivative of a curve by its parameter", "m per parameter", "3", "shape"),
     Notation("n", "z", "exterior unit normal of a surface", "1", "3", "shape", "Section 2"),
     Notation("eta", "\\eta", "contact points as their surfaces carry them", "m or as the charts",
              _ETA, "shape",
@@ -108,11 +116,15 @@ _TABLE = (
     Notation("residual", "g", "points along and off their surfaces; parallelism of the normals", "m, 1",
              "2"),
     Notation("margin", "(\\mu, \\sigma)",
-             "mu = sigma_min(A)/(|K_f| + |K_o| + |d||K_f||K_o|), and sigma_min(A)",
+             "mu = sigma_min(A)/(|K_f| + |K_o| + |d||K_f||K_o|), and sigma_min(A); of curves from S and D",
              "1, 1/m", "2", "", "Section 4.1.1"),
     Notation("psi", "\\psi", "angle from the first tangent of f to that of o", "rad", "1", "",
              "Theorem 4.1"),
     Notation("psi_dot", "\\dot\\psi", "rate of psi", "rad/s", "1", "", "Theorem 4.1 (4.3)"),
+    *(Notation(f"phi_{side}", "\\phi", f"angle from the Frenet to the contact frame of {partner}", "rad", "1",
+               "", "Section 4.2") for side, partner in _SIDES),
+    *(Notation(f"phi_{side}_dot", "\\dot\\phi", f"rate of phi of {partner}", "rad/s", "1", "",
+               "(4.11), (4.27)") for side, partner in _SIDES),
     Notation("force", "\\lambda", "normal contact force, positive when pushing", "N", "1", "", "(2.6)"),
     *_STEPS,
     *(Notation(f"J_{side}", "J", f"row of d_dot = J u for body {body}", "1, m",

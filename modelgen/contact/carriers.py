@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import casadi as ca
 
+from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.newton import tangent_place
 from modelgen.contact.points import Carrier, chart_point, implicit_point, plane_point
@@ -41,6 +42,20 @@ def no_layout(o: ShapeKind, f: ShapeKind) -> Layout:
     return ("none", "none")
 
 
+def curve_point_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """A point of an implicit surface, none of a plane, and a curve's parameter."""
+    return (point_layout(o, f)[0], "curve")
+
+
+def curve_chart_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    return ("chart", "curve")
+
+
+def curves_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """Two curve parameters, then the signs of N against E_o x E_f and of d."""
+    return ("curve", "signed_curve")
+
+
 def carrier_rates(pair: Pair) -> Rates:
     """The tangent-plane form over whatever carries the points."""
     return tangent_rates(pair, *_carriers(pair))
@@ -48,6 +63,15 @@ def carrier_rates(pair: Pair) -> Rates:
 
 def carrier_place(pair: Pair) -> Placement:
     return tangent_place(pair, *_carriers(pair))
+
+
+def curve_carrier_rates(pair: Pair) -> Rates:
+    """Theorem 4.6 over whatever carries the point of the surface."""
+    return curve_surface_rates(pair, _CARRIERS[pair.layout[0]](pair.o, pair.eta_o))
+
+
+def curve_carrier_place(pair: Pair) -> Placement:
+    return curve_surface_place(pair, _CARRIERS[pair.layout[0]](pair.o, pair.eta_o))
 
 
 def _carriers(pair: Pair) -> tuple[Carrier, Carrier]:

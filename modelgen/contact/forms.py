@@ -11,9 +11,29 @@ from modelgen.contact.carriers import (
     carrier_place,
     carrier_rates,
     chart_layout,
+    curve_carrier_place,
+    curve_carrier_rates,
+    curve_chart_layout,
+    curve_point_layout,
+    curves_layout,
     mixed_layout,
     no_layout,
     point_layout,
+)
+from modelgen.contact.curve_block import curve_block_place, curve_block_rates
+from modelgen.contact.curve_curve import crossing_place, crossing_rates
+from modelgen.contact.curve_extremal import (
+    curve_differentiated_place,
+    curve_differentiated_rates,
+    curves_differentiated_place,
+    curves_differentiated_rates,
+)
+from modelgen.contact.curve_paper import (
+    Theorem,
+    angles_function,
+    curve_surface_theorem,
+    curves_theorem,
+    theorem_rates,
 )
 from modelgen.contact.explicit import sphere_place, sphere_rates
 from modelgen.contact.extremal import differentiated_place, differentiated_rates
@@ -104,3 +124,82 @@ def build_differentiated(kind: ContactKind) -> ContactKernels:
     eta_dot = -g_eta^-1 g_q q_dot, gamma = d/dt (J u) with u held.
     """
     return _build(kind, chart_layout, differentiated_rates, differentiated_place)
+
+
+def build_curve_implicit(kind: ContactKind) -> ContactKernels:
+    """Theorem 4.6 in the tangent frame of an implicit surface; eta = its point, and the curve's parameter t.
+
+    (I + d K_o) a - e t_dot = V,  e.K_o a + beta t_dot = e.w^t,  e = T^T c', beta = N.c'': any regular
+    parameter, no arc length, no Frenet frame. A plane needs no point.
+    """
+    return _build(kind, curve_point_layout, curve_carrier_rates, curve_carrier_place)
+
+
+def build_curve_block(kind: ContactKind) -> ContactKernels:
+    """The block form of the extremality system on a chart and a curve.
+
+    [I + d B_o, -X; X^T I^-1 B_o, B_f] (alpha_o_dot, t_dot)
+        = (E_o^T (dV - d w_o x N), E_f.(w_f - w_o) x N),  E_f = R_f c_f', B_f = N.R_f c_f''
+    """
+    return _build(kind, curve_chart_layout, curve_block_rates, curve_block_place)
+
+
+def build_curve_paper(kind: ContactKind) -> ContactKernels:
+    """Theorem 4.6, (4.26) and (4.27), and Lemma 4.2 as the paper writes them, with k sin(phi) = -z.c''/|c'|^2.
+
+    Departures: any parameter, l_f_dot = |c'| t_dot; d_dot = -v_z in (4.28); M_o upper triangular.
+    """
+    return _build(
+        kind, curve_chart_layout, lambda pair: _stated(pair, curve_surface_theorem), curve_block_place
+    )
+
+
+def build_curves_paper(kind: ContactKind) -> ContactKernels:
+    """Theorem 4.3 as the paper writes it, the two phi_dot eliminated; void where sin(psi) = 0.
+
+    Departures: any parameter, l_dot = |c'| t_dot; the missing minus of (4.11); d_dot = -v_z in (4.12);
+    consequently (4.20), (4.22), (4.23) and (4.25) with the opposite signs.
+    """
+    return _build(kind, curves_layout, lambda pair: _stated(pair, curves_theorem), crossing_place)
+
+
+def _stated(pair: Pair, theorem: Callable[[Pair], Theorem]) -> Rates:
+    return theorem_rates(pair, theorem(pair))
+
+
+def build_curve_angles(kind: ContactKind) -> ca.Function:
+    """`mg_<name>_angle`: psi, psi_dot of (4.29), phi_f, phi_f_dot of (4.27), rad and rad/s.
+
+    psi_dot = w_z + T_o M_o alpha_o_dot + k_f cos(phi_f) l_f_dot; phi_f where the curve is bent.
+    """
+    symbols = pair(kind, curve_chart_layout(kind.o.shape, kind.f.shape))
+    return angles_function(symbols, curve_surface_theorem(symbols), f"mg_{kind.name}_angle")
+
+
+def build_curves_angles(kind: ContactKind) -> ca.Function:
+    """`mg_<name>_angle`: psi, psi_dot of (4.13); phi and phi_dot of o, then of f, (4.11); rad and rad/s.
+
+    psi_dot = w_z + k_o cos(phi_o) l_o_dot + k_f cos(phi_f) l_f_dot; each phi where its curve is bent.
+    """
+    symbols = pair(kind, curves_layout(kind.o.shape, kind.f.shape))
+    return angles_function(symbols, curves_theorem(symbols), f"mg_{kind.name}_angle")
+
+
+def build_curve_differentiated(kind: ContactKind) -> ContactKernels:
+    """Implicit differentiation of g = (E_o^T (P_f - P_o), E_f.N) = 0 on a chart and a curve."""
+    return _build(kind, curve_chart_layout, curve_differentiated_rates, curve_differentiated_place)
+
+
+def build_curves_block(kind: ContactKind) -> ContactKernels:
+    """The block form on two curves; eta = (t_o, t_f) and the two signs that make N continuous.
+
+    [|E_o|^2 + d B_o, -E_o.E_f; -E_o.E_f, |E_f|^2 + d B_f] (t_o_dot, t_f_dot)
+        = (E_o.(dV - d w_o x N), -E_f.(dV - d w_f x N));  N from the cross product of the tangents, or from
+    the difference of the points where |d| (k_o + k_f) > |sin psi|.
+    """
+    return _build(kind, curves_layout, crossing_rates, crossing_place)
+
+
+def build_curves_differentiated(kind: ContactKind) -> ContactKernels:
+    """Implicit differentiation of g = (E_o.(P_f - P_o), E_f.(P_f - P_o)) = 0 on two curves."""
+    return _build(kind, curves_layout, curves_differentiated_rates, curves_differentiated_place)

@@ -9,11 +9,21 @@ from functools import cache
 import casadi as ca
 
 from modelgen.contact import forms
-from modelgen.contact.carriers import chart_layout, mixed_layout, no_layout, point_layout
+from modelgen.contact.carriers import (
+    chart_layout,
+    curve_chart_layout,
+    curve_point_layout,
+    curves_layout,
+    mixed_layout,
+    no_layout,
+    point_layout,
+)
 from modelgen.contact.kernels import ContactKernels
 from modelgen.contact.sides import Layout
+from modelgen.contact.support import support_of
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of
+from modelgen.geometry.curves import CURVES, is_curve
 from modelgen.model import ContactKind, ShapeKind, Side
 
 
@@ -35,11 +45,15 @@ def _is_plane(shape: ShapeKind) -> bool:
 
 
 def _has_equation(shape: ShapeKind) -> bool:
-    return surface_of(shape).implicit is not None
+    return not is_curve(shape) and surface_of(shape).implicit is not None
+
+
+def _is_surface(shape: ShapeKind) -> bool:
+    return not is_curve(shape)
 
 
 def _plane_and_support(o: ShapeKind, f: ShapeKind) -> bool:
-    return _is_plane(o) and surface_of(f).support is not None and not f.cavity
+    return _is_plane(o) and support_of(f) is not None and not f.cavity
 
 
 def _have_centres(o: ShapeKind, f: ShapeKind) -> bool:
@@ -48,7 +62,19 @@ def _have_centres(o: ShapeKind, f: ShapeKind) -> bool:
 
 
 def _not_two_planes(o: ShapeKind, f: ShapeKind) -> bool:
-    return not _is_plane(f)
+    return _is_surface(o) and _is_surface(f) and not _is_plane(f)
+
+
+def _curve_on_equation(o: ShapeKind, f: ShapeKind) -> bool:
+    return _has_equation(o) and is_curve(f)
+
+
+def _curve_on_surface(o: ShapeKind, f: ShapeKind) -> bool:
+    return _is_surface(o) and is_curve(f)
+
+
+def _two_curves(o: ShapeKind, f: ShapeKind) -> bool:
+    return is_curve(o) and is_curve(f)
 
 
 def _always(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
@@ -61,12 +87,22 @@ def _without_poles(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
     return all(surface_of(shape).chart_regular for carrier, shape in sides if carrier == "chart")
 
 
+def _never(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
+    """Singular where the pair itself is regular."""
+    return False
+
+
+def _bent(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
+    """As `_without_poles`, and not a straight line on a plane, which touches it nowhere or all along."""
+    return not (_is_plane(o) and f.kind in ("line", "segment")) and _without_poles(layout, o, f)
+
+
 def _have_equations(o: ShapeKind, f: ShapeKind) -> bool:
     return _has_equation(o) and _has_equation(f) and not _is_plane(f)
 
 
 def _has_one_equation(o: ShapeKind, f: ShapeKind) -> bool:
-    return (_has_equation(o) or _has_equation(f)) and not _is_plane(f)
+    return (_has_equation(o) or _has_equation(f)) and _not_two_planes(o, f)
 
 
 _ROW = "Lemma 3.1, Corollary 3.2 (signs corrected)"
@@ -100,11 +136,42 @@ _TABLE = (
         "differentiated", _not_two_planes, _without_poles, chart_layout, forms.build_differentiated,
         "implicit differentiation of the extremality system that replaces (2.1); eta = two charts",
     ),
+    Form(
+        "curve_implicit", _curve_on_equation, _bent, curve_point_layout, forms.build_curve_implicit,
+        f"Theorem 4.6, {_ROW} in one tangent frame; eta = a point and a curve parameter",
+    ),
+    Form(
+        "curve_block", _curve_on_surface, _bent, curve_chart_layout, forms.build_curve_block,
+        f"Theorem 4.6 as the block form of the system, {_ROW}; eta = a chart and a curve parameter",
+    ),
+    Form(
+        "curve_paper", _curve_on_surface, _bent, curve_chart_layout, forms.build_curve_paper,
+        f"Theorem 4.6, Lemma 4.2, {_ROW}; eta = a chart and a curve parameter",
+        angle=forms.build_curve_angles,
+    ),
+    Form(
+        "curve_differentiated", _curve_on_surface, _bent, curve_chart_layout,
+        forms.build_curve_differentiated,
+        "implicit differentiation of the system of a curve and a surface; eta = chart and curve parameter",
+    ),
+    Form(
+        "curves_block", _two_curves, _always, curves_layout, forms.build_curves_block,
+        f"Theorem 4.3, Lemma 4.4 in block form, {_ROW}; eta = two curve parameters and two signs",
+    ),
+    Form(
+        "curves_paper", _two_curves, _never, curves_layout, forms.build_curves_paper,
+        f"Theorem 4.3, Corollary 4.5, {_ROW}; eta = two curve parameters and two signs",
+        angle=forms.build_curves_angles,
+    ),
+    Form(
+        "curves_differentiated", _two_curves, _always, curves_layout, forms.build_curves_differentiated,
+        "implicit differentiation of the extremality system of two curves; eta = as curves_block",
+    ),
 )  # fmt: skip
 
 FORMS: Mapping[str, Form] = {form.name: form for form in _TABLE}
 
-_RANK = {name: rank for rank, name in enumerate((*SURFACES, "chart"))}
+_RANK = {name: rank for rank, name in enumerate((*SURFACES, "chart", *CURVES, "curve"))}
 
 
 def order(a: ShapeKind, b: ShapeKind) -> bool:
@@ -113,7 +180,7 @@ def order(a: ShapeKind, b: ShapeKind) -> bool:
 
 
 def eta_layout(kind: ContactKind) -> Layout:
-    """How eta carries the points of o and f: "point" (3), "chart" (2) or "none" (0)."""
+    """What carries the points of o and f in eta: keys of `sides.SIZES`."""
     return FORMS[kind.form].layout(kind.o.shape, kind.f.shape)
 
 

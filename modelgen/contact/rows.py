@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.kernels import Rates
-from modelgen.contact.sides import Pair
+from modelgen.contact.sides import Pair, Partner
+from modelgen.geometry.curves import CurveJet, curve_of
 from modelgen.geometry.frames import cross, dot
 
 
@@ -22,6 +23,11 @@ class Levers:
     point_f: ca.SX  # (3,) m
     velocity_o: ca.SX  # (3,) m/s, of the material point
     velocity_f: ca.SX  # (3,) m/s
+
+
+def jet_of_curve(partner: Partner, t: ca.SX) -> CurveJet:
+    """Point of a curve and its derivatives, shape frame."""
+    return curve_of(partner.shape).jet(t, partner.parameters)
 
 
 def levers(pair: Pair, x_o: ca.SX, x_f: ca.SX) -> Levers:

@@ -85,8 +85,14 @@ def partner(side: Side, name: str) -> Partner:
     )
 
 
-Layout = tuple[str, str]  # how eta carries the points of o and f: "point", "chart" or "none"
-SIZES: Mapping[str, int] = {"none": 0, "chart": 2, "point": 3}  # entries of eta on one side
+Layout = tuple[str, str]  # how eta carries the points of o and f: a key of SIZES each
+SIZES: Mapping[str, int] = {
+    "none": 0,
+    "chart": 2,
+    "point": 3,
+    "curve": 1,
+    "signed_curve": 3,
+}  # entries of eta
 
 
 @dataclass(frozen=True)

@@ -9,17 +9,20 @@ f's shape axes. With m = n_f_dot = (w_f - w_o) x n, in f's axes, (3.11) correcte
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
 
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import margin
+from modelgen.contact.margin import FLOOR, margin
 from modelgen.contact.points import implicit_point
 from modelgen.contact.sides import Pair
 from modelgen.geometry.catalogue import exterior_sign, surface_of
+from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.frames import cross, dot, tangent_frame, zeros
 from modelgen.geometry.supports import Support
+from modelgen.model import ShapeKind
 
 
 @dataclass(frozen=True)
@@ -35,11 +38,16 @@ class SupportTouch:
     d: ca.SX  # (1,) m
 
 
+def support_of(shape: ShapeKind) -> Callable[[ca.SX, ca.SX], Support] | None:
+    """The support map of a surface or curve that has one."""
+    return (curve_of(shape) if is_curve(shape) else surface_of(shape)).support
+
+
 def support_touch(pair: Pair) -> SupportTouch:
     plane_normal = ca.vertcat(zeros(2), exterior_sign(pair.o.shape))
     N = ca.mtimes(pair.o.rotation, plane_normal)
     n = ca.mtimes(pair.f.rotation.T, N)
-    support_map = surface_of(pair.f.shape).support
+    support_map = support_of(pair.f.shape)
     assert support_map is not None
     support = support_map(-n, pair.f.parameters)
     between = pair.f.centre - pair.o.centre
@@ -74,17 +82,25 @@ def support_rates(pair: Pair) -> Rates:
     )
 
 
+def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:
+    """As in the other forms; of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane."""
+    T = tangent_frame(at.n)
+    if is_curve(pair.f.shape):
+        radius = at.support.form(T[:, 0]) + at.support.form(T[:, 1])
+        return ca.vertcat(1, 1 / ca.fmax(radius, FLOOR))
+    return margin(zeros(2, 2), implicit_point(pair.f, x_f).curvature(T), at.d)
+
+
 def support_place(pair: Pair) -> Placement:
     """Gap, points and margin; there is nothing to correct."""
     at = support_touch(pair)
     x_f = at.support.core - at.support.offset * at.n
     point_f = pair.f.centre + ca.mtimes(pair.f.rotation, pair.f.arm + x_f)
-    K_f = implicit_point(pair.f, x_f).curvature(tangent_frame(at.n))
     return Placement(
         eta_next=ca.SX(0, 1),
         d=at.d,
         residual=zeros(2),
-        margin=margin(zeros(2, 2), K_f, at.d),
+        margin=_margin(pair, at, x_f),
         normal=at.N,
         point_o=point_f - at.d * at.N,
         point_f=point_f,

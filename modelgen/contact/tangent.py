@@ -16,6 +16,7 @@ written -(w x n).(w x l). eta needs neither psi nor an orthogonal chart.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -66,24 +67,29 @@ class Touch:
 def touch(pair: Pair, frame: ContactFrame, o: Carrier, f: Carrier) -> Touch:
     """Gap, levers and curvatures at the points that eta carries."""
     assert f.x is not None
+    d, l_o, l_f = reach(pair, frame, o, f.x)
+    return Touch(d, l_o, l_f, o.curvature(frame.T_o), f.curvature(frame.T_f))
+
+
+def reach(pair: Pair, frame: ContactFrame, o: Carrier, x_f: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """d, and the levers of both points; a plane's point is the foot of the partner's."""
     between = pair.f.centre - pair.o.centre
-    l_f = f.x + pair.f.arm
+    l_f = x_f + pair.f.arm
     if o.x is None:
         foot = ca.mtimes(frame.T_w.T, between) + ca.mtimes(frame.T_f.T, l_f)
         foot -= ca.mtimes(frame.T_o.T, pair.o.arm)
         l_o = ca.mtimes(frame.T_o, foot) + pair.o.arm
     else:
         l_o = o.x + pair.o.arm
-    d = dot(frame.n_w, between) + dot(frame.n_f, l_f) - dot(frame.n_o, l_o)
-    return Touch(d, l_o, l_f, o.curvature(frame.T_o), f.curvature(frame.T_f))
+    return dot(frame.n_w, between) + dot(frame.n_f, l_f) - dot(frame.n_o, l_o), l_o, l_f
 
 
 def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
     """Lemma 3.1, corrected Corollary 3.2 and Theorem 4.1 with d_dot = J u."""
     frame = contact_frame(pair, o)
     at = touch(pair, frame, o, f)
-    turn_o, slip_o = _spin(pair.o, frame.T_o, at.l_o)
-    turn_f, slip_f = _spin(pair.f, frame.T_f, at.l_f)
+    turn_o, slip_o = spin_along(pair.o, frame.T_o, at.l_o)
+    turn_f, slip_f = spin_along(pair.f, frame.T_f, at.l_f)
     turn = turn_f - turn_o
     V = ca.mtimes(frame.T_w.T, pair.f.velocity - pair.o.velocity) + slip_f - slip_o - at.d * turn_o
     A = relative_curvature(at.K_o, at.K_f, at.d)
@@ -92,33 +98,37 @@ def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
     a = V + b - at.d * nu
     gamma = dot(nu, V) - dot(b, turn) - dot(turn_f, slip_f)
     gamma += dot(turn_o, slip_o + at.d * turn_o + 2 * V)
+    eta_dot = ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), f.eta_rate(ca.mtimes(frame.T_f, b)))
+    steps = {"K_o": at.K_o, "K_f": at.K_f, "A": A, "turn": turn, "V": V, "slide_f": b, "nu": nu, "slide_o": a}
+    return normal_row(pair, frame, at.d, (at.l_o, at.l_f), gamma, nu, eta_dot, steps)
+
+
+def normal_row(
+    pair: Pair,
+    frame: ContactFrame,
+    d: ca.SX,
+    lever: tuple[ca.SX, ca.SX],
+    gamma: ca.SX,
+    nu: ca.SX,
+    eta_dot: ca.SX,
+    steps: Mapping[str, ca.SX],
+) -> Rates:
+    """The rates from the frame, the levers of o and f, and the rate nu of the normal seen from o."""
+    t1, t2 = ca.horzsplit(frame.T_w)
+    known = {"normal": frame.n_w, "t1": t1, "t2": t2, "l_o": lever[0], "l_f": lever[1]}
     return Rates(
-        d=at.d,
-        J_o=pair.o.row(-frame.n_w, -cross(at.l_o, frame.n_o)),
-        J_f=pair.f.row(frame.n_w, cross(at.l_f, frame.n_f)),
+        d=d,
+        J_o=pair.o.row(-frame.n_w, -cross(lever[0], frame.n_o)),
+        J_f=pair.f.row(frame.n_w, cross(lever[1], frame.n_f)),
         gamma=gamma,
-        eta_dot=ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), f.eta_rate(ca.mtimes(frame.T_f, b))),
+        eta_dot=eta_dot,
         normal=frame.n_w,
         normal_rate=ca.mtimes(frame.T_w, nu) + cross(pair.o.spin_world, frame.n_w),
-        steps={
-            "normal": frame.n_w,
-            "t1": frame.T_w[:, 0],
-            "t2": frame.T_w[:, 1],
-            "l_o": at.l_o,
-            "l_f": at.l_f,
-            "K_o": at.K_o,
-            "K_f": at.K_f,
-            "A": A,
-            "turn": turn,
-            "V": V,
-            "slide_f": b,
-            "nu": nu,
-            "slide_o": a,
-        },
+        steps={**known, **steps},
     )
 
 
-def _spin(partner: Partner, T: ca.SX, lever: ca.SX) -> tuple[ca.SX, ca.SX]:
+def spin_along(partner: Partner, T: ca.SX, lever: ca.SX) -> tuple[ca.SX, ca.SX]:
     """w x n and w x l in tangent coordinates: t1 x n = -t2, t2 x n = t1."""
     along = ca.mtimes(T.T, partner.spin)
     return ca.vertcat(along[1], -along[0]), ca.mtimes(T.T, cross(partner.spin, lever))

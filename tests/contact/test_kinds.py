@@ -18,6 +18,7 @@ from modelgen.contact.kinds import (
     order,
     regular_forms,
 )
+from modelgen.contact.sides import SIZES
 from modelgen.errors import SceneError
 from modelgen.model import BodyMotion, ContactKind, Posing, ShapeKind, Side
 from modelgen.notation import notation
@@ -28,10 +29,11 @@ from modelgen.scene.types import Chart
 X, Y, Z = (parse_expression(text, ("u", "v")) for text in ("u", "v", "u**2 + v**2"))
 KINDS = {name: ShapeKind(name, name, spec.parameters) for name, spec in SHAPES.items()}
 KINDS["sheet"] = ShapeKind("sheet", "chart", (), chart=Chart((X, Y, Z), ((-1.0, 1.0), (-1.0, 1.0))))
+FLAT = ("plane", "line", "segment")  # a plane touches them nowhere or all along
 PAIRS = [
     (a, b)
     for a, b in product(KINDS, repeat=2)
-    if not order(KINDS[a], KINDS[b]) and (a, b) != ("plane", "plane")
+    if not order(KINDS[a], KINDS[b]) and not (a == "plane" and b in FLAT)
 ]
 CEILINGS = {  # instructions of the rates
     ("ellipsoid", "free", "general", "ellipsoid", "implicit"): 466,
@@ -44,6 +46,15 @@ CEILINGS = {  # instructions of the rates
     ("ellipsoid", "free", "general", "ellipsoid", "block"): 649,
     ("ellipsoid", "free", "general", "ellipsoid", "paper"): 739,
     ("torus", "free", "general", "torus", "implicit"): 484,
+    ("plane", "fixed", "identity", "circle", "support"): 67,
+    ("plane", "free", "general", "circle", "support"): 206,
+    ("plane", "free", "general", "helix", "curve_implicit"): 235,
+    ("ellipsoid", "free", "general", "circle", "curve_implicit"): 426,
+    ("ellipsoid", "free", "general", "line", "curve_implicit"): 390,
+    ("ellipsoid", "free", "general", "ellipse_curve", "curve_block"): 550,
+    ("circle", "fixed", "general", "circle", "curves_block"): 389,
+    ("circle", "free", "general", "circle", "curves_block"): 500,
+    ("line", "free", "general", "line", "curves_block"): 422,
 }
 
 
@@ -87,7 +98,9 @@ def test_no_chart_with_poles_is_regular_where_an_equation_exists(o: str, f: str)
     [
         ("plane", "sphere", "explicit"), ("sphere", "sphere", "explicit"), ("plane", "torus", "support"),
         ("ellipsoid", "ellipsoid", "implicit"), ("ellipsoid", "sheet", "mixed"),
-        ("plane", "ellipsoid", "support"),
+        ("plane", "ellipsoid", "support"), ("plane", "circle", "support"),
+        ("plane", "helix", "curve_implicit"), ("sheet", "circle", "curve_block"),
+        ("circle", "helix", "curves_block"),
     ],
 )  # fmt: skip
 def test_expected_choices(o: str, f: str, form: str) -> None:
@@ -104,14 +117,18 @@ def test_the_plane_comes_first() -> None:
     assert not any(order(kind, kind) for kind in KINDS.values())
 
 
-@pytest.mark.parametrize(("o", "f"), [("plane", "ellipsoid"), ("ellipsoid", "sheet"), ("torus", "torus")])
+@pytest.mark.parametrize(
+    ("o", "f"),
+    [("plane", "ellipsoid"), ("ellipsoid", "sheet"), ("torus", "torus"), ("torus", "helix"),
+     ("line", "circle")],
+)  # fmt: skip
 def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str) -> None:
     for form in FORMS.values():
         if not form.applies(KINDS[o], KINDS[f]):
             continue
         kind = ContactKind(f"{o}_{f}_{form.name}", form.name, side(o, "fixed"), side(f, "driven"))
         kernels = contact_kernels(kind)
-        n_eta = sum({"none": 0, "chart": 2, "point": 3}[carrier] for carrier in eta_layout(kind))
+        n_eta = sum(SIZES[carrier] for carrier in eta_layout(kind))
         n_par = len(KINDS[o].parameter_names) + len(KINDS[f].parameter_names)
         assert (kernels.rates.name(), kernels.place.name()) == (
             f"mg_{kind.name}_rates",
@@ -160,6 +177,7 @@ def test_a_form_that_does_not_apply_is_named_with_those_that_do(form: str) -> No
     assert form in str(error.value)
 
 
-def test_two_planes_have_no_form() -> None:
+@pytest.mark.parametrize("flat", FLAT)
+def test_flat_on_flat_has_no_form(flat: str) -> None:
     with pytest.raises(SceneError, match="no form"):
-        choose_form(side("plane"), side("plane"))
+        choose_form(side("plane"), side(flat))

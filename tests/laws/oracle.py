@@ -31,7 +31,7 @@ class Truth:
     normal_rate: Array
 
 
-def _moved(pose: ca.SX, twist: ca.SX, accel: ca.SX, t: ca.SX) -> tuple[ca.SX, ca.SX]:
+def moved(pose: ca.SX, twist: ca.SX, accel: ca.SX, t: ca.SX) -> tuple[ca.SX, ca.SX]:
     h = ca.skew(twist[3:] * t + accel[3:] * t**2 / 2)
     R = ca.reshape(pose[3:], 3, 3)
     return pose[:3] + twist[:3] * t + accel[:3] * t**2 / 2, R @ (ca.SX.eye(3) + h + h @ h / 2)
@@ -41,8 +41,8 @@ def _moved(pose: ca.SX, twist: ca.SX, accel: ca.SX, t: ca.SX) -> tuple[ca.SX, ca
 def _derivatives(o: Specimen, f: Specimen) -> ca.Function:
     alpha, t = ca.SX.sym("alpha", 4), ca.SX.sym("t")
     sides = [[ca.SX.sym(f"s{i}{k}", size) for k, size in enumerate((12, 6, 6))] for i in range(2)]
-    p_o, R_o = _moved(*sides[0], t)
-    p_f, R_f = _moved(*sides[1], t)
+    p_o, R_o = moved(*sides[0], t)
+    p_f, R_f = moved(*sides[1], t)
     x_o = ca.vertcat(*o.chart(ca, alpha[0], alpha[1], o.parameters))
     x_f = ca.vertcat(*f.chart(ca, alpha[2], alpha[3], f.parameters))
     E_o, E_f = R_o @ ca.jacobian(x_o, alpha[:2]), R_f @ ca.jacobian(x_f, alpha[2:])

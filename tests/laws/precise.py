@@ -29,6 +29,7 @@ _OPERATIONS: Mapping[int, Callable[..., Any]] = {
     ca.OP_FMIN: min,
     ca.OP_LE: lambda a, b: mp.mpf(a <= b),
     ca.OP_LT: lambda a, b: mp.mpf(a < b),
+    ca.OP_IF_ELSE_ZERO: lambda c, a: a if c else mp.mpf(0),
     ca.OP_NOT: lambda a: mp.mpf(not a),
 }
 
