@@ -8,6 +8,8 @@ from typing import Any
 
 from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.geometry.catalogue import surface_of
+from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.extent import bounding_radius
 from modelgen.model import BodyEntry, BodyKind, ContactKind, LoadKind, Model, ShapeKind, Side
 from modelgen.require import ETA_SIZE, Q_SIZE, U_SIZE
 from modelgen.require.masses import pose_numbers
@@ -86,16 +88,25 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
-    surface = surface_of(kind)
+    domain, periodic = _extent(kind)
     return {
         "name": kind.name,
         "kind": kind.kind,
         "parameters": list(kind.parameter_names),
         "folded": None if kind.folded is None else list(kind.folded),
         "cavity": kind.cavity,
-        "domain": [[_finite(bound) for bound in interval] for interval in surface.domain],
-        "periodic": list(surface.periodic),
+        "domain": [[_finite(bound) for bound in interval] for interval in domain],
+        "periodic": list(periodic),
     }
+
+
+def _extent(kind: ShapeKind) -> tuple[tuple[tuple[float, float], ...], tuple[bool, ...]]:
+    """Domain and periodicity of each parameter: two of a surface, one of a curve."""
+    if is_curve(kind):
+        curve = curve_of(kind)
+        return (curve.domain,), (curve.periodic,)
+    surface = surface_of(kind)
+    return surface.domain, surface.periodic
 
 
 def _finite(value: float) -> float | None:
@@ -145,7 +156,9 @@ def _contact(model: Model, index: int) -> dict[str, Any]:
     entry, kind = model.contacts[index], model.contact_kinds[model.contacts[index].kind]
     partners = model.scene.contacts[index].between
     o, f = reversed(partners) if entry.swapped else partners
+    curves = is_curve(kind.o.shape) and is_curve(kind.f.shape)
     return {
+        **({"normal": entry.normal and list(entry.normal)} if curves else {}),
         "name": entry.name,
         "kind": entry.kind,
         "o": entry.o,
@@ -168,5 +181,5 @@ def _shape(model: Model, body: int, name: str, side: Side) -> dict[str, Any]:
         "kind": model.shape_kinds.index(side.shape),
         "parameters": lengths,
         "placement": list(pose_numbers(shape.pose, model.bodies[body].com)),
-        "bounding": _finite(surface_of(shape).bounding(lengths)),
+        "bounding": _finite(bounding_radius(shape)),
     }

@@ -27,8 +27,9 @@ GROUPS = {
     **dict.fromkeys(("motion", "energy", "path"), "body"),
     **dict.fromkeys(("rates", "place", "angle"), "contact"),
     "surface": "shape",
+    "curve": "shape",
 }  # of the manifest's kinds, by the role of a formula
-OF_A_PAIR = ("surface", "rates", "place", "angle")  # the roles that a pair of shapes decides
+OF_A_PAIR = ("surface", "curve", "rates", "place", "angle")  # the roles that a pair of shapes decides
 
 
 def formula_facts(

@@ -1,4 +1,4 @@
-"""The surfaces of the contacts as grids of points, for drawing."""
+"""The surfaces and curves of the contacts as grids of points, for drawing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ REACH = 1.3  # of an unbounded surface, against the farthest contact point
 
 
 def contact_meshes(library: Library, curve: Callable[[int, str], Array]) -> dict[str, Array]:
-    """Grids (ROWS, COLUMNS, 3) m of both surfaces of the first contacts, keyed "0_o", "0_f", "1_o", ...
+    """Grids (ROWS, COLUMNS, 3) m of both surfaces of the first contacts, keyed "0_o", "0_f", "1_o", ...; a
+    curve is one row.
 
     In the axes of the body's centre of mass. `curve(contact, side)` gives the contact points there, (n, 3) m;
     an unbounded surface is cut where it has gone past them.
@@ -36,11 +37,14 @@ def _mesh(library: Library, shape: dict[str, Any], curve: Array) -> Array:
     placement = np.array(shape["placement"])
     p, R = placement[:3], placement[3:].reshape(3, 3, order="F")
     reach = REACH * max(float(np.abs((curve - p) @ R).max(initial=0.0)), _length(library))
-    u, v = (_range(bounds, reach, n) for bounds, n in zip(kind["domain"], (COLUMNS, ROWS), strict=True))
     parameters = np.array([] if kind["folded"] is not None else shape["parameters"], dtype=library.dtype)
-    surface = library.kernel(f"mg_{kind['name']}_surface")
-    points = [[surface(np.array([a, b], dtype=library.dtype), parameters)[0] for a in u] for b in v]
-    mesh: Array = np.asarray(points, dtype=float).reshape(ROWS, COLUMNS, 3) @ R.T + p
+    is_curve = len(kind["domain"]) == 1
+    kernel = library.kernel(f"mg_{kind['name']}_{'curve' if is_curve else 'surface'}")
+    sizes = (ROWS * COLUMNS,) if is_curve else (COLUMNS, ROWS)
+    axes = [_range(bounds, reach, n) for bounds, n in zip(kind["domain"], sizes, strict=True)]
+    grid = np.stack(np.meshgrid(*axes), -1).reshape(-1, len(sizes)).astype(library.dtype)
+    points = np.asarray([kernel(each, parameters)[0] for each in grid], dtype=float)
+    mesh: Array = points.reshape(*((1, -1) if is_curve else (ROWS, COLUMNS)), 3) @ R.T + p
     return mesh
 
 

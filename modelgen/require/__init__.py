@@ -35,7 +35,7 @@ from modelgen.require.vocabulary import Vocabulary
 from modelgen.require.weights import load_kind, load_parameters
 from modelgen.scene.types import Body, Scene, Vector
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0}
+ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3}
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
 
@@ -150,9 +150,16 @@ def _contact_entries(
         o, f = (b, a) if swapped else (a, b)
         kind = kinds.index(contact_kind)
         parameters = o.parameters + f.parameters
-        entries.append(ContactEntry(name, kind, o.body, f.body, eta, parameters, pair.restitution, swapped))
+        normal = _turned_round(pair.normal) if swapped else pair.normal
+        entries.append(
+            ContactEntry(name, kind, o.body, f.body, eta, parameters, pair.restitution, swapped, normal)
+        )
         eta += eta_size(kinds.kinds[kind])
     return tuple(entries)
+
+
+def _turned_round(normal: Vector | None) -> Vector | None:
+    return None if normal is None else (-normal[0], -normal[1], -normal[2])
 
 
 def _partner(

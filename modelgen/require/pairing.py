@@ -48,11 +48,11 @@ class Partner:
 def shape_kind(shape: Shape, fold: bool) -> ShapeKind:
     """The structure of a shape, named after its kind."""
     names = tuple(name for name, _ in shape.parameters)
-    if shape.chart is None:
+    if shape.chart is None and shape.curve is None:
         names = SHAPES[shape.kind].parameters
     folded = tuple(value for _, value in shape.parameters) if fold else None
     name = f"{shape.kind}_cavity" if shape.cavity else shape.kind
-    return ShapeKind(name, shape.kind, names, shape.cavity, shape.chart, folded)
+    return ShapeKind(name, shape.kind, names, shape.cavity, shape.chart, shape.curve, folded)
 
 
 def contact_names(scene: Scene) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
-from modelgen.geometry.catalogue import surface_of
+from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
 from modelgen.require.masses import Mass
 from modelgen.require.pruning import contacting_shapes
@@ -33,7 +33,7 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
 
 def _radius(scene: Scene, body: Body) -> float:
     shapes = contacting_shapes(scene, body)
-    values = [surface_of(shape).bounding([value for _, value in shape.parameters]) for shape in shapes]
+    values = [bounding_radius(shape) for shape in shapes]
     return max((value for value in values if value < inf), default=inf)
 
 

@@ -1,82 +1,26 @@
-"""Contact parameters to start from: the two surfaces are sampled, the likeliest pairs refined by Newton.
+"""Contact parameters to start from: the two sides are sampled, the likeliest pairs refined by Newton.
 
-A pair of samples is likely when the points are near each other and the normals opposed; around the likeliest
-the surfaces are sampled again, finer. Of all extrema found, the one with the smallest |d| is taken.
+A pair of samples is likely when the points are near each other and the normals opposed, a curve's tangent
+across the normal; around the likeliest the sides are sampled again, finer. Of all extrema found, the one with
+the smallest |d| is taken. Two curves have no exterior: the second lies on the positive side at the start,
+unless the scene says on which side it lies.
 """
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from modelgen.errors import SimulationError
+from modelgen.runtime.samples import Patch, Sampled
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables import Array, address
+from modelgen.runtime.tables import Array
 
-GRID = 17  # samples along each coordinate of a chart
 ZOOMS = 2  # finer samplings around the likeliest pair
 STARTS = 6  # pairs refined by Newton
 SHRINK = 0.2  # size of a finer window against the one before
-
-
-@dataclass(frozen=True)
-class Patch:
-    """Samples of one surface: parameters (n, 2), points in the shape frame and the world, normals (n, 3)."""
-
-    uv: Array
-    local: Array
-    points: Array
-    normals: Array
-
-
-class Surface:
-    """One side of a contact: its kernel, its pose in the world, and the window in which it is sampled."""
-
-    def __init__(self, session: Session, side: Mapping[str, Any], pose: Array, layout: str) -> None:
-        kind = session.library.manifest.kinds["shape"][side["kind"]]
-        self.name: str = kind["name"]
-        self.domain: Sequence[Sequence[float | None]] = kind["domain"]
-        self.bounding: float | None = side["bounding"]
-        self.layout = layout
-        self._function = getattr(session.library.cdll, f"mg_{kind['name']}_surface")
-        dtype = session.tables.dtype
-        self._in = np.zeros(2, dtype=dtype)
-        self._parameters = np.array([*([] if kind["folded"] else side["parameters"]), 0.0], dtype=dtype)
-        self._out = np.zeros((2, 3), dtype=dtype)
-        inputs = [address(self._in), address(self._parameters)]
-        outputs = [address(self._out), address(self._out[1])]
-        self._arguments = ((ctypes.c_void_p * 2)(*inputs), (ctypes.c_void_p * 2)(*outputs), None, None, 0)
-        place = np.asarray(side["placement"], dtype=float)
-        rotation, local = pose[3:].reshape(3, 3).T, place[3:].reshape(3, 3).T
-        self.rotation = rotation @ local
-        self.origin = pose[:3] + rotation @ place[:3]
-
-    def window(self, reach: float) -> Array:
-        """((u_min, u_max), (v_min, v_max)), unbounded coordinates cut at `reach` m."""
-        return np.array([[-reach if a is None else a, reach if b is None else b] for a, b in self.domain])
-
-    def sample(self, window: Array) -> Patch:
-        """A grid over the window; points where the chart has no normal are left out."""
-        axes = [np.linspace(low, high, GRID) for low, high in window]
-        uv = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 2)
-        raw = np.empty((len(uv), 2, 3))
-        for row, pair in zip(raw, uv, strict=True):
-            self._in[:] = pair
-            self._function(*self._arguments)
-            row[:] = self._out
-        kept = np.isfinite(raw).all(axis=(1, 2))
-        raw, uv = raw[kept], uv[kept]
-        return Patch(uv, raw[:, 0], self.origin + raw[:, 0] @ self.rotation.T, raw[:, 1] @ self.rotation.T)
-
-    def eta(self, patch: Patch, index: int) -> Array:
-        """This side's contact parameters at one sample."""
-        columns = {"point": patch.local, "chart": patch.uv, "none": patch.uv[:, :0]}
-        row: Array = columns[self.layout][index]
-        return row
 
 
 def find_closest(session: Session) -> None:
@@ -90,8 +34,8 @@ def find_closest(session: Session) -> None:
         layout = session.layout(index)
         if layout == ["none", "none"]:
             continue
-        o = Surface(session, contact["shape_o"], poses[contact["o"]], layout[0])
-        f = Surface(session, contact["shape_f"], poses[contact["f"]], layout[1])
+        o = Sampled(session, contact["shape_o"], poses[contact["o"]], layout[0])
+        f = Sampled(session, contact["shape_f"], poses[contact["f"]], layout[1])
         best = _best(session, index, _starts(o, f))
         if best is None:
             raise SimulationError(
@@ -100,10 +44,28 @@ def find_closest(session: Session) -> None:
                 "surfaces with a nearest pair there",
                 "start the bodies nearer to each other, or away from a symmetric position",
             )
+        if layout[1] == "signed_curve":
+            best = _oriented(session, index, contact, best)
         session.eta[contact["eta"] : contact["eta"] + len(best)] = best
 
 
-def _starts(o: Surface, f: Surface) -> list[Array]:
+def _oriented(session: Session, index: int, contact: Mapping[str, Any], eta: Array) -> Array:
+    """eta with the signs of two curves turned round where the start asks for it."""
+    found = session.settle(index, eta)
+    hint, d = contact["normal"], float(found["d"])
+    touching = float(session.settings.start_gap * session.system.length)
+    if hint is None and abs(d) <= touching:
+        raise SimulationError(
+            f"contact {contact['name']!r}",
+            "two curves touch at the start, which has no side of its own",
+            "a gap, or a contact that says on which side the second curve lies",
+            "give the contact a normal, from the first curve to the second",
+        )
+    wrong = d < 0 if hint is None else float(np.dot(found["normal"], hint)) < 0
+    return eta * np.array([1, 1, -1, -1]) if wrong else eta
+
+
+def _starts(o: Sampled, f: Sampled) -> list[Array]:
     """Contact parameters of the likeliest pairs, finest first."""
     apart = float(np.linalg.norm(f.origin - o.origin))
     reach = apart + max(o.bounding or 0.0, f.bounding or 0.0, 1e-3 * apart)
@@ -124,14 +86,25 @@ def _around(window: Array, centre: Array) -> Array:
 
 
 def _likeliest(o: Patch, f: Patch) -> list[tuple[int, int]]:
-    """Indices of the STARTS pairs with the least |P_f - P_o| + size (1 + n_o.n_f)."""
+    """Indices of the STARTS pairs with the least |P_f - P_o| + size (1 + n_o.n_f).
+
+    With a curve |n_o.tangent| is in the place of the last, with two curves nothing.
+    """
     span = f.points[None, :] - o.points[:, None]
     distance = np.sqrt((span**2).sum(-1))
     size = min(np.ptp(o.points, axis=0).max(), np.ptp(f.points, axis=0).max())
-    merit = distance + size * (1.0 + o.normals @ f.normals.T)
+    merit = distance + size * _tilt(o, f)
     flat = np.argpartition(merit.ravel(), STARTS)[:STARTS]
     ordered = flat[np.argsort(merit.ravel()[flat])]
     return [(int(k) // len(f.points), int(k) % len(f.points)) for k in ordered]
+
+
+def _tilt(o: Patch, f: Patch) -> Array:
+    """How far from extremal the directions of each pair (n_o, n_f) are, from 0."""
+    cosine: Array = o.directions @ f.directions.T
+    if o.is_curve:
+        return np.zeros_like(cosine)
+    return np.abs(cosine) if f.is_curve else 1.0 + cosine
 
 
 def _best(session: Session, index: int, starts: list[Array]) -> Array | None:

@@ -14,6 +14,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.tables import Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
+ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3}
 CONTINUE, FULL, PENETRATION, NO_EXTREMUM = 1, 2, 10, 11
 
 
@@ -68,7 +69,7 @@ class Session:
         for contact in sentence["contacts"]:
             at = start + contact["eta"]
             for layout in library.manifest.kinds["contact"][contact["kind"]]["eta"]:
-                n = {"point": 3, "chart": 2, "none": 0}[layout]
+                n = ETA_SIZE[layout]
                 if layout == "point":
                     sizes[at : at + n] = length
                 at += n
@@ -136,7 +137,7 @@ class Session:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
         n = self.sentence["contacts"]
         start = n[contact]["eta"]
-        size = sum({"point": 3, "chart": 2, "none": 0}[kind] for kind in self.layout(contact))
+        size = sum(ETA_SIZE[kind] for kind in self.layout(contact))
         local = np.array(self.eta[start : start + size] if eta is None else eta, dtype=self.tables.dtype)
         out = {"d": 1, "residual": 2, "margin": 2, "normal": 3, "point_o": 3, "point_f": 3}
         arrays = {name: self._reals(length) for name, length in out.items()}
@@ -146,7 +147,7 @@ class Session:
         return {"steps": steps, "eta": local, **arrays}
 
     def layout(self, contact: int) -> list[str]:
-        """What carries eta on each side of a contact: "point", "chart" or "none"."""
+        """What carries eta on each side of a contact: a key of ETA_SIZE."""
         kind = self.sentence["contacts"][contact]["kind"]
         return list(self.library.manifest.kinds["contact"][kind]["eta"])
 
