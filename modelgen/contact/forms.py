@@ -145,13 +145,12 @@ def build_curve_block(kind: ContactKind) -> ContactKernels:
 
 
 def build_curve_paper(kind: ContactKind) -> ContactKernels:
-    """Theorem 4.6, (4.26) and (4.27), and Lemma 4.2 as the paper writes them, with k sin(phi) = -z.c''/|c'|^2.
+    """Theorem 4.6, (4.26) and (4.27), and Lemma 4.2 as the paper writes them.
 
-    Departures: any parameter, l_f_dot = |c'| t_dot; d_dot = -v_z in (4.28); M_o upper triangular.
+    k sin(phi) = -z.c''/|c'|^2. Departures: any parameter, l_f_dot = |c'| t_dot; d_dot = -v_z in
+    (4.28); M_o upper triangular.
     """
-    return _build(
-        kind, curve_chart_layout, lambda pair: _stated(pair, curve_surface_theorem), curve_block_place
-    )
+    return _build(kind, curve_chart_layout, _stated(curve_surface_theorem), curve_block_place)
 
 
 def build_curves_paper(kind: ContactKind) -> ContactKernels:
@@ -160,11 +159,11 @@ def build_curves_paper(kind: ContactKind) -> ContactKernels:
     Departures: any parameter, l_dot = |c'| t_dot; the missing minus of (4.11); d_dot = -v_z in (4.12);
     consequently (4.20), (4.22), (4.23) and (4.25) with the opposite signs.
     """
-    return _build(kind, curves_layout, lambda pair: _stated(pair, curves_theorem), crossing_place)
+    return _build(kind, curves_layout, _stated(curves_theorem), crossing_place)
 
 
-def _stated(pair: Pair, theorem: Callable[[Pair], Theorem]) -> Rates:
-    return theorem_rates(pair, theorem(pair))
+def _stated(theorem: Callable[[Pair], Theorem]) -> Callable[[Pair], Rates]:
+    return lambda pair: theorem_rates(pair, theorem(pair))
 
 
 def build_curve_angles(kind: ContactKind) -> ca.Function:
