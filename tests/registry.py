@@ -52,6 +52,11 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
         events={"impact": 43, "touch-down": 1},
     ),
+    "disc_on_rim": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_circle_support"),
+        forms=("support", "curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+        reference="curves/test_scenes.py::test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point",
+    ),
     "ellipsoid_in_cavity": Shipped(
         kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),
         forms=("implicit",),
@@ -75,6 +80,11 @@ REGISTRY: Mapping[str, Shipped] = {
         events={"touch-down": None, "lift-off": None},
         drift=(1e-6, 1e-9, 1e-9),
         apart=1e-9,
+    ),
+    "linked_rings": Shipped(
+        kinds=("fixed", "free_diagonal", "circle_circle_curves_block"),
+        forms=("curves_block", "curves_differentiated"),
+        reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),

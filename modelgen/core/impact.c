@@ -6,6 +6,12 @@ static int mg_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
 }
 
+/* Newton's law for an approach that bounces; a rebound too slow to leave is none at all. */
+static mg_real mg_rebound(const mg_context *c, int contact) {
+  const mg_real e = c->sys->restitution[contact];
+  return -e * c->d_dot[contact] > c->set->rest_speed * c->sys->length / c->sys->time ? e : 0;
+}
+
 /* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
 static int mg_nearing(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->drift * c->sys->length / c->sys->time;
@@ -63,7 +69,7 @@ static int mg_impact(mg_context *c, mg_events *events) {
   mg_assemble(c, c->list, n);
   for (int r = 0; r < n; r++) {
     const int i = c->list[r];
-    c->b[r] = c->d_dot[i] * (mg_approaching(c, i) ? 1 + c->sys->restitution[i] : 1), c->mask[r] = 1;
+    c->b[r] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
   }
   mg_qp(n, c->A, c->b, c->set->lcp_iterations, c->z, c->mask, &report, c->lcp, c->lcp_i);
   c->run->lcp_solves++;

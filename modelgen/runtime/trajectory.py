@@ -15,7 +15,9 @@ class Outcome(Enum):
     """How a run ended; the value says what to do about it."""
 
     DONE = "the run reached its end"
-    INTERRUPTED = "interrupted; what had been computed is kept: run again with a later start or fewer samples"
+    INTERRUPTED = (
+        "interrupted; what had been computed is kept: to get further, loosen the accuracy or be patient"
+    )
     MARGIN = (
         "a closed contact came too near a singularity of its closest points; look at the shapes there: "
         "curvatures that almost conform, or surfaces flat against each other, need another contact model"

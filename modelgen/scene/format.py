@@ -151,7 +151,7 @@ RUN = Table(
     (
         Field("until", POSITIVE, "end of the run, s", default=1.0),
         Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
-        Field("tolerance", Real(1e-15, 0.1), "relative tolerance in place of the accuracy's"),
+        Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
         Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
     )
 )

@@ -114,7 +114,7 @@ def linked_drop(height: float, **contact: object) -> Trajectory:
         "ring", make.circle(r), mass=MASS, inertia=[ACROSS, ACROSS, 2 * ACROSS],
         position=[0, 0, -R - r + height], rpy=[0, "pi/2", 0],
     )  # fmt: skip
-    return ran("drop", [hook, ring], 0.3, [{"between": ["hook", "ring"], **contact}])
+    return ran([hook, ring], 0.3, [{"between": ["hook", "ring"], **contact}])
 
 
 def test_two_curves_that_touch_at_the_start_need_a_side() -> None:
@@ -129,7 +129,7 @@ def test_the_normal_of_two_curves_stays_while_tangents_pass_through_parallel() -
         "ring", make.circle(0.5), mass=1.0, inertia=[1.0, 1.0, 1.0], position=[2.0, 0, 0],
         angular_velocity=[3.0, 0, 0], rpy=[0.4, 0, 0],
     )  # fmt: skip
-    path = ran("turning", [hoop, ring], 5.0, [{"between": ["hoop", "ring"]}], gravity=[0, 0, 0], samples=300)
+    path = ran([hoop, ring], 5.0, [{"between": ["hoop", "ring"]}], gravity=[0, 0, 0], samples=300)
     assert np.abs(path.gap - 0.5).max() < 1e-12
     assert np.abs(path.normals[:, 0] - [1.0, 0, 0]).max() < 1e-12
     signs = path.eta[:, 2]
@@ -146,7 +146,7 @@ def test_a_ball_on_two_rails_rolls_on_without_force_along_them() -> None:
     ]
     high = np.sqrt(radius**2 - half**2)
     contact = [{"between": ["ball", name]} for name in ("left", "right")]
-    path = ran("rails", [*rails, ball("ball", [0, 0, high], velocity=[0.3, 0, 0])], 2.0, contact)
+    path = ran([*rails, ball("ball", [0, 0, high], velocity=[0.3, 0, 0])], 2.0, contact)
     assert np.abs(path.p[:, 2] - [0, 0, high] - np.outer(path.t, [0.3, 0, 0])).max() < 1e-12
     assert np.abs(path.force - G / 2 * radius / high).max() < 1e-9
 
@@ -158,7 +158,7 @@ def test_crossing_wires_collide_like_points_of_their_reduced_mass() -> None:
         "over", make.segment(1.0), mass=0.2, inertia=[0.01, 0.01, 0.001], position=[0, 0, 0.1],
         rpy=["pi/2", 0, 0],
     )  # fmt: skip
-    path = ran("wires", [fixed_wire, wire], 0.25, [{"between": ["under", "over"], "restitution": 0.6}])
+    path = ran([fixed_wire, wire], 0.25, [{"between": ["under", "over"], "restitution": 0.6}])
     fall = np.sqrt(0.2 / G)
     t = path.t[-1] - fall
     assert path.events[0].t == pytest.approx(fall, abs=1e-11)
@@ -176,7 +176,7 @@ def test_a_curve_of_the_users_own_is_that_of_the_catalogue() -> None:
         "rpy": [1.1, 0, 0], "angular_velocity": [0, 2.0, 1.0],
     }  # fmt: skip
     runs = [
-        ran("rim", [TABLE, make.dynamic("disc", shape, **keys)], 1.0, [{"between": ["disc", "table"]}])
+        ran([TABLE, make.dynamic("disc", shape, **keys)], 1.0, [{"between": ["disc", "table"]}])
         for shape in (own, make.circle(0.1))
     ]
     assert np.abs(runs[0].p - runs[1].p).max() < 1e-10
@@ -195,7 +195,7 @@ def test_what_curves_cannot_do_is_refused(shapes: tuple, contact: dict, words: s
     body = make.dynamic("b", shapes[1], mass=1.0, inertia=[1, 1, 1], position=[0, 0, 1])
     bodies = [make.fixed("a", shapes[0]), body]
     with pytest.raises(SceneError, match=words):
-        ran("refused", bodies, 0.1, [{"between": ["a", "b"], **contact}])
+        ran(bodies, 0.1, [{"between": ["a", "b"], **contact}])
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,8 @@ class PlainStepper:
         held, rows = sorted(self.closed), self.scene.rows(self.t, self.x)
         fast = rows.rate < -self.rest
         weighed, A = self._weights(rows, held)
-        aim = rows.rate * np.where(fast, 1.0 + self.restitution, 1.0)
+        leaves = -self.restitution * rows.rate > self.rest
+        aim = rows.rate * np.where(leaves, 1.0 + self.restitution, 1.0)
         impulse = complementary(A, aim[held])
         after = rows.rate + rows.J @ weighed @ impulse
         self.x[self.scene.u] += weighed @ impulse

@@ -16,6 +16,8 @@ PAIRS = {
     "explicit": "sphere-sphere",
     "support": "plane-ellipsoid",
     **dict.fromkeys(("implicit", "mixed", "block", "paper", "differentiated"), "ellipsoid-torus"),
+    **{form: "ellipsoid-ellipse_curve" for form in FORMS if form.startswith("curve_")},
+    **{form: "circle-helix" for form in FORMS if form.startswith("curves_")},
 }
 COMMANDS = {
     *(
@@ -52,8 +54,8 @@ Modelgen = Callable[..., Any]
 @pytest.mark.parametrize("form", FORMS)
 def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen) -> None:
     formulas = modelgen("inspect", f"{PAIRS[form]}:{form}", "--json").json["formulas"]
-    roles = ["rates", "place", *(["angle"] if form == "paper" else [])]
-    assert [formula["role"] for formula in formulas if formula["role"] != "surface"] == roles
+    roles = ["rates", "place", *(["angle"] if form.endswith("paper") else [])]
+    assert [formula["role"] for formula in formulas if formula["role"] not in ("surface", "curve")] == roles
     rates = next(formula for formula in formulas if formula["role"] == "rates")
     assert form in rates["name"]
     assert rates["statement"]
