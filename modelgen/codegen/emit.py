@@ -50,15 +50,15 @@ INNER_LOOP = (
     *("lone.c", "rhs.c", "rk4.c", "step.c"),
 )
 
-COLD_HEAD = """
-#if defined(__GNUC__) && !defined(__clang__) /* what runs once a step or less need not cost compile time */
+ONCE = ("batch.c", "begin.c", "context.c", "enumerate.c", "lcp_basis.c", "lemke.c")
+
+HASTE = """
+#if defined(__GNUC__) && !defined(__clang__) /* {reason} */
 #pragma GCC push_options
-#pragma GCC optimize("O1")
+#pragma GCC optimize("{level}")
 #endif
 
-"""
-
-COLD_FOOT = """
+{includes}
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
 #endif
@@ -119,9 +119,17 @@ def _kernels(formulas: list[Formula]) -> str:
 
 def _model(core: Mapping[str, str], internal: Mapping[str, str]) -> str:
     sources = [name for name in core if name.endswith(".c")]
-    warm = "".join(f'#include "{name}"\n' for name in sources if name in INNER_LOOP)
-    cold = "".join(f'#include "{name}"\n' for name in sources if name not in INNER_LOOP)
-    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + warm + COLD_HEAD + cold + COLD_FOOT
+    groups = {
+        "inner": [name for name in sources if name in INNER_LOOP],
+        "step": [name for name in sources if name not in INNER_LOOP + ONCE],
+        "once": [name for name in sources if name in ONCE],
+    }
+    texts = {group: "".join(f'#include "{name}"\n' for name in names) for group, names in groups.items()}
+    per_step = HASTE.format(reason="once a step: compiled faster", level="O1", includes=texts["step"])
+    once = HASTE.format(
+        reason="once a run or on request: compiled fastest", level="O0", includes=texts["once"]
+    )
+    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + texts["inner"] + per_step + once
 
 
 def _entry(formula: Formula) -> Json:
