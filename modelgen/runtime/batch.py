@@ -56,14 +56,13 @@ def simulate_batch(
     codes = np.zeros(n, dtype=np.intc)
     session.batch(runs, until, codes)
     _refuse(session, codes, runs)
-    energy = [float(run.energy_error_max) / (float(run.kinetic_max) or 1.0) for run in runs]
     del kept
     return Batch(
         q=x[:, :n_q],
         u=x[:, n_q : n_q + n_u],
         t=np.array([float(run.t) for run in runs]),
         outcomes=tuple(OUTCOME_OF_CODE[code] for code in codes.tolist()),
-        energy_drift=np.array(energy),
+        energy_drift=np.array([session.energy_drift(run) for run in runs]),
         steps=np.array([run.steps for run in runs]),
     )
 

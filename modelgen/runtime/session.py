@@ -168,6 +168,13 @@ class Session:
         """n RK4 steps of the accuracy's step without events, projection or ledger."""
         self.library.cdll.mg_smooth(*self._head, ctypes.c_long(n), *self._scratch)
 
+    def energy_drift(self, run: Any) -> float:
+        """max |E - E_0 - work| of an mg_run over its largest kinetic energy; at rest, m L^2 / T^2."""
+        scales = self.sentence["scales"]
+        resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
+        moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * resting
+        return float(run.energy_error_max) / (float(run.kinetic_max) if moved else resting)
+
     def batch(self, runs: ctypes.Array[ctypes.Structure], t_stop: float, codes: Array) -> None:
         """Starts and advances each mg_run of an array to t_stop; writes the core's codes."""
         ends = self.tables.real(t_stop), ctypes.c_void_p(address(codes)), ctypes.byref(self.events)

@@ -100,10 +100,6 @@ def _trajectory(
 ) -> Trajectory:
     run, manifest = session.run, session.library.manifest
     failed = run.failed_contact
-    scales = session.sentence["scales"]
-    resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
-    moved = run.kinetic_max > np.finfo(session.tables.dtype).eps * resting
-    energy = float(run.kinetic_max) if moved else resting
     kinds = (kind["name"] for group in ("body", "contact", "load") for kind in manifest.kinds[group])
     return Trajectory(
         scene=session.sentence["name"],
@@ -118,7 +114,7 @@ def _trajectory(
         rejected=int(run.rejected),
         rhs_evals=int(run.rhs_evals),
         wall_s=wall,
-        energy_drift=float(run.energy_error_max) / energy,
+        energy_drift=session.energy_drift(run),
         gap_max=float(run.gap_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),

@@ -34,3 +34,13 @@ def test_a_batch_names_the_run_that_cannot_start() -> None:
         simulate_batch(library, q, u, until=0.1)
     with pytest.raises(SimulationError, match=r"\(n, 7\)"):
         simulate_batch(library, q[:, :5], u, until=0.1)
+
+
+def test_a_batch_at_rest_measures_its_drift_as_a_run_does() -> None:
+    library = scene_of("bouncing_ball")
+    sentence = library.manifest.sentence
+    q, u = np.array([sentence["initial_q"]]), np.array([sentence["initial_u"]])
+    q[0, 2] = 0.05
+    batch = simulate_batch(library, q, u, until=1.0)
+    assert batch.outcomes[0].succeeded
+    assert batch.energy_drift[0] < 1e-12
