@@ -2,6 +2,7 @@
 
 The street is read -> require -> derive -> emit -> build -> simulate: one value between two verbs.
 `modelgen.require` and the other verbs are always the functions; their modules load on first use.
+`record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
 from __future__ import annotations
@@ -16,9 +17,14 @@ if TYPE_CHECKING:
     from modelgen.codegen.emit import emit as emit
     from modelgen.derive import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
+    from modelgen.report.export import load as load
+    from modelgen.report.export import save as save
+    from modelgen.report.plot import draw as draw
+    from modelgen.report.record import record_of as record_of
     from modelgen.require import require as require
     from modelgen.runtime.accuracy import Accuracy as Accuracy
     from modelgen.runtime.batch import simulate_batch as simulate_batch
+    from modelgen.runtime.nearest import closest_points as closest_points
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.scene.read import read as read
 
@@ -27,10 +33,15 @@ __all__ = [
     "Accuracy",
     "ModelgenError",
     "build",
+    "closest_points",
     "derive",
+    "draw",
     "emit",
+    "load",
     "read",
+    "record_of",
     "require",
+    "save",
     "simulate",
     "simulate_batch",
 ]
@@ -42,7 +53,12 @@ _HOMES = {
     "emit": "modelgen.codegen.emit",
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
+    "closest_points": "modelgen.runtime.nearest",
     "simulate_batch": "modelgen.runtime.batch",
+    "record_of": "modelgen.report.record",
+    "save": "modelgen.report.export",
+    "load": "modelgen.report.export",
+    "draw": "modelgen.report.plot",
     "Accuracy": "modelgen.runtime.accuracy",
     "ModelgenError": "modelgen.errors",
 }

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import casadi as ca
 
-from modelgen.contact.kinds import FORMS, contact_kernels
+from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.seek import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics.bodies import body_kernels
-from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side
+from modelgen.dynamics.closed_form import is_closed_form, right_hand_side
 from modelgen.dynamics.loads import load_kernel
+from modelgen.errors import expect
 from modelgen.geometry.curves import curve_kernel, is_curve
+from modelgen.geometry.points3d import is_point, point_kernel
 from modelgen.geometry.surface import surface_kernel
-from modelgen.model import Model
+from modelgen.model import Model, ShapeKind
 
 Role = Literal[
-    "pose", "motion", "energy", "path", "wrench", "surface", "curve", "rates", "place", "angle", "rhs"
+    "pose",
+    "motion",
+    "energy",
+    "path",
+    "wrench",
+    "surface",
+    "curve",
+    "point",
+    "rates",
+    "place",
+    "aim",
+    "seek",
+    "angle",
+    "rhs",
 ]
 
 CITATIONS: dict[str, str] = {
@@ -28,10 +45,18 @@ CITATIONS: dict[str, str] = {
     "torque": "wrench of a torque",
     "spring": "Hooke's law with viscous damping along the line of the anchors",
     "angle": "Theorems 4.1 (4.3), 4.3 (4.13), 4.6 (4.29): contact angles and their rates",
+    "aim": "one Newton step of the separation function from known contact points",
+    "seek": "separation function of convex shapes on the sphere of normals",
     "surface": "surface point and exterior unit normal, Section 2",
     "curve": "point of a curve and its derivative, Section 2",
+    "point": "a point by itself",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
+
+
+_SHAPE_KERNELS: Mapping[str, Callable[[ShapeKind], ca.Function]] = {
+    "surface": surface_kernel, "curve": curve_kernel, "point": point_kernel
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -66,9 +91,13 @@ class Derivation:
 
 
 def derive(model: Model) -> Derivation:
-    """All formulas of the Model: bodies, loads, surfaces, contacts, and the composed right-hand side."""
+    """All formulas of the Model: bodies, loads, surfaces, contacts, and the composed right-hand side.
+
+    Raises ModelgenError if it is given something else.
+    """
+    expect("derive", model, Model)
     formulas = (*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model))
-    if len(model.contacts) > MAX_CONTACTS:
+    if not is_closed_form(model):
         return Derivation(model, formulas)
     rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
     return Derivation(model, (*formulas, _formula(rhs, "rhs", 0, CITATIONS["rhs"])))
@@ -98,8 +127,8 @@ def _of_loads(model: Model) -> list[Formula]:
 def _of_shapes(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.shape_kinds):
-        role: Role = "curve" if is_curve(kind) else "surface"
-        kernel = curve_kernel(kind) if is_curve(kind) else surface_kernel(kind)
+        role: Role = "point" if is_point(kind) else "curve" if is_curve(kind) else "surface"
+        kernel = _SHAPE_KERNELS[role](kind)
         found.append(_formula(kernel, role, index, CITATIONS[role]))
     return found
 
@@ -110,6 +139,9 @@ def _of_contacts(model: Model) -> list[Formula]:
         kernels, citation = contact_kernels(kind), FORMS[kind.form].citation
         found.append(_formula(kernels.rates, "rates", index, citation))
         found.append(_formula(kernels.place, "place", index, citation))
+        if eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape):
+            found.append(_formula(aim_kernel(kind), "aim", index, CITATIONS["aim"]))
+            found.append(_formula(seek_kernel(kind), "seek", index, CITATIONS["seek"]))
         angle = FORMS[kind.form].angle
         if angle is not None:
             found.append(_formula(angle(kind), "angle", index, CITATIONS["angle"]))

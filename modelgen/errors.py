@@ -4,6 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from os import PathLike
+
+STREET = {  # each value of the street, and the verb that takes it
+    "path": "read",
+    "Scene": "require",
+    "Model": "derive",
+    "Derivation": "emit",
+    "Package": "build",
+    "Library": "simulate",
+}
 
 
 class ModelgenError(Exception):
@@ -55,3 +65,30 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """`did you mean 'x'?` for the known name closest to `name`, or an empty text."""
     close = get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f"did you mean {close[0]!r}?" if close else ""
+
+
+def expect(verb: str, value: object, kind: type) -> None:
+    """Refuses a value that a verb of the street does not take; the remedy is the call that makes one of it.
+
+    >>> expect("derive", 3, str)
+    Traceback (most recent call last):
+    modelgen.errors.ModelgenError: derive: the argument is of type int; it takes a str
+    """
+    if isinstance(value, kind):
+        return
+    given = "path" if isinstance(value, str | PathLike) else type(value).__name__
+    found = f"the argument is of type {type(value).__name__}"
+    raise ModelgenError(verb, found, f"it takes a {kind.__name__}", _call(verb, given, kind))
+
+
+def _call(verb: str, given: str, kind: type) -> str:
+    """`write build(emit(derivation))` for a Derivation that `build` was given; from a file if need be."""
+    values = list(STREET)
+    if kind.__name__ not in values:
+        return ""
+    end = values.index(kind.__name__)
+    start = values.index(given) if given in values[:end] else 0
+    call = values[start].lower()
+    for value in values[start:end]:
+        call = f"{STREET[value]}({call})"
+    return f"write {verb}({call}{'' if verb in STREET.values() else ', ...'})"

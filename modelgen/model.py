@@ -9,11 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Scene, TorqueLoad
+from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Scene, Shape, TorqueLoad
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
 Posing = Literal["identity", "general"]
+Search = Literal["never", "moved", "always"]  # for more contacts of a pair in a run
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,18 +84,52 @@ class BodyEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class ContactEntry:
-    """A contact slot of the sentence."""
+class LinkCondition:
+    """An inequality that holds while a contact stays on a link (`scene.types.Condition`)."""
 
-    name: str  # "egg-table"
-    kind: int
+    kind: str
+    side: int  # 0: of o, 1: of f
+    numbers: tuple[float, ...]
+    next: int  # the link beyond; -1: the contact ends
+
+
+@dataclass(frozen=True, slots=True)
+class LinkEntry:
+    """Two features, one of each shape of a pair, that can touch in a point."""
+
+    name: str  # "rim_top", "v0-top"; empty where both shapes are one feature each
+    kind: int  # of contact
+    pair: int
     o: int  # body index
     f: int
-    eta: int  # offset
     parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
-    restitution: float
     swapped: bool  # the user named f first
+    shapes: tuple[Shape, Shape]  # of o and f; poses in the body axes as written
+    group: int = -1  # of links of one vertex with the faces of one solid
+    conditions: tuple[LinkCondition, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PairEntry:
+    """Two shapes that the scene lets touch: a range of links and a range of contacts."""
+
+    name: str  # "egg-table"
+    links: tuple[int, int]  # first, end
+    contacts: tuple[int, int]
+    search: Search
+    restitution: float
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEntry:
+    """What follows one local minimum of the distance of a pair, on one link of it at a time."""
+
+    name: str  # "egg-table", "box-table:v0", "ball-groove#2"
+    pair: int
+    eta: int  # offset
+    room: int  # entries of eta
+    link: int  # its own for good, or -1: any of the pair
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +156,8 @@ class Model:
     contact_kinds: tuple[ContactKind, ...]
     load_kinds: tuple[LoadKind, ...]
     bodies: tuple[BodyEntry, ...]
+    pairs: tuple[PairEntry, ...]
+    links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
     loads: tuple[LoadEntry, ...]
     n_q: int
@@ -130,3 +167,4 @@ class Model:
     initial_q: tuple[float, ...]
     initial_u: tuple[float, ...]
     left_out: tuple[str, ...] = ()  # what pruning removed, in words
+    warnings: tuple[str, ...] = ()  # what is remarkable about the shapes, in words

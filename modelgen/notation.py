@@ -25,7 +25,10 @@ class Notation:
     equation: str = ""
 
 
-_ETA = "point of a surface: 3, chart: 2, curve: 1, plane or no eta: 0, o first; two curves: and two signs"
+_ETA = (
+    "point of a surface: 3, chart: 2, curve: 1, plane, centre or no eta: 0, o first; two curves: and two "
+    "signs; two straight edges: one sign"
+)
 _ROW = "6, 3 or 0"
 _SIDES = (("o", "o"), ("f", "f"))
 
@@ -46,6 +49,15 @@ _STEPS = (  # what the rates of a contact are made of; shown by inspection, outp
     Notation("e", "e", "derivative of the curve in the tangent plane", "m per parameter", "2", "tangent"),
     Notation("beta", "\\beta", "second derivative of the curve along N", "m per parameter^2", "1", "",
              "Theorem 4.6"),
+    Notation("h", "h", "of a centre over its surface or beside its curve, d + rho", "m", "1"),
+    Notation("l", "l", "from a centre of mass to the partner's centre, or to the point of a curve beside one",
+             "m", "3", "shape; of a curve: world"),
+    Notation("K", "K", "curvature form of the surface under a centre, positive if convex", "1/m", "2x2",
+             "tangent"),
+    Notation("E", "E", "derivative of the curve beside a centre by its parameter", "m per parameter", "3",
+             "world"),
+    Notation("slide", "s", "velocity of the contact point over the surface or curve by a centre", "m/s",
+             "2 or 3", "tangent; of a curve: world", "(4.1), (4.26)"),
     Notation("g", "g", "residual of extremality", "m^2, m", "3 or 2"),
     Notation("metric", "I_o", "first fundamental form of o", "m^2", "2x2", "chart of o"),
     Notation("X", "X", "products of the tangents, E_o^T E_f", "m^2", "2x2", "charts"),
@@ -118,6 +130,11 @@ _TABLE = (
     Notation("margin", "(\\mu, \\sigma)",
              "mu = sigma_min(A)/(|K_f| + |K_o| + |d||K_f||K_o|), and sigma_min(A); of curves from S and D",
              "1, 1/m", "2", "", "Section 4.1.1"),
+    Notation("rounding", "\\rho", "smallest radii of curvature, o's plus f's", "m", "1"),
+    Notation("slope", "", "derivative of the separation function, T^T (P_f - P_o)", "m", "2", "tangent"),
+    Notation("bend", "", "minus its second derivative: radii of curvature R_o + R_f + d I as 11, 12, 22", "m",
+             "3", "tangent"),
+    Notation("tangents", "T", "t1, t2 of a normal", "1", "6", "world"),
     Notation("psi", "\\psi", "angle from the first tangent of f to that of o", "rad", "1", "",
              "Theorem 4.1"),
     Notation("psi_dot", "\\dot\\psi", "rate of psi", "rad/s", "1", "", "Theorem 4.1 (4.3)"),

@@ -37,12 +37,12 @@ class Shipped:
 REGISTRY: Mapping[str, Shipped] = {
     "ball_in_bowl": Shipped(
         kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
-        forms=("explicit", "implicit"),
+        forms=("explicit", "implicit", "centre_surface"),
         reference="oracles/test_closed_forms.py::test_a_ball_in_a_bowl_is_a_pendulum",
     ),
     "ball_leaves_sphere": Shipped(
         kinds=("fixed", "point", "sphere_sphere_explicit"),
-        forms=("explicit", "implicit"),
+        forms=("explicit", "implicit", "centre_surface"),
         reference="oracles/test_closed_forms.py::test_a_ball_leaves_a_fixed_sphere_at_two_thirds_of_its_height",
         events={"lift-off": 1},
     ),
@@ -95,10 +95,13 @@ REGISTRY: Mapping[str, Shipped] = {
 
 
 def _forms_of_contacts(scene: Scene) -> list[tuple[str, ...]]:
-    """The regular forms of every contact of a scene, in its order."""
+    """The regular forms of every pair of shapes that may touch, in the scene's order."""
     model = require(scene)
-    kinds = (model.contact_kinds[contact.kind] for contact in model.contacts)
-    return [regular_forms(kind.o, kind.f) for kind in kinds]
+    forms = [regular_forms(kind.o, kind.f) for kind in model.contact_kinds]
+    return [
+        tuple(dict.fromkeys(form for link in model.links[slice(*pair.links)] for form in forms[link.kind]))
+        for pair in model.pairs
+    ]
 
 
 def forms_of(name: str) -> set[str]:

@@ -22,9 +22,10 @@ from modelgen.cli.options import (
     Style,
     Tolerance,
     Until,
+    read_option,
 )
 from modelgen.cli.output import check_outputs, exit_with, guarded, print_facts, write_run
-from modelgen.cli.street import accuracy_of, build_scene, derive_scene, folder_of, read_scene, run_scene
+from modelgen.cli.street import build_scene, derive_scene, folder_of, read_scene, run_scene, run_settings
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -59,13 +60,13 @@ def check(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
 def build(
     scene: SceneFile,
     out: Annotated[Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER")] = None,
-    real: Annotated[RealName, typer.Option(help="the real type of the library")] = RealName.double,
+    real: RealName = "double",
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
     what = read_scene(scene, form)
-    library = build_scene(what, out or folder_of(what, form), real)
+    library = build_scene(what, out or folder_of(what, form), read_option("real", real))
     manifest = library.manifest
     facts = {
         "scene": manifest.sentence["name"],
@@ -94,10 +95,10 @@ def simulate(
     from modelgen.report.summary import print_summary
 
     check_outputs(out, plot)
-    settings = accuracy_of(accuracy, tolerance)
-    trajectory, library = run_scene(scene, form, until, settings, samples)
-    write_run(trajectory, library, out, plot)
-    summary = trajectory.summary()
+    settings = run_settings(until, accuracy, tolerance, samples)
+    trajectory, library = run_scene(scene, form, settings)
+    written = write_run(trajectory, library, out, plot)
+    summary = trajectory.summary() | written
     print_facts(summary, as_json, lambda: print_summary(summary, Console()))
     exit_with(trajectory)
 
@@ -110,16 +111,16 @@ def plot(
     as_json: AsJson = False,
 ) -> None:
     """Draw motion, forces, gaps, energy and the contact curves on both surfaces."""
-    from modelgen.report.export import load
+    from modelgen.report.export import FORMATS, load
     from modelgen.report.plot import draw
     from modelgen.report.record import record_of
 
     check_outputs(None, out)
     trajectory = None
-    if source.suffix == ".npz":
+    if source.suffix in FORMATS:
         record = load(source)
     else:
-        trajectory, library = run_scene(source, None, None, None, None)
+        trajectory, library = run_scene(source, None, {})
         record = record_of(trajectory, library)
     draw(record, out)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
@@ -135,17 +136,18 @@ def inspect(
     formula: Annotated[
         str | None, typer.Option(help="only this formula, role or quantity: mg_..._rates, rates, gamma")
     ] = None,
-    style: Annotated[Style, typer.Option("--format", help="how formulas are written")] = Style.text,
+    style: Style = "text",
     as_json: AsJson = False,
 ) -> None:
     """Print the formulas of a scene or of a kind of contact: source, units, cost, definition."""
     from modelgen.report.derivation import OF_A_PAIR, formula_facts, kind_scene
     from modelgen.report.typeset import STYLES
 
+    writing = read_option("format", style)
     is_scene = source.endswith(".toml") or Path(source).exists()
     scene = read_scene(Path(source), None) if is_scene else kind_scene(source)
-    facts = formula_facts(derive_scene(scene), formula, style.value, () if is_scene else OF_A_PAIR)
-    text = "\n\n".join(map(STYLES[style.value], facts))
+    facts = formula_facts(derive_scene(scene), formula, writing, () if is_scene else OF_A_PAIR)
+    text = "\n\n".join(map(STYLES[writing], facts))
     print_facts({"source": source, "formulas": facts}, as_json, lambda: typer.echo(text))
 
 

@@ -1,39 +1,67 @@
-"""The options that several verbs share."""
+"""The options that several verbs share. Values come as text and are read as scene files are."""
 
 from __future__ import annotations
 
-from enum import StrEnum
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from modelgen.errors import ModelgenError, SceneError
+from modelgen.scene.format import ACCURACIES, FORMS, RUN
+from modelgen.scene.place import Place
+from modelgen.scene.scalars import Choice, Real, Type, Whole
 
-class AccuracyName(StrEnum):
-    fast = "fast"
-    balanced = "balanced"
-    tight = "tight"
+REALS = ("double", "float", "long double")
+STYLES = ("text", "latex")
+TYPES: dict[str, Type] = {
+    **{field.key: field.type for field in RUN.fields},
+    "form": Choice(FORMS),
+    "real": Choice(REALS),
+    "format": Choice(STYLES),
+}
 
 
-class RealName(StrEnum):
-    double = "double"
-    float = "float"
-    long_double = "long double"
-
-
-class Style(StrEnum):
-    text = "text"
-    latex = "latex"
+def _among(names: tuple[str, ...]) -> str:
+    return f"[{'|'.join(names)}]"
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file, TOML")]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON object on standard output")]
-Form = Annotated[str | None, typer.Option(help="form of the contact equations for all contacts")]
-Until = Annotated[float | None, typer.Option(help="end time, s; default: the scene's own")]
-Samples = Annotated[int | None, typer.Option(help="output intervals; default: the scene's own")]
-Quality = Annotated[AccuracyName | None, typer.Option(help="default: the scene's own")]
-Tolerance = Annotated[
-    float | None, typer.Option(help="local error of a step, relative; overrides --accuracy")
+Form = Annotated[
+    str | None, typer.Option(help="form of the contact equations for all contacts", metavar="NAME")
 ]
+Until = Annotated[str | None, typer.Option(help="end time, s; default: the scene's own", metavar="NUMBER")]
+Samples = Annotated[
+    str | None, typer.Option(help="output intervals; default: the scene's own", metavar="NUMBER")
+]
+Quality = Annotated[str | None, typer.Option(help="default: the scene's own", metavar=_among(ACCURACIES))]
+Tolerance = Annotated[
+    str | None,
+    typer.Option(help="local error of a step, relative; overrides --accuracy", metavar="NUMBER"),
+]
+RealName = Annotated[str, typer.Option(help="the real type of the library", metavar=_among(REALS))]
+Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
 OutRun = Annotated[Path | None, typer.Option(help="write the run to FILE.npz or FILE.csv", metavar="FILE")]
 OutPicture = Annotated[Path | None, typer.Option(help="draw the run to FILE.png or FILE.svg", metavar="FILE")]
+
+
+def read_option(name: str, text: str | None) -> Any:
+    """The value of `--name`; None if it was not given. Raises ModelgenError where it stands, `--name`."""
+    if text is None:
+        return None
+    kind = TYPES[name]
+    try:
+        return kind.read(_number(text) if isinstance(kind, Real | Whole) else text, Place(f"--{name}"))
+    except SceneError as error:
+        remedy = error.remedy or f"leave --{name} out for the default"
+        raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
+
+
+def _number(text: str) -> float | str:
+    """The number that a text is, or the text, which may be an expression such as 2*pi."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text

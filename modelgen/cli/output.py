@@ -51,20 +51,20 @@ def check_outputs(run: Path | None, picture: Path | None) -> None:
     for path, formats in ((run, export.FORMATS), (picture, FORMATS)):
         if path is None:
             continue
-        if path.suffix not in formats:
-            allowed = f"allowed are {', '.join(formats)}"
-            raise ModelgenError(
-                str(path), f"no known format {path.suffix!r}", allowed, "give one of these suffixes"
-            )
+        export.check_suffix(path, formats)
         if not path.parent.is_dir():
             raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
     if picture is not None:
         require_matplotlib()
 
 
-def write_run(trajectory: Trajectory, library: Library, run: Path | None, picture: Path | None) -> None:
+def write_run(
+    trajectory: Trajectory, library: Library, run: Path | None, picture: Path | None
+) -> dict[str, str | None]:
+    """Write what is asked for; the files, as `out` and `plot` of the summary name them."""
+    written = {"out": None if run is None else str(run), "plot": None if picture is None else str(picture)}
     if run is None and picture is None:
-        return
+        return written
     from modelgen.report.export import save
     from modelgen.report.record import record_of
 
@@ -75,6 +75,7 @@ def write_run(trajectory: Trajectory, library: Library, run: Path | None, pictur
         from modelgen.report.plot import draw
 
         draw(record, picture)
+    return written
 
 
 def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) -> None:

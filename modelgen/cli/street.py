@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import Progress
 
 import modelgen
-from modelgen.cli.options import AccuracyName, RealName
+from modelgen.cli.options import read_option
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 
 def read_scene(path: Path, form: str | None) -> Scene:
     scene = modelgen.read(path)
-    if form is None:
+    name = read_option("form", form)
+    if name is None:
         return scene
-    return replace(scene, contacts=tuple(replace(contact, form=form) for contact in scene.contacts))
+    return replace(scene, contacts=tuple(replace(contact, form=name) for contact in scene.contacts))
 
 
 def derive_scene(scene: Scene) -> Derivation:
@@ -40,27 +41,19 @@ def folder_of(scene: Scene, form: str | None) -> Path:
     return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
 
 
-def build_scene(scene: Scene, folder: Path, real: RealName = RealName.double) -> Library:
+def build_scene(scene: Scene, folder: Path, real: str = "double") -> Library:
     derivation = derive_scene(scene)
     with progress("compiling"):
-        return modelgen.build(modelgen.emit(derivation), real=real.value, folder=folder)
+        return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
 
 
-def run_scene(
-    path: Path,
-    form: str | None,
-    until: float | None,
-    accuracy: modelgen.Accuracy | None,
-    samples: int | None,
-) -> tuple[Trajectory, Library]:
-    """Build and run; a start that is refused leaves no folder behind that was not there before."""
+def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
+    """Build, run with keywords of `simulate`; a start that is refused leaves no new folder behind."""
     scene = read_scene(path, form)
     with _removed_if_refused(folder_of(scene, form)) as folder:
         library = build_scene(scene, folder)
         with progress("simulating") as report:
-            trajectory = modelgen.simulate(
-                library, until=until, accuracy=accuracy, samples=samples, on_progress=report
-            )
+            trajectory = modelgen.simulate(library, on_progress=report, **settings)
     return trajectory, library
 
 
@@ -75,10 +68,16 @@ def _removed_if_refused(folder: Path) -> Iterator[Path]:
         raise
 
 
-def accuracy_of(name: AccuracyName | None, tolerance: float | None) -> modelgen.Accuracy | None:
-    if tolerance is not None:
-        return modelgen.Accuracy.of(tolerance)
-    return None if name is None else modelgen.Accuracy.named(name.value)
+def run_settings(
+    until: str | None, accuracy: str | None, tolerance: str | None, samples: str | None
+) -> dict[str, Any]:
+    """The options of a run as keywords of `simulate`."""
+    name, own = read_option("accuracy", accuracy), read_option("tolerance", tolerance)
+    return {
+        "until": read_option("until", until),
+        "accuracy": name if own is None else modelgen.Accuracy.of(own),
+        "samples": read_option("samples", samples),
+    }
 
 
 @contextmanager

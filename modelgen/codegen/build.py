@@ -16,10 +16,10 @@ from modelgen.codegen.compiler import REALS, Compiler, compile_library, cpu_targ
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import BuildRecord, record_name
-from modelgen.errors import LibraryError, nearest
+from modelgen.errors import LibraryError, expect, nearest
 
 
-def build(package: Package, *, real: str = "double", folder: Path | None = None) -> Library:
+def build(package: Package, *, real: str = "double", folder: str | Path | None = None) -> Library:
     """The library of a package, compiled if no library of the same content lies in `folder`.
 
     Args:
@@ -28,12 +28,14 @@ def build(package: Package, *, real: str = "double", folder: Path | None = None)
         folder: where C, header, manifest, library and its record go; `generated/<scene>` when None.
 
     Raises:
+        ModelgenError: what is given is no package.
         CompilerMissing: there is no C compiler.
         LibraryError: the compiler fails; the message names the command and the log.
     """
+    expect("build", package, Package)
     if real not in REALS:
         raise LibraryError("real", repr(real), f"allowed: {', '.join(REALS)}", nearest(real, REALS))
-    folder = (folder or Path("generated") / package.name).absolute()
+    folder = (Path("generated") / package.name if folder is None else Path(folder)).absolute()
     compiler = find_compiler()
     flags = compiler.flags(real)
     key = content_hash(package, flags, compiler)

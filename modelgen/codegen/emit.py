@@ -14,6 +14,7 @@ from modelgen.codegen.kinds_c import kinds_text, prototypes
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.sentence import kinds_of, sentence_of
 from modelgen.derive import Derivation, Formula
+from modelgen.errors import expect
 from modelgen.notation import notation
 
 PREFIX = "mg_kernels"
@@ -36,8 +37,7 @@ MODEL_HEAD = """/* One translation unit: the kernels of the vocabulary, and the 
 #define CASADI_SYMBOL_EXPORT MG_API
 """
 
-MODEL_MIDDLE = """#include "kernels.c"
-#if defined(__GNUC__)
+MODEL_MIDDLE = """#if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
 
@@ -47,10 +47,13 @@ MODEL_MIDDLE = """#include "kernels.c"
 
 INNER_LOOP = (
     *("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "islands.c"),
-    *("lone.c", "rhs.c", "rk4.c", "step.c"),
+    *("lone.c", "rhs.c", "rk4.c", "step.c", "closest.c", "safeguard.c", "seek.c"),
 )
 
-ONCE = ("batch.c", "begin.c", "context.c", "enumerate.c", "lcp_basis.c", "lemke.c")
+PER_STEP = (
+    *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
+    *("qp.c", "qp_pivot.c", "qp_refine.c", "qp_small.c"),
+)
 
 HASTE = """
 #if defined(__GNUC__) && !defined(__clang__) /* {reason} */
@@ -75,15 +78,20 @@ class Package:
 
 
 def emit(derivation: Derivation) -> Package:
-    """The C text and the manifest of a derivation; equal derivations give equal text."""
+    """The C text and the manifest of a derivation; equal derivations give equal text.
+
+    Raises ModelgenError if it is given something else.
+    """
+    expect("emit", derivation, Derivation)
     compiled = [formula for formula in derivation.formulas if formula.role != "rhs"]
     core = core_files()
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
+    kernels = _kernels(compiled)
     files = {
         **core,
-        "kernels.c": _kernels(compiled),
+        "kernels.c": kernels,
         "kinds.c": kinds_text(derivation, internal),
-        "model.c": _model(core, internal),
+        "model.c": _model(core, prototypes(internal.values(), PREFIX, kernels)),
     }
     manifest = Manifest(
         abi=abi_of(core["modelgen.h"]),
@@ -117,19 +125,24 @@ def _kernels(formulas: list[Formula]) -> str:
     return str(generator.dump())
 
 
-def _model(core: Mapping[str, str], internal: Mapping[str, str]) -> str:
+def _model(core: Mapping[str, str], declared: str) -> str:
     sources = [name for name in core if name.endswith(".c")]
     groups = {
         "inner": [name for name in sources if name in INNER_LOOP],
-        "step": [name for name in sources if name not in INNER_LOOP + ONCE],
-        "once": [name for name in sources if name in ONCE],
+        "step": [name for name in sources if name in PER_STEP],
+        "rest": [name for name in sources if name not in INNER_LOOP + PER_STEP],
     }
     texts = {group: "".join(f'#include "{name}"\n' for name in names) for group, names in groups.items()}
-    per_step = HASTE.format(reason="once a step: compiled faster", level="O1", includes=texts["step"])
-    once = HASTE.format(
-        reason="once a run or on request: compiled fastest", level="O0", includes=texts["once"]
+    wrappers = HASTE.format(
+        reason="what the core uses is inlined: these copies are for callers from outside",
+        level="O0",
+        includes='#include "kernels.c"\n',
     )
-    return MODEL_HEAD + prototypes(internal.values()) + MODEL_MIDDLE + texts["inner"] + per_step + once
+    per_step = HASTE.format(reason="once a step: compiled faster", level="O1", includes=texts["step"])
+    rest = HASTE.format(
+        reason="little work a step, or once a run: compiled fastest", level="O0", includes=texts["rest"]
+    )
+    return MODEL_HEAD + declared + wrappers + MODEL_MIDDLE + texts["inner"] + per_step + rest
 
 
 def _entry(formula: Formula) -> Json:

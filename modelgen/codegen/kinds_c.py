@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from modelgen.codegen.sentence import J_SIZE
+from modelgen.contact.kinds import eta_layout
 from modelgen.derive import Derivation, Formula
+from modelgen.geometry.extent import dimension_of
+from modelgen.model import ContactKind
 from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
 HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
@@ -32,31 +36,45 @@ MG_API const char *mg_hash(void) { return MG_HASH; }
 class Dispatcher:
     """One function of kinds.h: its name and arguments; the first of them are inputs of the kernel."""
 
-    role: str
+    roles: tuple[str, ...]
     function: str
-    inputs: tuple[str, ...]
+    inputs: tuple[str, ...]  # names as the kernels have them, or as ALIASES has them
     outputs: tuple[str, ...]
 
 
+CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
+
+ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
+
 DISPATCHERS = (
-    Dispatcher("pose", "mg_body_pose", ("q",), ("pose",)),
-    Dispatcher("motion", "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")),
+    Dispatcher(("pose",), "mg_body_pose", ("q",), ("pose",)),
+    Dispatcher(("motion",), "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")),
     Dispatcher(
-        "energy", "mg_body_energy", ("q", "u", "gravity", "parameters"),
+        ("energy",), "mg_body_energy", ("q", "u", "gravity", "parameters"),
         ("kinetic", "potential", "momentum", "spin"),
     ),
-    Dispatcher("path", "mg_body_path", ("t", "parameters"), ("pose", "twist", "accel")),
+    Dispatcher(("path",), "mg_body_path", ("t", "parameters"), ("pose", "twist", "accel")),
     Dispatcher(
-        "wrench", "mg_load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("wrench",), "mg_load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
-        "rates", "mg_contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
+        ("rates",), "mg_contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
         ("d", "J_o", "J_f", "gamma", "eta_dot", "normal"),
     ),
     Dispatcher(
-        "place", "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
+        ("place",), "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
         ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
+    ),
+    Dispatcher(
+        ("surface", "curve", "point"), "mg_shape_point", ("uv", "parameters"), ("point", "direction")
+    ),
+    Dispatcher(
+        ("aim",), "mg_contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
+    ),
+    Dispatcher(
+        ("seek",), "mg_contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
+        ("d", "slope", "bend", "tangents", "eta"),
     ),
 )  # fmt: skip
 
@@ -65,15 +83,18 @@ def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
     parts = [HEAD, *_tables(derivation)]
     for dispatcher in DISPATCHERS:
-        formulas = [formula for formula in derivation.formulas if formula.role == dispatcher.role]
+        formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
     return "\n".join(parts)
 
 
-def prototypes(internal: Iterable[str]) -> str:
-    """Declarations that let the dispatchers inline the kernels, and drop their tests for null with them."""
+def prototypes(internal: Iterable[str], prefix: str, kernels: str) -> str:
+    """Declarations that let the dispatchers inline the kernels, and drop their tests for null with them; also
+    of the small functions (squares, extrema) that the text of the kernels defines for itself."""
     arguments = "(const mg_real **arg, mg_real **res, long long *iw, mg_real *w, int mem)"
-    lines = [f"static inline MG_INLINE int {name}{arguments};" for name in internal]
+    small = re.findall(r"^static casadi_real casadi_(\w+)\((.*?)\) \{", kernels, re.MULTILINE)
+    lines = [f"static inline MG_INLINE casadi_real {prefix}_{name}({given});" for name, given in small]
+    lines += [f"static inline MG_INLINE int {name}{arguments};" for name in internal]
     return "\n".join(lines) + "\n"
 
 
@@ -84,20 +105,36 @@ def _tables(derivation: Derivation) -> list[str]:
         for formula in derivation.formulas
         if formula.role in ("motion", "wrench", "rates")
     }
+    seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     bodies = [
         f"MG_{motion.upper()}, {Q_SIZE[motion]}, {U_SIZE[motion]}, {sizes.get(('motion', index), 12)}"
         for index, motion in enumerate(kind.motion for kind in model.body_kinds)
     ]
     contacts = [
-        f"{J_SIZE[kind.o.motion]}, {J_SIZE[kind.f.motion]}, {eta_size(kind)}, {sizes['rates', i]}"
-        for i, kind in enumerate(model.contact_kinds)
+        _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking))
+        for index, kind in enumerate(model.contact_kinds)
     ]
+    shapes = [str(dimension_of(kind)) for kind in model.shape_kinds]
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
-        _table("mg_contact_kind", contacts, [kind.name for kind in model.contact_kinds], "0, 0, 0, 0"),
+        _table("mg_contact_kind", contacts, [kind.name for kind in model.contact_kinds], _row(*[0] * 7)),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
+        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0"),
     ]
+
+
+def _row(*numbers: int) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _contact_sizes(kind: ContactKind) -> tuple[int, int, int]:
+    return J_SIZE[kind.o.motion], J_SIZE[kind.f.motion], eta_size(kind)
+
+
+def _carriers(kind: ContactKind) -> tuple[int, int]:
+    carrier_o, carrier_f = eta_layout(kind)
+    return CARRIERS[carrier_o], CARRIERS[carrier_f]
 
 
 def _table(struct: str, rows: list[str], names: list[str], empty: str) -> str:
@@ -126,12 +163,12 @@ def _dispatcher(dispatcher: Dispatcher, formulas: list[Formula], internal: Mappi
 
 def _given(formula: Formula) -> list[str]:
     function = formula.function
-    return [name if function.numel_in(name) else "0" for name in function.name_in()]
+    return [ALIASES.get(name, name) if function.numel_in(name) else "0" for name in function.name_in()]
 
 
 def _wanted(formula: Formula) -> list[str]:
     function = formula.function
-    return [name if function.numel_out(name) else "0" for name in function.name_out()]
+    return [ALIASES.get(name, name) if function.numel_out(name) else "0" for name in function.name_out()]
 
 
 def _case(formula: Formula, internal: str) -> list[str]:

@@ -7,10 +7,22 @@ from math import isfinite
 from typing import Any
 
 from modelgen.contact.kinds import FORMS, eta_layout
+from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.extent import bounding_radius
-from modelgen.model import BodyEntry, BodyKind, ContactKind, LoadKind, Model, ShapeKind, Side
+from modelgen.geometry.extent import bounding_radius, domain_of
+from modelgen.geometry.points3d import is_point
+from modelgen.model import (
+    BodyEntry,
+    BodyKind,
+    ContactKind,
+    LinkEntry,
+    LoadKind,
+    Model,
+    PairEntry,
+    ShapeKind,
+    Side,
+)
 from modelgen.require import ETA_SIZE, Q_SIZE, U_SIZE
 from modelgen.require.masses import pose_numbers
 from modelgen.scene.types import Shape
@@ -57,6 +69,7 @@ def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
         "citation": FORMS[kind.form].citation,
         "eta": list(layout),
         "n_eta": sum(ETA_SIZE[carrier] for carrier in layout),
+        "convex": eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape),
         "n_o": J_SIZE[kind.o.motion],
         "n_f": J_SIZE[kind.f.motion],
         "shapes": [model.shape_kinds.index(side.shape) for side in (kind.o, kind.f)],
@@ -101,7 +114,9 @@ def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
 
 
 def _extent(kind: ShapeKind) -> tuple[tuple[tuple[float, float], ...], tuple[bool, ...]]:
-    """Domain and periodicity of each parameter: two of a surface, one of a curve."""
+    """Domain and periodicity of each parameter: two of a surface, one of a curve, none of a point."""
+    if is_point(kind):
+        return (), ()
     if is_curve(kind):
         curve = curve_of(kind)
         return (curve.domain,), (curve.periodic,)
@@ -121,7 +136,9 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "name": scene.name,
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
-        "contacts": [_contact(model, index) for index in range(len(model.contacts))],
+        "pairs": [_pair(entry) for entry in model.pairs],
+        "links": [_link(model, entry) for entry in model.links],
+        "contacts": [asdict(entry) for entry in model.contacts],
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -135,6 +152,7 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "gravity": list(scene.gravity),
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
+        "warnings": list(model.warnings),
         "run": asdict(scene.run),
     }
 
@@ -152,34 +170,41 @@ def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
     }
 
 
-def _contact(model: Model, index: int) -> dict[str, Any]:
-    entry, kind = model.contacts[index], model.contact_kinds[model.contacts[index].kind]
-    partners = model.scene.contacts[index].between
-    o, f = reversed(partners) if entry.swapped else partners
-    curves = is_curve(kind.o.shape) and is_curve(kind.f.shape)
+def _pair(entry: PairEntry) -> dict[str, Any]:
     return {
-        **({"normal": entry.normal and list(entry.normal)} if curves else {}),
         "name": entry.name,
-        "kind": entry.kind,
-        "o": entry.o,
-        "f": entry.f,
-        "eta": entry.eta,
-        "parameters": list(entry.parameters),
+        "links": list(entry.links),
+        "contacts": list(entry.contacts),
+        "search": entry.search,
         "restitution": entry.restitution,
-        "swapped": entry.swapped,
-        "shape_o": _shape(model, entry.o, o[1], kind.o),
-        "shape_f": _shape(model, entry.f, f[1], kind.f),
+        "normal": entry.normal and list(entry.normal),
     }
 
 
-def _shape(model: Model, body: int, name: str, side: Side) -> dict[str, Any]:
-    """The shape of one side: its kind, its lengths, its placement in the centre-of-mass axes, its extent."""
-    shape: Shape = next(each for each in model.scene.bodies[body].shapes if each.name == name)
-    lengths = [value for _, value in shape.parameters]
+def _link(model: Model, entry: LinkEntry) -> dict[str, Any]:
+    kind = model.contact_kinds[entry.kind]
     return {
-        "name": name,
+        "name": entry.name,
+        "kind": entry.kind,
+        "pair": entry.pair,
+        "o": entry.o,
+        "f": entry.f,
+        "parameters": list(entry.parameters),
+        "swapped": entry.swapped,
+        "shape_o": _shape(model, entry.o, entry.shapes[0], kind.o),
+        "shape_f": _shape(model, entry.f, entry.shapes[1], kind.f),
+        "group": entry.group,
+        "conditions": [asdict(condition) for condition in entry.conditions],
+    }
+
+
+def _shape(model: Model, body: int, shape: Shape, side: Side) -> dict[str, Any]:
+    """The shape of one side: its kind, its lengths, its placement in the centre-of-mass axes, its extent."""
+    return {
+        "name": shape.name,
         "kind": model.shape_kinds.index(side.shape),
-        "parameters": lengths,
+        "parameters": [value for _, value in shape.parameters],
         "placement": list(pose_numbers(shape.pose, model.bodies[body].com)),
+        "domain": [[_finite(bound) for bound in interval] for interval in domain_of(shape)],
         "bounding": _finite(bounding_radius(shape)),
     }

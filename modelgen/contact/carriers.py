@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 
 import casadi as ca
 
+from modelgen.contact.centre_surface import centre_surface_place, centre_surface_rates
+from modelgen.contact.centres import has_centre
 from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.newton import tangent_place
@@ -56,6 +58,23 @@ def curves_layout(o: ShapeKind, f: ShapeKind) -> Layout:
     return ("curve", "signed_curve")
 
 
+def centre_surface_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """The point of the surface, or its chart; none of the centre, which stands on o where f has none."""
+    surface = o if has_centre(f) else f
+    carrier = "chart" if surface_of(surface).implicit is None else "point"
+    return (carrier, "none") if has_centre(f) else ("none", carrier)
+
+
+def centre_curve_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """The parameter of the curve."""
+    return ("curve", "none") if has_centre(f) else ("none", "curve")
+
+
+def edges_layout(o: ShapeKind, f: ShapeKind) -> Layout:
+    """The sign of N against E_o x E_f."""
+    return ("sign", "none")
+
+
 def carrier_rates(pair: Pair) -> Rates:
     """The tangent-plane form over whatever carries the points."""
     return tangent_rates(pair, *_carriers(pair))
@@ -72,6 +91,20 @@ def curve_carrier_rates(pair: Pair) -> Rates:
 
 def curve_carrier_place(pair: Pair) -> Placement:
     return curve_surface_place(pair, _CARRIERS[pair.layout[0]](pair.o, pair.eta_o))
+
+
+def centre_carrier_rates(pair: Pair) -> Rates:
+    """A centre over whatever carries the point of the surface."""
+    return centre_surface_rates(pair, _facing_carrier(pair))
+
+
+def centre_carrier_place(pair: Pair) -> Placement:
+    return centre_surface_place(pair, _facing_carrier(pair))
+
+
+def _facing_carrier(pair: Pair) -> Carrier:
+    partner = pair.o if has_centre(pair.f.shape) else pair.f
+    return _CARRIERS[pair.layout[0] if partner is pair.o else pair.layout[1]](partner, pair.eta)
 
 
 def _carriers(pair: Pair) -> tuple[Carrier, Carrier]:

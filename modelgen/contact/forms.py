@@ -10,16 +10,22 @@ from modelgen.contact.block import block_place, block_rates
 from modelgen.contact.carriers import (
     carrier_place,
     carrier_rates,
+    centre_carrier_place,
+    centre_carrier_rates,
+    centre_curve_layout,
+    centre_surface_layout,
     chart_layout,
     curve_carrier_place,
     curve_carrier_rates,
     curve_chart_layout,
     curve_point_layout,
     curves_layout,
+    edges_layout,
     mixed_layout,
     no_layout,
     point_layout,
 )
+from modelgen.contact.centre_curve import centre_curve_place, centre_curve_rates
 from modelgen.contact.curve_block import curve_block_place, curve_block_rates
 from modelgen.contact.curve_curve import crossing_place, crossing_rates
 from modelgen.contact.curve_extremal import (
@@ -35,6 +41,7 @@ from modelgen.contact.curve_paper import (
     curves_theorem,
     theorem_rates,
 )
+from modelgen.contact.edge_edge import edge_edge_place, edge_edge_rates
 from modelgen.contact.explicit import sphere_place, sphere_rates
 from modelgen.contact.extremal import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
@@ -55,7 +62,7 @@ def _build(
 
 
 def build_explicit(kind: ContactKind) -> ContactKernels:
-    """Two centres, or a centre and a plane; no eta.
+    """Two centres, or a centre and a plane; no eta. A point is a centre with rho = 0.
 
     N = s (C_f - C_o)/|C_f - C_o|,  d = s |C_f - C_o| - rho_o - rho_f,  rho and s negative for a cavity;
     against a plane N is the plane's normal and d = N.(C_f - p_o) - rho_f.
@@ -202,3 +209,28 @@ def build_curves_block(kind: ContactKind) -> ContactKernels:
 def build_curves_differentiated(kind: ContactKind) -> ContactKernels:
     """Implicit differentiation of g = (E_o.(P_f - P_o), E_f.(P_f - P_o)) = 0 on two curves."""
     return _build(kind, curves_layout, curves_differentiated_rates, curves_differentiated_place)
+
+
+def build_centre_surface(kind: ContactKind) -> ContactKernels:
+    """A sphere or a point against any surface; eta = the point of the surface, or its chart.
+
+    (I + h K) a = V,  h = n.(C - x) = d + rho,  d_dot = n.V: C is the centre, n the surface's normal, rho the
+    signed radius, 0 of a point; no curvature of the sphere, no relative rotation.
+    """
+    return _build(kind, centre_surface_layout, centre_carrier_rates, centre_carrier_place)
+
+
+def build_centre_curve(kind: ContactKind) -> ContactKernels:
+    """A sphere or a point against any curve; eta = the curve's parameter.
+
+    (|E|^2 - h N.R c'') t_dot = E.(V - h w x N),  N = (C - X)/h,  h = d + rho = |C - X|, the curve on o.
+    """
+    return _build(kind, centre_curve_layout, centre_curve_rates, centre_curve_place)
+
+
+def build_edge_edge(kind: ContactKind) -> ContactKernels:
+    """Two straight edges in closed form; eta = the sign of N against E_o x E_f.
+
+    N = sign E_o x E_f/|E_o x E_f|,  d = N.(X_f - X_o),  N_dot from N.E_o = N.E_f = 0.
+    """
+    return _build(kind, edges_layout, edge_edge_rates, edge_edge_place)

@@ -10,20 +10,25 @@ import casadi as ca
 
 from modelgen.contact import forms
 from modelgen.contact.carriers import (
+    centre_curve_layout,
+    centre_surface_layout,
     chart_layout,
     curve_chart_layout,
     curve_point_layout,
     curves_layout,
+    edges_layout,
     mixed_layout,
     no_layout,
     point_layout,
 )
+from modelgen.contact.centres import has_centre
 from modelgen.contact.kernels import ContactKernels
 from modelgen.contact.sides import Layout
 from modelgen.contact.support import support_of
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of
-from modelgen.geometry.curves import CURVES, is_curve
+from modelgen.geometry.curves import CURVES, is_curve, is_straight
+from modelgen.geometry.points3d import is_point
 from modelgen.model import ContactKind, ShapeKind, Side
 
 
@@ -45,11 +50,11 @@ def _is_plane(shape: ShapeKind) -> bool:
 
 
 def _has_equation(shape: ShapeKind) -> bool:
-    return not is_curve(shape) and surface_of(shape).implicit is not None
+    return _is_surface(shape) and surface_of(shape).implicit is not None
 
 
 def _is_surface(shape: ShapeKind) -> bool:
-    return not is_curve(shape)
+    return not is_curve(shape) and not is_point(shape)
 
 
 def _plane_and_support(o: ShapeKind, f: ShapeKind) -> bool:
@@ -57,8 +62,20 @@ def _plane_and_support(o: ShapeKind, f: ShapeKind) -> bool:
 
 
 def _have_centres(o: ShapeKind, f: ShapeKind) -> bool:
-    spheres = o.kind == f.kind == "sphere" and not (o.cavity and f.cavity)
-    return spheres or (f.kind == "sphere" and _plane_and_support(o, f))
+    spheres = o.kind == "sphere" and has_centre(f) and not (o.cavity and f.cavity)
+    return spheres or (has_centre(f) and _plane_and_support(o, f))
+
+
+def _centre_and_surface(o: ShapeKind, f: ShapeKind) -> bool:
+    return _is_surface(o) and not _is_plane(o) and (has_centre(f) or (has_centre(o) and _is_surface(f)))
+
+
+def _centre_and_curve(o: ShapeKind, f: ShapeKind) -> bool:
+    return (has_centre(o) and is_curve(f)) or (is_curve(o) and has_centre(f))
+
+
+def _two_edges(o: ShapeKind, f: ShapeKind) -> bool:
+    return is_straight(o) and is_straight(f)
 
 
 def _not_two_planes(o: ShapeKind, f: ShapeKind) -> bool:
@@ -94,7 +111,7 @@ def _never(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
 
 def _bent(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
     """As `_without_poles`, and not a straight line on a plane, which touches it nowhere or all along."""
-    return not (_is_plane(o) and f.kind in ("line", "segment")) and _without_poles(layout, o, f)
+    return not (_is_plane(o) and is_straight(f)) and _without_poles(layout, o, f)
 
 
 def _have_equations(o: ShapeKind, f: ShapeKind) -> bool:
@@ -167,15 +184,28 @@ _TABLE = (
         "curves_differentiated", _two_curves, _always, curves_layout, forms.build_curves_differentiated,
         "implicit differentiation of the extremality system of two curves; eta = as curves_block",
     ),
+    Form(
+        "centre_surface", _centre_and_surface, _without_poles, centre_surface_layout,
+        forms.build_centre_surface,
+        f"Theorem 4.1 for a sphere or a point, {_ROW}; eta = the point of the surface, or its chart",
+    ),
+    Form(
+        "centre_curve", _centre_and_curve, _always, centre_curve_layout, forms.build_centre_curve,
+        f"Theorem 4.6 for a sphere or a point, {_ROW}; eta = a curve parameter",
+    ),
+    Form(
+        "edge_edge", _two_edges, _always, edges_layout, forms.build_edge_edge,
+        f"Theorem 4.3 for straight edges in closed form, {_ROW}; eta = the sign of the normal",
+    ),
 )  # fmt: skip
 
 FORMS: Mapping[str, Form] = {form.name: form for form in _TABLE}
 
-_RANK = {name: rank for rank, name in enumerate((*SURFACES, "chart", *CURVES, "curve"))}
+_RANK = {name: rank for rank, name in enumerate((*SURFACES, "chart", *CURVES, "curve", "point"))}
 
 
 def order(a: ShapeKind, b: ShapeKind) -> bool:
-    """True if (a, b) must be swapped to stand as (o, f): in the order of the catalogue, the plane first."""
+    """True if (a, b) must be swapped to stand as (o, f): planes first, points last."""
     return _RANK[a.kind] > _RANK[b.kind]
 
 
@@ -202,13 +232,27 @@ def contact_kernels(kind: ContactKind) -> ContactKernels:
         raise SceneError(where, f"no form {kind.form!r}", known, nearest(kind.form, FORMS))
     if not form.applies(kind.o.shape, kind.f.shape):
         fitting = [name for name, other in FORMS.items() if other.applies(kind.o.shape, kind.f.shape)]
+        refuse_points(kind.o.shape, kind.f.shape)
         raise SceneError(where, f"the form {kind.form!r} does not apply", "forms: " + " ".join(fitting))
     return form.build(kind)
+
+
+def refuse_points(o: ShapeKind, f: ShapeKind) -> None:
+    """Raises SceneError for a point against a point, which no form describes."""
+    if is_point(o) and is_point(f):
+        raise SceneError(
+            f"contact {o.name}-{f.name}",
+            "two points have no normal where they touch, and their distance is never negative: "
+            "no contact of theirs can close",
+            "a point touches surfaces; a sphere touches points too",
+            "give one of the points a radius: make it a sphere",
+        )
 
 
 @cache
 def choose_form(o: Side, f: Side) -> str:
     """The regular form whose rates take the fewest instructions; SceneError if there is none."""
+    refuse_points(o.shape, f.shape)
     names = regular_forms(o, f)
     if not names:
         raise SceneError(

@@ -92,6 +92,7 @@ SIZES: Mapping[str, int] = {
     "point": 3,
     "curve": 1,
     "signed_curve": 3,
+    "sign": 1,
 }  # entries of eta
 
 

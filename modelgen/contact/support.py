@@ -15,13 +15,14 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import FLOOR, margin
+from modelgen.contact.margin import FLOOR, NO_LENGTH, margin
 from modelgen.contact.points import implicit_point
 from modelgen.contact.sides import Pair
 from modelgen.geometry.catalogue import exterior_sign, surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.frames import cross, dot, tangent_frame, zeros
-from modelgen.geometry.supports import Support
+from modelgen.geometry.points3d import is_point
+from modelgen.geometry.supports import Support, point
 from modelgen.model import ShapeKind
 
 
@@ -39,7 +40,9 @@ class SupportTouch:
 
 
 def support_of(shape: ShapeKind) -> Callable[[ca.SX, ca.SX], Support] | None:
-    """The support map of a surface or curve that has one."""
+    """The support map of a shape that has one."""
+    if is_point(shape):
+        return point
     return (curve_of(shape) if is_curve(shape) else surface_of(shape)).support
 
 
@@ -84,6 +87,8 @@ def support_rates(pair: Pair) -> Rates:
 
 def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:
     """As in the other forms; of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane."""
+    if is_point(pair.f.shape):
+        return ca.SX([1, NO_LENGTH])
     T = tangent_frame(at.n)
     if is_curve(pair.f.shape):
         radius = at.support.form(T[:, 0]) + at.support.form(T[:, 1])

@@ -38,7 +38,7 @@ static int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && c->run->margin[i] < c->set->margin_refuse) {
       c->run->failed_contact = i;
-      mg_emit(events, c->run->t, MG_EVENT_MARGIN, i, 0);
+      mg_emit(c, events, c->run->t, MG_EVENT_MARGIN, i, 0);
       return MG_MARGIN;
     }
   return MG_DONE;
@@ -48,10 +48,9 @@ static int mg_check_margins(mg_context *c, mg_events *events) {
    singularity, or lost it, and a shorter step can still come nearer. */
 static int mg_settle_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
-  int sound = 1;
   for (int i = 0; i < c->n_x; i++) c->settled[i] = c->x_next[i];
   mg_normalise(c, c->settled);
-  sound = mg_place_all(c, run->t + h, c->settled);
+  int sound = mg_place_all(c, run->t + h, c->settled);
   for (int i = 0; i < c->sys->n_contact; i++)
     if (run->closed[i] && !(run->margin[i] >= c->set->margin_refuse)) sound = 0;
   return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
@@ -87,7 +86,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   int outcome = mg_accurate_step(c, &h), event = 0;
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  const int dips = mg_dips(c, h), passed = mg_fired(c) || c->suspect;
+  const int dips = mg_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect;
   if (passed || dips) {
     mg_make_dense(c, run->t, run->x, h);
     const mg_real shorter = mg_locate(c, h, passed);
@@ -107,6 +106,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
     outcome = mg_solve_modes(c, events);
   }
+  if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
   mg_ledger(c);
   return outcome ? outcome : mg_check_margins(c, events);
 }
@@ -125,7 +125,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
-    if (events->count + 2 * system->n_contact + 2 > events->capacity) return MG_FULL;
+    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
     const mg_real left = t_stop - run->t;
     const int last = run->h >= left * (1 - 8 * MG_EPS);
     const mg_real t_before = run->t;

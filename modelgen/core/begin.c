@@ -6,10 +6,11 @@ static int mg_find_extrema(mg_context *c) {
   const mg_real touching = c->set->start_gap * s->length;
   for (int i = 0; i < s->n_contact; i++) {
     c->run->failed_contact = i;
-    if (mg_settle_in(c, i, c->run->x + s->n_q + s->n_u + s->contact_eta[i]) < 0) return MG_NO_EXTREMUM;
+    c->run->closed[i] = c->run->active[i] = 0;
+    if (!mg_present(c, i)) continue;
+    if (mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->place[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->place[0] <= touching;
-    c->run->active[i] = 0;
     c->run->margin[i] = mg_margin_of(c);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
     if (c->run->closed[i] && !(c->run->margin[i] >= c->set->margin_refuse)) return MG_MARGIN;
@@ -27,7 +28,7 @@ static void mg_open_leaving(mg_context *c) {
 /* After the first impacts: contacts that were struck and do not rebound. */
 static void mg_report_caught(const mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && mg_approaching(c, i)) mg_emit(events, c->run->t, MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+    if (c->run->closed[i] && mg_approaching(c, i)) mg_emit(c, events, c->run->t, MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {
@@ -47,7 +48,8 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   run->x[c.work_index] = 0;
   mg_normalise(&c, run->x);
   mg_poses(&c, run->t, run->x);
-  int outcome = mg_find_extrema(&c);
+  int outcome = mg_start_pairs(&c);
+  if (!outcome) outcome = mg_find_extrema(&c);
   if (outcome) return outcome;
   mg_refresh(&c);
   mg_open_leaving(&c);

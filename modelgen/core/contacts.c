@@ -4,9 +4,10 @@
 static void mg_rates(mg_context *c, const mg_real *x) {
   const mg_system *s = c->sys;
   for (int i = 0; i < s->n_contact; i++) {
-    const int kind = s->contact_kind[i], o = s->contact_o[i], f = s->contact_f[i];
+    const int kind = c->kind[i], o = c->o[i], f = c->f[i];
+    if (c->run->link[i] < 0) continue;
     mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
-                     x + s->n_q + s->n_u + s->contact_eta[i], s->parameters + s->contact_parameters[i], c->d + i,
+                     x + s->n_q + s->n_u + s->contact_eta[i], s->parameters + c->parameters[i], c->d + i,
                      c->J + 12 * i, c->J + 12 * i + 6, c->gamma + i, c->eta_dot + s->contact_eta[i],
                      c->normal + 3 * i);
     if (!c->set->use_gamma) c->gamma[i] = 0;
@@ -19,11 +20,11 @@ static inline mg_real mg_dot6(const mg_real *a, const mg_real *b) {
 
 /* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
 static inline mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body) {
-  const mg_contact_kind *kind = mg_contact_kinds + c->sys->contact_kind[contact];
+  const mg_contact_kind *kind = mg_contact_kinds + c->kind[contact];
   const mg_real *J = c->J + 12 * contact;
   mg_real sum = 0;
-  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->sys->contact_o[contact]);
-  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->sys->contact_f[contact]);
+  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->o[contact]);
+  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   return sum;
 }
 
@@ -40,7 +41,7 @@ static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
 static inline mg_real mg_weigh(mg_context *c, int contact) {
   const mg_system *s = c->sys;
-  const int o = s->contact_o[contact], f = s->contact_f[contact];
+  const int o = c->o[contact], f = c->f[contact];
   mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
   if (mg_moves(c, o)) mg_weigh_side(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
   if (mg_moves(c, f)) mg_weigh_side(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
@@ -49,7 +50,7 @@ static inline mg_real mg_weigh(mg_context *c, int contact) {
 
 /* per_body += M^-1 J_i^T amount. */
 static inline void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
-  const int o = c->sys->contact_o[contact], f = c->sys->contact_f[contact];
+  const int o = c->o[contact], f = c->f[contact];
   const mg_real *MJ = c->MJ + 12 * contact;
   if (mg_moves(c, o))
     for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
@@ -58,17 +59,16 @@ static inline void mg_add(mg_context *c, int contact, mg_real amount, mg_real *p
 }
 
 static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int contact, int body) {
-  return rows + 12 * contact + (c->sys->contact_f[contact] == body ? 6 : 0);
+  return rows + 12 * contact + (c->f[contact] == body ? 6 : 0);
 }
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 static void mg_assemble(mg_context *c, const int *list, int n) {
-  const mg_system *s = c->sys;
   for (int r = 0; r < n; r++) c->column[list[r]] = r, mg_weigh(c, list[r]);
   for (int k = 0; k < n * n; k++) c->A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
-      const int body = side ? s->contact_f[list[r]] : s->contact_o[list[r]];
+      const int body = side ? c->f[list[r]] : c->o[list[r]];
       const mg_real *J = mg_half(c, c->J, list[r], body);
       for (int k = c->first[body]; k < c->first[body + 1]; k++) {
         const int column = c->column[c->incident[k]];
@@ -84,7 +84,7 @@ static void mg_assemble(mg_context *c, const int *list, int n) {
 static mg_real mg_driven_rate(const mg_context *c, int contact) {
   mg_real rate = 0;
   for (int side = 0; side < 2; side++) {
-    const int body = side ? c->sys->contact_f[contact] : c->sys->contact_o[contact];
+    const int body = side ? c->f[contact] : c->o[contact];
     if (mg_body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
       rate += mg_dot6(c->J + 12 * contact + 6 * side, c->twist + 6 * body);
   }

@@ -15,14 +15,16 @@ static int *mg_take_int(int **next, long n) {
 
 static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
+static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
+
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, k = s->n_closed, x = mg_states(s);
   return 30 * b + 34 * m + s->n_eta + k * k + 2 * k + mg_lcp_work_size((int)k) + (MG_STAGES + 11) * x + 32 +
-         2 * s->n_eta;
+         2 * s->n_eta + mg_sample_size();
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
-  return 8L * s->n_contact + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
+  return 14L * s->n_contact + 4 + MG_SAMPLES + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -34,7 +36,7 @@ static void mg_incidence(mg_context *c) {
   for (int b = 0; b < s->n_body; b++) {
     c->first[b] = n;
     for (int i = 0; i < s->n_contact && mg_moves(c, b); i++)
-      if (s->contact_o[i] == b || s->contact_f[i] == b) c->incident[n++] = i;
+      if (c->o[i] == b || c->f[i] == b) c->incident[n++] = i;
   }
   c->first[s->n_body] = n;
 }
@@ -57,6 +59,10 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->settled = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, m), c->amount = mg_take(&work, m);
+  c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
+  c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
+  c->kind = mg_take_int(&iwork, m + 1), c->parameters = mg_take_int(&iwork, m + 1);
+  c->o = mg_take_int(&iwork, m + 1), c->f = mg_take_int(&iwork, m + 1);
   c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);
   c->falling = mg_take_int(&iwork, m);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
@@ -73,7 +79,8 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * sys->n_contact); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, sys->n_contact);
-  for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1;
+  c->n_live = c->n_x - sys->n_eta;
+  for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
   mg_incidence(c);
   mg_set_fixed(c);
 }

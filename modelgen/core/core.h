@@ -5,7 +5,34 @@
 #include "kinds.h"
 #include "modelgen.h"
 
+#define MG_GRID 17      /* samples along each side of a chart at the start */
+#define MG_COARSE 9     /* and during a run */
+#define MG_SAMPLES 289  /* MG_GRID squared */
+#define MG_STARTS 8     /* of Newton's method on one link */
+#define MG_FOUNDS 24    /* closest points of one pair */
+#define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
+
+#define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
+
+typedef struct { /* a point of a shape: its chart coordinates, in the shape's axes, in the world */
+  mg_real uv[2], local[3], point[3], direction[3];
+} mg_sample;
+
+typedef struct { /* where Newton's method starts on one link, the likeliest first */
+  int count;
+  mg_real merit[MG_STARTS], eta[MG_STARTS][6];
+} mg_starts;
+
+typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
+  int link, undecided;
+  mg_real d, point[3], normal[3], eta[6];
+} mg_found;
+
+typedef struct {
+  int count;
+  mg_found list[MG_FOUNDS];
+} mg_founds;
 
 typedef struct {
   const mg_system *sys;
@@ -21,17 +48,74 @@ typedef struct {
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
+  int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
+  int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
   int *column;                              /* per contact: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, contact; closed contacts of one */
   int *first, *incident;                    /* contacts at each moving body: incident[first[b]] .. */
+  int n_live;                               /* states without those of contacts on no link */
+  mg_sample *sample;                        /* of both sides of a link: 2 MG_SAMPLES */
+  mg_real *merit;                           /* of the samples of o with their best mate */
+  int *mate;
+  mg_starts starts;
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 
+typedef struct { /* two shapes of a contact kind, where they are */
+  int kind;
+  const mg_real *pose_o, *pose_f, *parameters;
+} mg_couple;
+
+typedef struct { /* what Newton's method is asked for */
+  mg_real length, small; /* a residual below (small * length, small) */
+  const mg_real *reach;  /* how far each entry of eta may go in one step */
+} mg_goal;
+
+typedef struct { /* their separation function along a normal */
+  mg_real normal[3], d, slope[2], bend[3], tangents[6], eta[6];
+} mg_view;
+
 /* context.c */
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work, int *iwork);
 static void mg_set_fixed(mg_context *c);
+
+/* links.c */
+static int mg_present(const mg_context *c, int contact);
+static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
+static void mg_take_link(mg_context *c, int contact);
+static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
+
+/* conditions.c */
+static const mg_real *mg_side(const mg_context *c, int link, int side);
+static int mg_side_body(const mg_context *c, int link, int side);
+static int mg_carrier(const mg_context *c, int link, int side);
+static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
+static mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
+
+/* sample.c */
+static void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
+static mg_real mg_reach_of(mg_context *c, int link);
+static void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real *window);
+static int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out);
+static void mg_zoom(mg_real *window, const mg_real *centre);
+static void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta);
+static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept);
+
+/* search.c, walk.c */
+static int mg_probe(mg_context *c, int link);
+static int mg_has_signs(const mg_context *c, int link);
+static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
+static void mg_note_place(const mg_context *c, mg_found *found);
+static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
+static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept);
+static int mg_is_far(const mg_context *c, int link);
+static int mg_first_contact(const mg_context *c, int pair);
+static int mg_start_pairs(mg_context *c);
+static int mg_walk_all(mg_context *c, mg_events *events);
+static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
 
 /* bodies.c */
 static inline int mg_moves(const mg_context *c, int body);
@@ -66,6 +150,15 @@ static int mg_settle_in(mg_context *c, int contact, mg_real *eta);
 static mg_real mg_margin_of(const mg_context *c);
 static int mg_place_all(mg_context *c, mg_real t, mg_real *x);
 
+/* seek.c, safeguard.c */
+static int mg_unit(mg_real *n);
+static int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v);
+static void mg_put(const mg_couple *p, const mg_real *eta, mg_real *next, mg_real *placed);
+static int mg_is_small(const mg_couple *p, const mg_goal *goal, const mg_real *placed);
+static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *placed);
+static int mg_is_minimum(const mg_real *placed);
+static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
+
 /* rk4.c, dop853.c, step.c */
 static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
@@ -82,9 +175,9 @@ static void mg_mark_falling(mg_context *c);
 static int mg_dips(mg_context *c, mg_real h);
 
 /* events.c, modes.c, impact.c, project.c, ledger.c, record.c */
-static int mg_fired(mg_context *c);
+static int mg_fired(mg_context *c, mg_real *x);
 static mg_real mg_locate(mg_context *c, mg_real h, int passed);
-static void mg_emit(mg_events *events, mg_real t, int kind, int contact, mg_real speed);
+static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
 static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);

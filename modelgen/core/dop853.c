@@ -34,7 +34,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
     fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }
   if (fifth == 0) return 0;
-  return fabs(h) * fifth / sqrt((fifth + third / 100) * n);
+  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->n_live);
 }
 
 /* K[0] holds the slope at (t, x); writes c->x_next. Returns the error relative to the tolerance. */

@@ -9,9 +9,18 @@ static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
 
-/* After mg_rhs and mg_gap_rates: an open gap that closes, an active force that turns to pulling, a gap held without
-   force that accelerates. */
-static int mg_fired(mg_context *c) {
+/* True if the contact leaves its link at the state x; which condition says so is in c->way. */
+static int mg_leaves(mg_context *c, int contact, mg_real *x) {
+  const int link = c->run->link[contact];
+  if (link < 0 || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) return 0;
+  const mg_real *eta = mg_eta_of(c, x, contact);
+  mg_place(c, contact, eta, c->place + 32);
+  return mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border;
+}
+
+/* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
+   turns to pulling, a gap held without force that accelerates. */
+static int mg_fired(mg_context *c, mg_real *x) {
   const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
@@ -21,7 +30,8 @@ static int mg_fired(mg_context *c) {
       c->fired[i] = c->force[i] < 0;
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
-    count += c->fired[i];
+    if (mg_leaves(c, i, x)) c->fired[i] = MG_WALKS;
+    count += c->fired[i] != 0;
   }
   return count;
 }
@@ -30,7 +40,7 @@ static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->x_stage);
   mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
   mg_gap_rates(c);
-  return mg_fired(c);
+  return mg_fired(c, c->x_stage);
 }
 
 static int mg_first_fired(const mg_context *c) {
@@ -103,13 +113,14 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_fired_at(c, h, high);
   const int first = mg_first_fired(c);
   if (first < 0) return 0;
-  const mg_real slope = mg_held(c, first) ? 0 : mg_event_slope(c, first, h, high);
+  const mg_real slope = mg_held(c, first) || c->fired[first] == MG_WALKS ? 0 : mg_event_slope(c, first, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, high * h, slope, h);
 }
 
-static void mg_emit(mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
+static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
   if (events->count >= events->capacity) return;
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
+  events->link[k] = c->run->link[contact];
 }

@@ -7,8 +7,8 @@ static int mg_root(int *parent, int body) {
 }
 
 static int mg_moving_side(const mg_context *c, int contact) {
-  const int o = c->sys->contact_o[contact];
-  return mg_moves(c, o) ? o : c->sys->contact_f[contact];
+  const int o = c->o[contact];
+  return mg_moves(c, o) ? o : c->f[contact];
 }
 
 /* Chains the n contacts of c->list by island: c->head[root] is the first, c->next[contact] the one after, else -1. */
@@ -16,7 +16,7 @@ static void mg_chain(mg_context *c, int n) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++) c->parent[b] = b, c->head[b] = -1;
   for (int r = 0; r < n; r++) {
-    const int o = s->contact_o[c->list[r]], f = s->contact_f[c->list[r]];
+    const int o = c->o[c->list[r]], f = c->f[c->list[r]];
     if (mg_moves(c, o) && mg_moves(c, f)) c->parent[mg_root(c->parent, o)] = mg_root(c->parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {

@@ -7,6 +7,8 @@
 
 enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
 
+enum { MG_NONE = 0, MG_LOCAL = 1, MG_CHART = 2, MG_CURVE = 3, MG_SIGNED_CURVE = 4, MG_SIGN = 5 };
+
 typedef struct {
   int motion; /* MG_FIXED .. MG_FREE */
   int n_q, n_u, n_parameters;
@@ -15,15 +17,17 @@ typedef struct {
 typedef struct {
   int n_o, n_f; /* columns of J for each side: 6, 3 or 0 */
   int n_eta, n_parameters;
+  int carrier_o, carrier_f; /* what carries the points in eta: MG_NONE .. */
+  int seeks; /* both shapes are convex: mg_contact_aim and mg_contact_seek know it */
 } mg_contact_kind;
 
 typedef struct {
   int n_parameters;
 } mg_load_kind;
 
-
-
-
+typedef struct {
+  int dimension; /* 2 surface, 1 curve, 0 point */
+} mg_shape_kind;
 
 static void mg_body_pose(int kind, const mg_real *q, mg_real *pose);
 static void mg_body_motion(int kind, const mg_real *q, const mg_real *u, const mg_real *wrench,
@@ -36,11 +40,18 @@ static void mg_body_path(int kind, const mg_real *t, const mg_real *parameters, 
 static void mg_load_wrench(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
                            const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
                            mg_real *wrench_a, mg_real *wrench_b);
+static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
+                           mg_real *direction); /* exterior normal, tangent of any length, or nothing */
 static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
                              const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d,
                              mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal);
 static void mg_contact_place(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
                              const mg_real *parameters, mg_real *eta_next, mg_real *d, mg_real *residual,
                              mg_real *margin, mg_real *normal, mg_real *point_o, mg_real *point_f);
+static void mg_contact_aim(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
+                           const mg_real *parameters, mg_real *normal, mg_real *rounding);
+static void mg_contact_seek(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *normal,
+                            const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *bend, mg_real *tangents,
+                            mg_real *eta);
 
 #endif

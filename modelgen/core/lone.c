@@ -12,7 +12,7 @@
 static int mg_lone(const mg_context *c) {
   const mg_system *s = c->sys;
   if (s->n_contact != 1 || s->n_load || c->moving != 1 || c->driven || !c->run->active[0]) return -1;
-  const int body = s->contact_f[0];
+  const int body = c->f[0];
   return mg_body_kinds[mg_kind_of(c, body)].motion == MG_FREE ? body : -1;
 }
 
@@ -25,8 +25,8 @@ MG_FLATTEN static void mg_rhs_lone(mg_context *c, int body, const mg_real *x, mg
   mg_body_pose(kind, q, pose);
   mg_body_motion(kind, q, u, c->wrench, s->gravity, parameters + s->body_parameters[body], x_dot + s->body_q[body],
                  accel);
-  mg_contact_rates(s->contact_kind[0], c->pose + 12 * s->contact_o[0], c->twist + 6 * s->contact_o[0], pose, u, eta,
-                   parameters + s->contact_parameters[0], &d, none, J, &gamma, x_dot + s->n_q + s->n_u, normal);
+  mg_contact_rates(c->kind[0], c->pose + 12 * c->o[0], c->twist + 6 * c->o[0], pose, u, eta,
+                   parameters + c->parameters[0], &d, none, J, &gamma, x_dot + s->n_q + s->n_u, normal);
   if (!c->set->use_gamma) gamma = 0;
   mg_weigh_side(mass_inverse, J, MJ);
   const mg_real force = -(mg_dot6(J, accel) + gamma) / mg_dot6(J, MJ);

@@ -12,18 +12,35 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 1
+#define MG_ABI 2
+
+/* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
+   them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
+   link of its pair where a condition of its own ends. */
+enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
+       MG_TILT = 5 }; /* conditions: holds at >= 0 */
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_SIDE_NUMBERS = 17 }; /* of one side of a link: shape in
+   body axes (p, R), bounds of u and v (+-MG_MAX: none), radius about the shape's origin */
 
 typedef struct {
-  int n_body, n_contact, n_load;
+  int n_body, n_contact, n_load, n_pair, n_link;
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
-  const int *contact_kind, *contact_o, *contact_f, *contact_eta, *contact_parameters;
+  const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
+  const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
+  const int *link_kind, *link_o, *link_f, *link_parameters;
+  const int *link_pair, *link_group;                    /* links of one vertex with the planes of one solid, else -1 */
+  const int *link_condition;                            /* first condition (n_link + 1) */
+  const int *side_shape, *side_parameters, *side_numbers; /* two a link: kind of shape, its parameters, numbers */
+  const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, or -1 */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
   const mg_real *restitution;  /* one a contact, 0..1 */
   const mg_real *parameters;
+  const mg_real *numbers;      /* of sides and conditions */
+  const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
@@ -47,20 +64,29 @@ typedef struct {
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
+  mg_real lost;           /* closest points with less margin are not kept by a search */
+  mg_real apart;          /* closest points nearer than apart * length are one */
+  mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */
+  mg_real search;         /* a pair that has moved by search * length is searched again */
+  mg_real flat;           /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
+  mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
 } mg_settings;
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
-       MG_PENETRATION = 10, MG_NO_EXTREMUM = 11,       /* the start is refused */
+       MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, /* the start is refused */
        MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24,
        MG_TOO_MANY_CLOSED = 25 };
 
-enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3 };
+enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3,
+       MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6 };
 
 typedef struct {
   mg_real t, h;           /* time and the next step to try, s */
   mg_real *x;             /* n_q + n_u + n_eta + 1 */
+  int *link;              /* per contact: the link it is on, or -1 */
+  mg_real *moved;         /* per pair: relative movement since it was searched, m */
   int *closed;            /* per contact: its gap is held at zero */
   int *active;            /* per contact: closed and carrying force */
   mg_real *force;         /* per contact, N, at t */
@@ -77,16 +103,34 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   int capacity, count;
   const mg_real *t;
   mg_real *pose, *twist;  /* 12 and 6 a body */
-  mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3 */
+  mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3; gap of none: NAN */
+  int *link;              /* per contact */
   mg_real *energy, *work;
 } mg_record;
 
 typedef struct {
   int capacity, count;
   mg_real *t;
-  int *kind, *contact;
+  int *kind, *contact, *link; /* the link after the event */
   mg_real *speed;         /* approach speed of an impact or touch-down, m/s, else 0 */
 } mg_events;
+
+enum { MG_NOWHERE = 0,                      /* no extremum was found */
+       MG_STATIONARY = 1, MG_MINIMUM = 2,   /* a saddle or a maximum of the distance; a local minimum */
+       MG_CLOSEST = 3 };                    /* the least of all, by certificate or closed form */
+
+typedef struct {          /* n pairs of poses of one contact kind; caller's arrays, one row a pair */
+  int kind, n;
+  int warm;               /* convex shapes: eta is near, and below contact the extremum that continues it is meant;
+                             other kinds always start from eta */
+  long stride;            /* from the parameters of one pair to those of the next; 0: the same for all */
+  const mg_real *parameters, *pose_o, *pose_f; /* of the kind; 12; 12 */
+  const mg_real *reach;   /* n_eta: how far each entry of eta may go in one step; MG_MAX: signs */
+  mg_real length, residual; /* the extremality residual (length, 1) that is asked for is residual * length, residual */
+  mg_real *eta;           /* n_eta */
+  mg_real *d, *normal, *point_o, *point_f, *margin; /* 1, 3, 3, 3, 2: as the place kernel gives them */
+  int *outcome;           /* 1: MG_NOWHERE .. MG_CLOSEST */
+} mg_queries;
 
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
@@ -123,5 +167,8 @@ MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg
 MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const mg_run *run, int contact, mg_real *eta,
                      mg_real *d, mg_real *residual, mg_real *margin, mg_real *normal, mg_real *point_o,
                      mg_real *point_f, mg_real *work, int *iwork);
+
+/* The closest points of n pairs of poses, one contact kind. */
+MG_API void mg_closest(const mg_queries *queries);
 
 #endif

@@ -39,7 +39,7 @@ static int mg_choose_active(mg_context *c, const int *skip) {
 
 static void mg_lift(mg_context *c, mg_events *events, int contact) {
   c->run->closed[contact] = c->run->active[contact] = 0;
-  mg_emit(events, c->run->t, MG_EVENT_LIFT_OFF, contact, 0);
+  mg_emit(c, events, c->run->t, MG_EVENT_LIFT_OFF, contact, 0);
 }
 
 /* True if the active contacts hold this one's gap as well, so that it rests without force. */
@@ -104,10 +104,20 @@ static int mg_has_room(const mg_context *c) {
   return n <= c->sys->n_closed;
 }
 
+/* A closed contact that has walked to where its gap is wide. */
+static void mg_open_far(mg_context *c, mg_events *events) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && c->d[i] > c->set->start_gap * c->sys->length) mg_lift(c, events, i);
+}
+
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
 static int mg_transition(mg_context *c, mg_events *events) {
   const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
+  if (mg_walk_all(c, events)) {
+    mg_refresh(c);
+    mg_open_far(c, events);
+  }
   for (int i = 0; i < c->sys->n_contact; i++)
     if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
       c->run->closed[i] = 1, c->run->active[i] = 0, c->fired[i] = MG_NEW;
@@ -119,7 +129,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     if (c->fired[i] != MG_NEW) continue;
     c->fired[i] = 0;
     if (c->run->closed[i])
-      mg_emit(events, c->run->t + mg_bounces_left(c, i), MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+      mg_emit(c, events, c->run->t + mg_bounces_left(c, i), MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
   }
   return mg_solve_modes(c, events);
 }

@@ -4,10 +4,10 @@
 /* Layout of c->place: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 static int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const mg_system *s = c->sys;
-  const int kind = s->contact_kind[contact];
+  const int kind = c->kind[contact];
   mg_real *p = c->place;
-  mg_contact_place(kind, c->pose + 12 * s->contact_o[contact], c->pose + 12 * s->contact_f[contact], eta,
-                   s->parameters + s->contact_parameters[contact], eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
+  mg_contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
+                   s->parameters + c->parameters[contact], eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
   return mg_contact_kinds[kind].n_eta;
 }
 
@@ -21,7 +21,8 @@ static int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->sys;
   mg_poses(c, t, x);
   for (int i = 0; i < s->n_contact; i++) {
-    mg_real *eta = x + s->n_q + s->n_u + s->contact_eta[i], *next = c->place + 32;
+    mg_real *eta = mg_eta_of(c, x, i), *next = c->place + 32;
+    if (!mg_present(c, i)) continue;
     const int n = mg_place(c, i, eta, next);
     c->d[i] = c->place[0];
     c->run->margin[i] = mg_margin_of(c);

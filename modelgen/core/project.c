@@ -68,7 +68,7 @@ static int mg_project(mg_context *c) {
 /* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
 static int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-      if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
+    if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
     mg_correction(c, c->d);
     mg_move(c);
     for (int extra = 0; extra < 3; extra++)

@@ -7,7 +7,10 @@ static void mg_copy(mg_real *to, const mg_real *from, int n) {
 
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->sys->n_contact + contact;
-  mg_place(c, contact, eta, c->place + 32);
+  record->link[k] = c->run->link[contact];
+  if (mg_present(c, contact)) mg_place(c, contact, eta, c->place + 32);
+  else
+    for (int j = 0; j < 14; j++) c->place[j] = (mg_real)NAN;
   record->force[k] = c->force[contact];
   record->gap[k] = c->place[0];
   mg_copy(record->normal + 3 * k, c->place + 5, 3);

@@ -16,7 +16,7 @@ import casadi as ca
 
 from modelgen.dynamics.bodies import kernel, mass_and_inertia
 from modelgen.geometry.frames import dot, zeros
-from modelgen.model import BodyEntry, BodyKind, ContactEntry, Model
+from modelgen.model import BodyEntry, BodyKind, LinkEntry, Model
 
 MAX_CONTACTS = 4
 
@@ -25,7 +25,7 @@ Functions = Mapping[str, ca.Function]
 
 @dataclass(frozen=True)
 class Symbols:
-    """Inputs of the composed function; `parameters` holds those of bodies, then contacts, then loads."""
+    """Inputs of the composed function; `parameters` holds those of bodies, then links, then loads."""
 
     t: ca.SX
     q: ca.SX
@@ -66,9 +66,18 @@ class Row:
     eta_dot: ca.SX
 
 
+def is_closed_form(model: Model) -> bool:
+    """Whether the scene is small enough, and each pair of shapes has one link."""
+    single = all(pair.links[1] - pair.links[0] == 1 for pair in model.pairs)
+    return single and len(model.pairs) <= MAX_CONTACTS
+
+
 def right_hand_side(model: Model, functions: Functions) -> ca.Function:
-    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_contact) N)."""
-    blocks = (model.bodies, model.contacts, model.loads)
+    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_pair) N).
+
+    Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
+    """
+    blocks = (model.bodies, model.links, model.loads)
     sizes = [len(entry.parameters) for block in blocks for entry in block]
     symbols = Symbols(
         ca.SX.sym("t"),
@@ -79,17 +88,17 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
         ca.SX.sym("parameters", sum(sizes)),
     )
     parameters = [symbols.parameters[a:b] for a, b in pairwise(accumulate(sizes, initial=0))]
-    n, m = len(model.bodies), len(model.contacts)
+    n, m = len(model.bodies), len(model.links)
     bodies = _bodies(model, symbols, parameters[:n], parameters[n + m :], functions)
     rows = [
         _row(model, entry, bodies, symbols.eta, given, functions)
-        for entry, given in zip(model.contacts, parameters[n : n + m], strict=True)
+        for entry, given in zip(model.links, parameters[n : n + m], strict=True)
     ]
     force = _forces(bodies, rows)
     outputs = {
         "qdot": ca.vertcat(*(body.qdot for body in bodies)),
         "udot": ca.vertcat(*(_acceleration(index, body, rows, force) for index, body in enumerate(bodies))),
-        "eta_dot": ca.vertcat(*(row.eta_dot for row in rows)),
+        "eta_dot": _eta_dot(model, rows),
         "force": force,
     }
     return kernel("mg_rhs", vars(symbols), outputs)
@@ -171,7 +180,7 @@ def _fit(function: ca.Function, arguments: list[ca.SX]) -> list[ca.SX]:
 
 def _row(
     model: Model,
-    entry: ContactEntry,
+    entry: LinkEntry,
     bodies: list[Moving],
     eta: ca.SX,
     parameters: ca.SX,
@@ -179,11 +188,18 @@ def _row(
 ) -> Row:
     o, f = bodies[entry.o], bodies[entry.f]
     rates = functions[f"mg_{model.contact_kinds[entry.kind].name}_rates"]
-    own = eta[entry.eta : entry.eta + rates.numel_in("eta")]
+    start = model.contacts[model.pairs[entry.pair].contacts[0]].eta
+    own = eta[start : start + rates.numel_in("eta")]
     arguments = _fit(rates, [o.pose, o.twist, f.pose, f.twist, own, parameters])
     _, J_o, J_f, gamma, eta_dot, _ = rates.call(arguments)
     J = {entry.o: J_o, entry.f: J_f}
     return Row(J, {index: bodies[index].weigh(row) for index, row in J.items()}, gamma, eta_dot)
+
+
+def _eta_dot(model: Model, rows: list[Row]) -> ca.SX:
+    """By contact; zero where none is followed here."""
+    first = {pair.contacts[0]: row.eta_dot for pair, row in zip(model.pairs, rows, strict=True)}
+    return ca.vertcat(*(first.get(k, zeros(entry.room)) for k, entry in enumerate(model.contacts)))
 
 
 def _forces(bodies: list[Moving], rows: list[Row]) -> ca.SX:

@@ -12,7 +12,7 @@ from math import inf, pi
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry import charts, implicit, supports
+from modelgen.geometry import charts, implicit, polynomials, supports
 from modelgen.geometry.charts import Jet, jet_of
 from modelgen.geometry.implicit import Implicit
 from modelgen.geometry.lower import lower
@@ -40,6 +40,8 @@ class Surface:
 
 _GLOBE: Domain = ((-pi, pi), (-pi / 2, pi / 2))
 _RING: Domain = ((-pi, pi), (-pi, pi))
+_DISC: Domain = ((-1.0, 1.0), (-1.0, 1.0))
+_CELL: Domain = ((0.0, 1.0), (0.0, 1.0))
 _SHEET: Domain = ((-inf, inf), (-inf, inf))
 
 SURFACES: Mapping[str, Surface] = {
@@ -59,6 +61,7 @@ SURFACES: Mapping[str, Surface] = {
     "cylinder": Surface(
         jet_of(charts.cylinder), ((-pi, pi), (-inf, inf)), (True, False), True, implicit.cylinder
     ),
+    "cone": Surface(jet_of(charts.cone), ((-pi, pi), (-inf, 0.0)), (True, False), True, implicit.cone),
     "paraboloid": Surface(
         jet_of(charts.paraboloid), _SHEET, (False, False), True, implicit.paraboloid
     ),
@@ -66,6 +69,15 @@ SURFACES: Mapping[str, Surface] = {
         charts.superellipsoid, _GLOBE, (True, False), False,
         implicit.superellipsoid, supports.superellipsoid,
         lambda p: (p[0] ** 2 + p[1] ** 2 + p[2] ** 2) ** 0.5,
+    ),
+    "bezier": Surface(polynomials.bezier, _CELL, (False, False), True, bounding=polynomials.bezier_radius),
+    "bezier_graph": Surface(
+        polynomials.bezier_graph, _CELL, (False, False), True,
+        polynomials.bezier_graph_equation, bounding=polynomials.bezier_graph_radius,
+    ),
+    "cap": Surface(polynomials.cap, _DISC, (False, False), True, bounding=polynomials.cap_radius),
+    "round_cap": Surface(
+        polynomials.round_cap, _DISC, (False, False), True, bounding=polynomials.round_cap_radius
     ),
 }  # fmt: skip
 

@@ -60,6 +60,12 @@ def cylinder(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(p[0] * ca.cos(u), p[0] * ca.sin(u), v)
 
 
+def cone(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
+    """Azimuth u, height v < 0; the apex v = 0 is singular."""
+    radius = -v * ca.tan(p[0])
+    return ca.vertcat(radius * ca.cos(u), radius * ca.sin(u), v)
+
+
 def paraboloid(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(u, v, u * u / (2 * p[0]) + v * v / (2 * p[1]))
 

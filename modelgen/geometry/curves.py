@@ -10,7 +10,7 @@ from math import inf, pi
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry import supports
+from modelgen.geometry import polynomials, supports
 from modelgen.geometry.frames import zeros
 from modelgen.geometry.lower import lower
 from modelgen.geometry.supports import Support
@@ -56,6 +56,10 @@ def _segment(t: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(zeros(2), p[0] * t)
 
 
+def _edge(t: ca.SX, p: ca.SX) -> ca.SX:
+    return ca.vertcat(t, zeros(2))
+
+
 def _circle(t: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(p[0] * ca.cos(t), p[0] * ca.sin(t), zeros(1))
 
@@ -73,15 +77,29 @@ _TURN, _ENDLESS = (-pi, pi), (-inf, inf)
 CURVES: Mapping[str, SpaceCurve] = {
     "line": SpaceCurve(_line, _ENDLESS, False),
     "segment": SpaceCurve(_segment, (-0.5, 0.5), False, bounding=lambda p: p[0] / 2),
+    "edge": SpaceCurve(_edge, _ENDLESS, False, bounding=lambda p: p[0] / 2),
     "circle": SpaceCurve(_circle, _TURN, True, supports.circle, lambda p: p[0]),
     "ellipse_curve": SpaceCurve(_ellipse, _TURN, True, supports.ellipse, lambda p: max(p[0:2])),
     "helix": SpaceCurve(_helix, _ENDLESS, False),
+    "bezier_curve": SpaceCurve(
+        polynomials.bezier_curve, (0.0, 1.0), False, bounding=polynomials.bezier_radius
+    ),
 }
 
 
 def is_curve(shape: ShapeKind | Shape) -> bool:
     """Whether the shape is a curve instead of a surface."""
     return shape.curve is not None or shape.kind in CURVES
+
+
+STRAIGHT: Mapping[str, tuple[float, float, float]] = {  # through the origin, along this axis
+    "line": (0.0, 0.0, 1.0), "segment": (0.0, 0.0, 1.0), "edge": (1.0, 0.0, 0.0)
+}  # fmt: skip
+
+
+def is_straight(shape: ShapeKind | Shape) -> bool:
+    """Whether the shape is a straight line, with or without ends."""
+    return shape.kind in STRAIGHT
 
 
 def curve_of(shape: ShapeKind | Shape) -> SpaceCurve:

@@ -1,13 +1,65 @@
-"""How far a shape reaches, surface or curve."""
+"""How far a shape reaches: surface, curve, point or composite."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from math import hypot, inf, isfinite
+
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.features import features_of, is_composite
+from modelgen.geometry.points3d import is_point
+from modelgen.geometry.poses import to_outer
+from modelgen.model import ShapeKind
 from modelgen.scene.types import Shape
+
+
+def dimension_of(shape: ShapeKind | Shape) -> int:
+    """2 of a surface, 1 of a curve, 0 of a point."""
+    return 0 if is_point(shape) else 1 if is_curve(shape) else 2
+
+
+def domain_of(shape: Shape) -> tuple[tuple[float, float], ...]:
+    """The bounds of each coordinate of a smooth shape; a straight edge's are those of its length."""
+    if is_point(shape):
+        return ()
+    if shape.kind == "edge":
+        half = shape.parameters[0][1] / 2
+        return ((-half, half),)
+    return (curve_of(shape).domain,) if is_curve(shape) else surface_of(shape).domain
 
 
 def bounding_radius(shape: Shape) -> float:
     """Radius (m) about the shape's origin; infinite for what has no bound."""
     numbers = [value for _, value in shape.parameters]
+    if shape.kind in _CLOSED_FORMS and is_composite(shape):
+        return _CLOSED_FORMS[shape.kind](numbers)
+    if is_composite(shape) and shape.chart is None:
+        return _of_features(shape)
+    if is_point(shape):
+        return hypot(*numbers)
     return (curve_of(shape) if is_curve(shape) else surface_of(shape)).bounding(numbers)
+
+
+_CLOSED_FORMS: Mapping[str, Callable[[list[float]], float]] = {
+    "box": lambda p: hypot(*p) / 2,
+    "cylinder": lambda p: hypot(p[0], p[1] / 2),
+    "disc": lambda p: p[0],
+    "capsule": lambda p: p[0] + p[1] / 2,
+    "frustum": lambda p: hypot(max(p[0], p[1]), p[2] / 2),
+    "half_torus": lambda p: p[0] + p[1],
+    "polyhedron": lambda p: max(hypot(*p[k : k + 3]) for k in range(0, len(p), 3)),
+}
+
+
+def _of_features(shape: Shape) -> float:
+    """The largest reach of a feature; faces without bound, planes and the like, end at the edges."""
+    reaches = (_reach(feature.shape) for feature in features_of(shape).features)
+    return max(filter(isfinite, reaches), default=inf)
+
+
+def _reach(part: Shape) -> float:
+    if part.kind == "edge":
+        half = part.parameters[0][1] / 2
+        return max(hypot(*to_outer(part.pose, (end, 0.0, 0.0))) for end in (-half, half))
+    return hypot(*part.pose.position) + bounding_radius(part)

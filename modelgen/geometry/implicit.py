@@ -44,6 +44,14 @@ def cylinder(x: ca.SX, p: ca.SX) -> Implicit:
     return Implicit((dot(g, x) - p[0] * p[0]) / 2, g, zeros(1), across)
 
 
+def cone(x: ca.SX, p: ca.SX) -> Implicit:
+    """(x^2 + y^2 - (z tan(half_angle))^2)/2 = 0; on the nappe z < 0 the gradient points outwards."""
+    slope = ca.tan(p[0])
+    weights = ca.vertcat(1, 1, -slope * slope)
+    g = weights * x
+    return Implicit(dot(g, x) / 2, g, zeros(1), ca.diag(weights))
+
+
 def ellipsoid(x: ca.SX, p: ca.SX) -> Implicit:
     """((x/a)^2 + (y/b)^2 + (z/c)^2 - 1)/2 = 0."""
     weights = 1 / (p * p)

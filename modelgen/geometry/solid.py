@@ -1,4 +1,4 @@
-"""Volume, centre and inertia of a closed surface by the divergence theorem over its chart.
+"""Volume, centre and inertia of composite solids, and of closed surfaces by the divergence theorem.
 
 With dA = c_u x c_v du dv exterior: 3 V = int x.dA, 2 int x_i dV = int x_i^2 dA_i,
 3 int x_i^2 dV = int x_i^3 dA_i and 2 int x_i x_j dV = int x_i^2 x_j dA_i.
@@ -14,9 +14,12 @@ import casadi as ca
 import numpy as np
 
 from modelgen.errors import SceneError
-from modelgen.geometry.catalogue import exterior_sign, surface_of
+from modelgen.geometry.catalogue import SURFACES, exterior_sign, surface_of
+from modelgen.geometry.composites.moments import Moments, moments_of, prism
+from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
-from modelgen.scene.types import Shape
+from modelgen.geometry.lower import lower
+from modelgen.scene.types import Profile, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -31,12 +34,13 @@ def mass_properties(shape: Shape, density: float) -> tuple[float, Array, Array]:
 
     Raises SceneError for a surface that does not bound a finite volume on its inner side.
     """
-    if not all(isfinite(end) for ends in surface_of(shape).domain for end in ends):
-        raise _unbounded(shape, f"a {shape.kind} has no finite volume")
-    area_vector = _area_vector(shape)
-    moments = _moments(shape, area_vector, NODES[0])
+    parts = _of_composite(shape)
+    if parts is not None:
+        return density * parts.volume, parts.centre, density * _inertia(parts.second)
+    cells = _cells(shape)
+    moments = _moments(shape, cells, NODES[0])
     for nodes in NODES[1:]:
-        finer = _moments(shape, area_vector, nodes)
+        finer = _moments(shape, cells, nodes)
         settled = np.all(np.abs(finer - moments) <= ROUNDING * _scales(finer))
         moments = finer
         if settled:
@@ -48,7 +52,66 @@ def mass_properties(shape: Shape, density: float) -> tuple[float, Array, Array]:
         )
     centre = moments[1:4] / volume
     second = moments[4:].reshape(3, 3) - volume * np.outer(centre, centre)
-    return density * volume, centre, density * (np.trace(second) * np.eye(3) - second)
+    return density * volume, centre, density * _inertia(second)
+
+
+def _inertia(second: Array) -> Array:
+    """trace(second) I - second (3,3), in which nothing cancels on the diagonal."""
+    diagonal = np.diag(second)
+    others = np.array([diagonal[1] + diagonal[2], diagonal[2] + diagonal[0], diagonal[0] + diagonal[1]])
+    return np.asarray(np.where(np.eye(3, dtype=bool), others, -second))
+
+
+def _of_composite(shape: Shape) -> Moments | None:
+    """The moments of a composite solid; None for a surface with one chart."""
+    parts = moments_of(shape) if shape.profile is None else _of_outline(shape, shape.profile)
+    if parts is not None and shape.cavity:
+        raise _unbounded(shape, "its material lies outside of it", "give mass and inertia, or remove cavity")
+    return parts
+
+
+def _cells(shape: Shape) -> list[Shape]:
+    """The shapes of one kind whose charts cover the surface: itself, or the cells of a spline."""
+    cells = [feature.shape for feature in features_of(shape).features] if shape.spline else [shape]
+    if any(cell.kind not in SURFACES and cell.chart is None for cell in cells):
+        raise _unbounded(shape, f"a {shape.kind} has no finite volume")
+    if not all(isfinite(end) for ends in surface_of(cells[0]).domain for end in ends):
+        raise _unbounded(shape, f"a {shape.kind} has no finite volume")
+    return cells
+
+
+def _of_outline(shape: Shape, profile: Profile) -> Moments:
+    """A prism over a smooth outline."""
+    (_, length), *parameters = shape.parameters
+    t, values = ca.SX.sym("t"), {name: ca.SX(value) for name, value in parameters}
+    x = ca.vertcat(*(lower(each, {"t": t} | values) for each in profile.components))
+    outline = ca.Function("outline", [t], [ca.densify(x), ca.densify(ca.jacobian(x, t))])
+    found = _area_moments(outline, profile, NODES[0])
+    for nodes in NODES[1:]:
+        finer = _area_moments(outline, profile, nodes)
+        scales = finer[0] ** np.array([1.0, 0.5, 0.5, 2.0, 2.0, 2.0])
+        settled = np.all(np.abs(finer - found) <= ROUNDING * scales)
+        found = finer
+        if settled:
+            break
+    area, centre, (xx, xy, yy) = found[0], found[1:3], found[3:]
+    return prism(area, centre, np.array([[xx, xy], [xy, yy]]), length)
+
+
+def _area_moments(outline: ca.Function, profile: Profile, nodes: int) -> Array:
+    """Area, centroid (2) and the second moments xx, xy, yy about it, by Green's theorem.
+
+    2 A = int r x dr, 3 int r_i dA = int r_i (r x dr) and 4 int r_i r_j dA = int r_i r_j (r x dr).
+    """
+    t, weights = _composite(profile.domain, nodes)
+    points, slopes = (np.asarray(value) for value in outline(t.reshape(1, -1)))
+    origin = points.mean(axis=1)
+    r = points - origin[:, None]
+    swept = (r[0] * slopes[1] - r[1] * slopes[0]) * weights
+    area = swept.sum() / 2
+    arm = r @ swept / (3 * area)
+    second = (r * swept) @ r.T / 4 - area * np.outer(arm, arm)
+    return np.array([area, *(origin + arm), second[0, 0], second[0, 1], second[1, 1]])
 
 
 def _unbounded(shape: Shape, found: str, remedy: str = "give mass and inertia") -> SceneError:
@@ -57,19 +120,16 @@ def _unbounded(shape: Shape, found: str, remedy: str = "give mass and inertia") 
 
 
 def _area_vector(shape: Shape) -> ca.Function:
-    """uv (2) -> point (3) and exterior area vector c_u x c_v (3)."""
-    uv = ca.SX.sym("uv", 2)
-    jet = surface_of(shape).jet(uv, ca.SX(ca.DM([value for _, value in shape.parameters])))
+    """uv (2), parameters -> point (3) and exterior area vector c_u x c_v (3)."""
+    uv, parameters = ca.SX.sym("uv", 2), ca.SX.sym("parameters", len(shape.parameters))
+    jet = surface_of(shape).jet(uv, parameters)
     area = exterior_sign(shape) * cross(jet.first[:, 0], jet.first[:, 1])
-    return ca.Function("area_vector", [uv], [ca.densify(jet.x), ca.densify(area)])
+    return ca.Function("area_vector", [uv, parameters], [ca.densify(jet.x), ca.densify(area)])
 
 
-def _moments(shape: Shape, area_vector: ca.Function, nodes: int) -> Array:
+def _moments(shape: Shape, cells: list[Shape], nodes: int) -> Array:
     """Volume (1), first moments (3) and second moments (9) of the volume inside."""
-    (u, wu), (v, wv) = (_composite(ends, nodes) for ends in surface_of(shape).domain)
-    uv = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
-    points, areas = (np.asarray(value) for value in area_vector(uv))
-    dA = areas * np.outer(wu, wv).ravel()
+    points, dA = _swept(cells, nodes)
     if np.linalg.norm(dA.sum(axis=1)) > GAP * np.linalg.norm(dA, axis=0).sum():
         raise _unbounded(shape, "the surface is not closed")
     first = np.sum(points**2 * dA, axis=1) / 2
@@ -78,15 +138,29 @@ def _moments(shape: Shape, area_vector: ca.Function, nodes: int) -> Array:
     return np.concatenate(([np.sum(points * dA) / 3], first, second.ravel()))
 
 
+def _swept(cells: list[Shape], nodes: int) -> tuple[Array, Array]:
+    """Points (3,n) of the surface and the exterior area vectors (3,n) that they stand for."""
+    panels = PANELS if len(cells) == 1 else 1  # cells are polynomials
+    (u, wu), (v, wv) = (_composite(ends, nodes, panels) for ends in surface_of(cells[0]).domain)
+    uv = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
+    weights = np.outer(wu, wv).ravel()
+    area_vector = _area_vector(cells[0])
+    parts = [area_vector(uv, np.array([value for _, value in cell.parameters])) for cell in cells]
+    points, areas = (
+        np.hstack([np.asarray(value) for value in column]) for column in zip(*parts, strict=True)
+    )
+    return points, areas * np.tile(weights, len(cells))
+
+
 def _scales(moments: Array) -> Array:
     """The size (13,) that each moment is measured against: its own order's, of one unit."""
     second = np.abs(moments[4:]).max()
     return np.repeat([abs(moments[0]), np.sqrt(abs(moments[0]) * second), second], (1, 3, 9))
 
 
-def _composite(ends: tuple[float, float], nodes: int) -> tuple[Array, Array]:
+def _composite(ends: tuple[float, float], nodes: int, panels: int = PANELS) -> tuple[Array, Array]:
     """Composite Gauss-Legendre nodes and weights between two ends."""
     x, w = np.polynomial.legendre.leggauss(nodes)
-    edges = np.linspace(*ends, PANELS + 1)
+    edges = np.linspace(*ends, panels + 1)
     middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()

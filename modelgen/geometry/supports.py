@@ -29,6 +29,10 @@ def sphere(n: ca.SX, p: ca.SX) -> Support:
     return Support(zeros(3), p[0], zeros(1), lambda m: zeros(1))
 
 
+def point(n: ca.SX, p: ca.SX) -> Support:
+    return Support(p, zeros(1), dot(n, p), lambda m: zeros(1))
+
+
 def ellipsoid(n: ca.SX, p: ca.SX) -> Support:
     """x = D n / h with D = diag(a^2, b^2, c^2) and h = sqrt(n.D n)."""
     squares = p * p

@@ -6,11 +6,12 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
+from rich.text import Text
 
 from modelgen.contact.kinds import contact_kernels, regular_forms
 from modelgen.derive import Derivation
 from modelgen.model import ContactKind, Model
+from modelgen.runtime.advice import hints
 
 SHOWN = 3  # contacts named in a row; the rest is counted
 
@@ -18,23 +19,18 @@ SHOWN = 3  # contacts named in a row; the rest is counted
 def check_facts(derivation: Derivation) -> dict[str, Any]:
     """The object that `check --json` prints."""
     model = derivation.model
-    bodies, contacts = [k.name for k in model.body_kinds], [k.name for k in model.contact_kinds]
+    body_kinds, contact_kinds = [k.name for k in model.body_kinds], [k.name for k in model.contact_kinds]
+    bodies, contacts = _bodies(model), _contacts(model)
     return {
         "scene": model.scene.name,
-        "kinds": [*bodies, *contacts, *(k.name for k in model.load_kinds)],
+        "kinds": [*body_kinds, *contact_kinds, *(k.name for k in model.load_kinds)],
         "instructions": {formula.name: formula.function.n_instructions() for formula in derivation.formulas},
-        "bodies": [
-            {
-                "name": body.name,
-                "kind": model.body_kinds[body.kind].name,
-                "motion": model.body_kinds[body.kind].motion,
-            }
-            for body in model.bodies
-        ],
-        "contacts": _contacts(model),
+        "bodies": bodies,
+        "contacts": contacts,
         "left_out": list(model.left_out),
         "scales": asdict(model.scales),
         "states": {"q": model.n_q, "u": model.n_u, "eta": model.n_eta},
+        "hints": [*model.warnings, *hints(bodies, contacts)],
     }
 
 
@@ -49,19 +45,29 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     _print_table(console, "functions", ("function", "instructions"), counts)
     for sentence in facts["left_out"]:
         console.print(f"left out: {sentence}", markup=False)
+    for hint in facts["hints"]:
+        console.print(f"hint: {hint}", markup=False, soft_wrap=True)
+
+
+def _bodies(model: Model) -> list[dict[str, Any]]:
+    kinds = [model.body_kinds[body.kind] for body in model.bodies]
+    return [
+        {"name": body.name, "kind": kind.name, "motion": kind.motion}
+        for body, kind in zip(model.bodies, kinds, strict=True)
+    ]
 
 
 def _contacts(model: Model) -> list[dict[str, Any]]:
     forms = [form_counts(kind) for kind in model.contact_kinds]
     return [
         {
-            "name": contact.name,
-            "kind": model.contact_kinds[contact.kind].name,
-            "form": model.contact_kinds[contact.kind].form,
-            "forms": forms[contact.kind],
-            "restitution": contact.restitution,
+            "name": ":".join(filter(None, (model.pairs[link.pair].name, link.name))),
+            "kind": model.contact_kinds[link.kind].name,
+            "form": model.contact_kinds[link.kind].form,
+            "forms": forms[link.kind],
+            "restitution": model.pairs[link.pair].restitution,
         }
-        for contact in model.contacts
+        for link in model.links
     ]
 
 
@@ -87,11 +93,16 @@ def _by_kind(contacts: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _print_table(console: Console, title: str, columns: tuple[str, ...], rows: list[dict[str, Any]]) -> None:
+    """Aligned columns; a line too long for the terminal is wrapped by it, so that no name is cut."""
     if not rows:
         return
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    for column in columns:
-        table.add_column(column, justify="right" if column == "instructions" else "left")
-    for row in rows:
-        table.add_row(*(str(row[column]) for column in columns))
-    console.print(table)
+    cells = [columns, *(tuple(str(row[column]) for column in columns) for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    console.print(f"[italic]{title}[/]")
+    for number, row in enumerate(cells):
+        aligned = [
+            text.rjust(width) if column == "instructions" else text.ljust(width)
+            for column, text, width in zip(columns, row, widths, strict=True)
+        ]
+        line = Text("  ".join(aligned).rstrip(), style="" if number else "bold")
+        console.print(line, soft_wrap=True)

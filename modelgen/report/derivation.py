@@ -28,8 +28,9 @@ GROUPS = {
     **dict.fromkeys(("rates", "place", "angle"), "contact"),
     "surface": "shape",
     "curve": "shape",
+    "point": "shape",
 }  # of the manifest's kinds, by the role of a formula
-OF_A_PAIR = ("surface", "curve", "rates", "place", "angle")  # the roles that a pair of shapes decides
+OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # the roles that a pair of shapes decides
 
 
 def formula_facts(
@@ -110,7 +111,10 @@ def _line(line: Line, style: Format) -> dict[str, str]:
     if style == "text":
         return {"name": str(line.target), "value": sp.sstr(line.value)}
     symbols = {symbol: symbol_latex(str(symbol)) for symbol in line.value.free_symbols}
-    return {"name": symbol_latex(str(line.target)), "value": sp.latex(line.value, symbol_names=symbols)}
+    return {
+        "name": symbol_latex(str(line.target)),
+        "value": sp.latex(line.value, symbol_names=symbols, mul_symbol=r" \, "),
+    }
 
 
 def _statement(formula: Formula, model: Model) -> str:
@@ -126,7 +130,7 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
     kinds = manifest.kinds
     if formula.role == "rhs":
         entries = [("body", body.kind, body.name) for body in model.bodies]
-        entries += [("contact", contact.kind, contact.name) for contact in model.contacts]
+        entries += [("contact", link.kind, model.pairs[link.pair].name) for link in model.links]
         owned = [
             f"{_identifier(name)}_{re.sub(r'[^A-Za-z0-9]+', '_', owner)}"
             for group, kind, owner in entries

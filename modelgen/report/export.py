@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,16 +16,36 @@ from modelgen.report.record import COLUMNS, Array, Record
 FORMATS = (".npz", ".csv")
 
 
-def save(record: Record, path: Path) -> None:
-    """Write a run; the suffix says how (.npz or .csv)."""
+def check_suffix(path: Path, formats: Sequence[str]) -> None:
+    """Refuses a file whose suffix names none of the formats."""
+    if path.suffix not in formats:
+        found, allowed = f"no known format {path.suffix!r}", f"allowed are {', '.join(formats)}"
+        raise ModelgenError(str(path), found, allowed, "give one of these suffixes")
+
+
+def save(record: Record, path: str | Path) -> None:
+    """Write a run, what `record_of` returned; the suffix says how (.npz or .csv).
+
+    Raises ModelgenError for another suffix.
+    """
+    path = Path(path)
+    check_suffix(path, FORMATS)
     if path.suffix == ".csv":
         _save_csv(record, path)
     else:
         _save_npz(record, path)
 
 
-def load(path: Path) -> Record:
+def load(path: str | Path) -> Record:
     """Read a run from .npz; ModelgenError if the file is not one."""
+    path = Path(path)
+    if path.suffix == ".csv":
+        raise ModelgenError(
+            path.name,
+            "a CSV file has neither the contact points nor the surfaces of a run",
+            "a .npz file has both",
+            "write one with `modelgen simulate SCENE --out run.npz`",
+        )
     try:
         with np.load(path, allow_pickle=False) as stored:
             names = json.loads(str(stored["names"]))

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from modelgen.errors import ModelgenError
+from modelgen.report.export import check_suffix
 from modelgen.report.record import Array, Record
 
 FORMATS = (".png", ".svg")
 CURVES = 4  # contacts whose curves are drawn
 POINT = 1e-6  # half the box around a curve that is a point
 ENTRIES = 8  # lines that a legend names
+RESIDUAL: dict[str, Any] = {"linewidth": 0.8, "color": "tab:red", "alpha": 0.7}
 
 
 def require_matplotlib() -> Any:
@@ -27,24 +30,36 @@ def require_matplotlib() -> Any:
     return Figure
 
 
-def draw(record: Record, path: Path) -> None:
-    """Write the picture of a run; the suffix says how (.png or .svg)."""
+def draw(record: Record, path: str | Path) -> None:
+    """Write the picture of a run, what `record_of` or `load` returned; the suffix says how (.png or .svg).
+
+    Raises ModelgenError for another suffix, or without matplotlib.
+    """
+    path = Path(path)
+    check_suffix(path, FORMATS)
     figure_class = require_matplotlib()
     curves = _contacts(record)[:CURVES] if len(record.columns["t"]) else []
-    heights = [1.0] * 3 + [1.7] * len(curves)
+    panels = _panels(record)
+    rows = len(panels) // 2
+    heights = [1.0] * rows + [1.7] * len(curves)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
-    panels = (_position, _velocity, _rotation, _force, _gap, _energy)
     for k, panel in enumerate(panels):
         axes = figure.add_subplot(grid[k // 2, k % 2])
         panel(record, axes)
         _finish(axes)
-    for row, contact in enumerate(curves, start=3):
+    for row, contact in enumerate(curves, start=rows):
         for column, side in enumerate("of"):
             _curve(record, contact, side, figure.add_subplot(grid[row, column], projection="3d"))
     figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
+    """What is drawn over time, two a row; force and gap where there are contacts."""
+    motion = (_position, _velocity, _rotation)
+    return (*motion, _force, _gap, _energy) if record.contact_names else (*motion, _energy)
 
 
 def _contacts(record: Record) -> list[int]:
@@ -112,8 +127,11 @@ def _energy(record: Record, axes: Any) -> None:
     axes.plot(t, work, linewidth=1.0, label="work")
     if len(energy):
         drift = axes.twinx()
-        drift.plot(t, energy - energy[0] - work, linewidth=0.8, color="tab:red", alpha=0.7)
-        drift.set_ylabel("E - E0 - work [J]", color="tab:red")
+        drift.plot(t, energy - energy[0] - work, **RESIDUAL)
+        drift.set_ylabel("E - E0 - work [J]", color=RESIDUAL["color"])
+        axes.plot([], [], label="E - E0 - work (right axis)", **RESIDUAL)
+        axes.set_zorder(drift.get_zorder() + 1)  # the legend above the lines of both axes
+        axes.patch.set_visible(False)
 
 
 def _curve(record: Record, contact: int, side: str, axes: Any) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modelgen.report.surfaces import contact_meshes
+from modelgen.report.surfaces import contact_meshes, link_of
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
@@ -20,13 +20,13 @@ COLUMNS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Record:
-    """What a run file holds.
+    """What a run file holds; `save` writes it, `load` reads it and `draw` draws it.
 
     `columns` as in Trajectory (SI, world axes); `pairs` (nc, 2) body indices (o, f) of each contact; `meshes`
     the touching surfaces of contact k as "k_o" and "k_f", (rows, columns, 3) m in axes of the body's centre
-    of mass; `summary` what `simulate --json` prints.
+    of mass; `summary` what `simulate --json` prints, less the files written.
     """
 
     columns: dict[str, Array]
@@ -35,6 +35,11 @@ class Record:
     pairs: Array
     meshes: dict[str, Array]
     summary: dict[str, Any]
+
+    def __repr__(self) -> str:
+        """What it is of, how it ended and how much there is of it; no arrays."""
+        run, samples = self.summary, len(self.columns["t"])
+        return f"<Record {run['scene']}: {run['outcome']} at t = {run['t_end']:.6g} s; samples: {samples}>"
 
     @property
     def moving(self) -> list[int]:
@@ -61,14 +66,14 @@ def rotate_inverse(quaternion: Array, x: Array) -> Array:
 
 
 def record_of(trajectory: Trajectory, library: Library) -> Record:
-    """The record of a run and of the library that made it."""
+    """The record of a run and of the library that made it: what `save` and `draw` take."""
     sentence = library.manifest.sentence
-    contacts = sentence["contacts"]
+    links = [link_of(sentence, k) for k in range(len(sentence["contacts"]))]
     bare = Record(
         columns={name: np.asarray(getattr(trajectory, name), dtype=float) for name in COLUMNS},
         body_names=trajectory.body_names,
         contact_names=trajectory.contact_names,
-        pairs=np.array([(c["o"], c["f"]) for c in contacts], dtype=int).reshape(-1, 2),
+        pairs=np.array([(link["o"], link["f"]) for link in links], dtype=int).reshape(-1, 2),
         meshes={},
         summary=trajectory.summary(),
     )

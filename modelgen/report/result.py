@@ -84,6 +84,8 @@ _PROPERTIES = {
     "instructions": _entry(
         "object", "instructions of each generated function", additionalProperties={"type": "integer"}
     ),
+    "out": _entry(["string", "null"], "the file that holds the run, or null"),
+    "plot": _entry(["string", "null"], "the file that holds its picture, or null"),
 }
 
 

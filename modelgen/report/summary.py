@@ -30,6 +30,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     for name, state in summary["final"].items():
         parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+    for key in ("out", "plot"):
+        if summary[key] is not None:
+            console.print(f"written: {summary[key]}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 from modelgen.contact.kinds import eta_layout
-from modelgen.errors import SceneError
+from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,
     BodyKind,
@@ -15,10 +15,15 @@ from modelgen.model import (
     ContactEntry,
     ContactKind,
     LoadEntry,
+    LinkEntry,
     LoadKind,
     Model,
+    PairEntry,
+    Search,
     ShapeKind,
 )
+from modelgen.require.following import Following, confined, following
+from modelgen.require.links import Whole, links_of
 from modelgen.require.masses import (
     Mass,
     inertia_kind,
@@ -28,14 +33,15 @@ from modelgen.require.masses import (
     pose_numbers,
     rotation_of,
 )
-from modelgen.require.pairing import Partner, contact_names, find_body, find_shape, pair_up, shape_kind
+from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
 from modelgen.require.scales import scales_of
+from modelgen.require.soundness import soundness
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.require.weights import load_kind, load_parameters
 from modelgen.scene.types import Body, Scene, Vector
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3}
+ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
 
@@ -58,12 +64,22 @@ class Piece:
         return self.motion in ("point", "free")
 
 
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What the contact pairs of a scene become."""
+
+    pairs: tuple[PairEntry, ...]
+    links: tuple[LinkEntry, ...]
+    contacts: tuple[ContactEntry, ...]
+
+
 def require(scene: Scene) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
 
     Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
-    or leaves the mass or inertia of a moving body open.
+    or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
     """
+    expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     names = contact_names(scene)
     check_observed(scene, names)
@@ -71,7 +87,7 @@ def require(scene: Scene) -> Model:
     bodies = _body_entries(scene, pieces, body_kinds)
     shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
     contact_kinds: Vocabulary[ContactKind] = Vocabulary()
-    contacts = _contact_entries(scene, pieces, names, shape_kinds, contact_kinds)
+    touching = _touching(scene, pieces, names, shape_kinds, contact_kinds)
     load_kinds: Vocabulary[LoadKind] = Vocabulary()
     loads = _load_entries(scene, pieces, load_kinds)
     return Model(
@@ -81,15 +97,18 @@ def require(scene: Scene) -> Model:
         contact_kinds=contact_kinds.kinds,
         load_kinds=load_kinds.kinds,
         bodies=bodies,
-        contacts=contacts,
+        pairs=touching.pairs,
+        links=touching.links,
+        contacts=touching.contacts,
         loads=loads,
         n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
         n_u=sum(U_SIZE[piece.motion] for piece in pieces),
-        n_eta=sum(eta_size(contact_kinds.kinds[entry.kind]) for entry in contacts),
+        n_eta=sum(entry.room for entry in touching.contacts),
         scales=scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass]),
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),
+        warnings=soundness(scene),
     )
 
 
@@ -134,42 +153,71 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[Body
     return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
 
 
-def _contact_entries(
+def _touching(
     scene: Scene,
     pieces: Sequence[Piece],
     names: Sequence[str],
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
-) -> tuple[ContactEntry, ...]:
-    entries: list[ContactEntry] = []
-    eta = 0
+) -> Touching:
+    """The pairs that may touch, their links, and the contacts that follow them."""
+    touching = Touching((), (), ())
     for index, (name, pair) in enumerate(zip(names, scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
-        a, b = (_partner(scene, pieces, partner, shapes, f"{where}.between") for partner in pair.between)
-        contact_kind, swapped = pair_up(a, b, pair, where)
-        o, f = (b, a) if swapped else (a, b)
-        kind = kinds.index(contact_kind)
-        parameters = o.parameters + f.parameters
-        normal = _turned_round(pair.normal) if swapped else pair.normal
-        entries.append(
-            ContactEntry(name, kind, o.body, f.body, eta, parameters, pair.restitution, swapped, normal)
+        a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
+        first = len(touching.links)
+        links = links_of(a, b, pair, where, shapes, kinds, first, index)
+        room = max(eta_size(kinds.kinds[link.kind]) for link in links)
+        explicit = all(eta_layout(kinds.kinds[link.kind])[1] == "none" and room < 2 for link in links)
+        way = following(a.shape, b.shape, pair, links, explicit)
+        contacts = _contacts(name, index, links, way, touching, room, kinds)
+        normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
+        ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
+        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal)
+        touching = Touching(
+            (*touching.pairs, entry),
+            (*touching.links, *(confined(links) if way.own else links)),
+            (*touching.contacts, *contacts),
         )
-        eta += eta_size(kinds.kinds[kind])
-    return tuple(entries)
+    return touching
+
+
+def _search(way: Following, links: Sequence[LinkEntry]) -> Search:
+    """Contacts that never end need not be searched for."""
+    endless = way.own and not any(link.conditions for link in links)
+    return "never" if endless else way.search
+
+
+def _contacts(
+    name: str,
+    pair: int,
+    links: Sequence[LinkEntry],
+    way: Following,
+    before: Touching,
+    room: int,
+    kinds: Vocabulary[ContactKind],
+) -> tuple[ContactEntry, ...]:
+    eta = sum(contact.room for contact in before.contacts)
+    found = []
+    for k in range(way.contacts):
+        own = len(before.links) + k if way.own else -1
+        space = eta_size(kinds.kinds[links[k].kind]) if way.own else room
+        label = f":{links[k].name}" if way.own else f"#{k + 1}"
+        found.append(ContactEntry(name + (label if way.contacts > 1 else ""), pair, eta, space, own))
+        eta += space
+    return tuple(found)
 
 
 def _turned_round(normal: Vector | None) -> Vector | None:
     return None if normal is None else (-normal[0], -normal[1], -normal[2])
 
 
-def _partner(
-    scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], shapes: Vocabulary[ShapeKind], where: str
-) -> Partner:
+def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], where: str) -> Whole:
     body = find_body(scene, partner[0], where)
     piece = pieces[body]
     shape = find_shape(piece.body, partner[1], where)
-    kind = shapes.named(shape_kind(shape, scene.fold))
-    return Partner(body, piece.motion, piece.body.pose.is_identity, shape, kind, piece.centre)
+    owner = Owner(body, piece.motion, piece.body.pose.is_identity, piece.centre, scene.fold)
+    return Whole(owner, shape)
 
 
 def _load_entries(

@@ -4,32 +4,39 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from modelgen.contact.kinds import FORMS, choose_form, order
+from modelgen.contact.kinds import FORMS, choose_form, order, refuse_points
 from modelgen.errors import SceneError, nearest
 from modelgen.model import BodyMotion, ContactKind, ShapeKind, Side
 from modelgen.require.masses import pose_numbers
-from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
 
 
 @dataclass(frozen=True, slots=True)
-class Partner:
-    """A body's shape in a contact, with what require knows of the body."""
+class Owner:
+    """What require knows of a body that takes part in a contact."""
 
     body: int
     motion: BodyMotion
     at_world: bool  # a fixed body whose frame is the world's
+    centre: Vector  # of mass, body axes as written
+    fold: bool  # numbers become constants
+
+
+@dataclass(frozen=True, slots=True)
+class Partner:
+    """A smooth shape of a body in a contact."""
+
+    owner: Owner
     shape: Shape
     kind: ShapeKind
-    centre: Vector  # of mass, body axes as written
 
     @property
     def side(self) -> Side:
-        placed = self.shape.pose.position != self.centre or not self._is_straight
+        placed = self.shape.pose.position != self.owner.centre or not self._is_straight
         return Side(
             self.kind,
-            self.motion,
-            "identity" if self.motion == "fixed" and self.at_world else "general",
+            self.owner.motion,
+            "identity" if self.owner.motion == "fixed" and self.owner.at_world else "general",
             "general" if placed else "identity",
         )
 
@@ -42,14 +49,12 @@ class Partner:
         """Of the shape unless folded, then its placement (12) unless it is the identity."""
         lengths = () if self.kind.folded is not None else tuple(value for _, value in self.shape.parameters)
         placed = self.side.placement == "general"
-        return lengths + (pose_numbers(self.shape.pose, self.centre) if placed else ())
+        return lengths + (pose_numbers(self.shape.pose, self.owner.centre) if placed else ())
 
 
 def shape_kind(shape: Shape, fold: bool) -> ShapeKind:
     """The structure of a shape, named after its kind."""
     names = tuple(name for name, _ in shape.parameters)
-    if shape.chart is None and shape.curve is None:
-        names = SHAPES[shape.kind].parameters
     folded = tuple(value for _, value in shape.parameters) if fold else None
     name = f"{shape.kind}_cavity" if shape.cavity else shape.kind
     return ShapeKind(name, shape.kind, names, shape.cavity, shape.chart, shape.curve, folded)
@@ -94,6 +99,7 @@ def pair_up(a: Partner, b: Partner, pair: ContactPair, where: str) -> tuple[Cont
 
 
 def _form(o: Side, f: Side, wanted: str, where: str) -> str:
+    refuse_points(o.shape, f.shape)
     if wanted == "auto":
         return choose_form(o, f)
     fitting = [name for name, form in FORMS.items() if form.applies(o.shape, f.shape)]

@@ -62,7 +62,7 @@ def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
     turns = (
         _is_watched(scene, body)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
-        or not all(_is_centred_sphere(shape, mass.centre) for shape in contacting_shapes(scene, body))
+        or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(scene, body))
     )
     return "free" if turns else "point"
 
@@ -80,8 +80,10 @@ def _is_watched(scene: Scene, body: Body) -> bool:
     return body.angular_velocity != _ZERO or body.pose.quaternion != IDENTITY_QUATERNION
 
 
-def _is_centred_sphere(shape: Shape, centre: Vector) -> bool:
-    return shape.kind == "sphere" and shape.pose.position == centre
+def _is_centred(shape: Shape, centre: Vector) -> bool:
+    """True of a sphere, or of a point, at the centre of mass."""
+    at_origin = shape.kind == "point" and not any(value for _, value in shape.parameters)
+    return (shape.kind == "sphere" or at_origin) and shape.pose.position == centre
 
 
 def _turns_by(load: Load, body: str, centre: Vector) -> bool:

@@ -18,7 +18,7 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
     """Of a scene with these moving bodies and their masses.
 
     length: the least radius of a moving body (m), by its contacting shapes, or of the uniform sphere of its
-    inertia where they have no bound; of any body if that is infinite too. mass: the largest.
+    inertia where they have no bound, or are points; of any body if that is infinite too. mass: the largest.
     time: sqrt(length/g), or length/speed where there is no gravity.
     """
     radii = [_radius(scene, body) for body, _ in moving]
@@ -34,7 +34,7 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
 def _radius(scene: Scene, body: Body) -> float:
     shapes = contacting_shapes(scene, body)
     values = [bounding_radius(shape) for shape in shapes]
-    return max((value for value in values if value < inf), default=inf)
+    return max((value for value in values if 0 < value < inf), default=inf)
 
 
 def _of_inertia(mass: Mass) -> float:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from numbers import Real
 from types import MappingProxyType
 from typing import Literal
 
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, nearest
 
 Method = Literal["dop853", "rk4"]
 
@@ -30,6 +31,11 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "step_min": 8,
     }
 )
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number, of Python or of numpy."""
+    return isinstance(value, Real)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +63,11 @@ class Accuracy:
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once: transitions at one time before the run gives up.
         lost: a search for the closest points keeps a start only if its margin exceeds this.
+        apart: closest points nearer to each other than apart L are one.
+        reach: contacts that appear in a run are followed from gaps below reach L.
+        search: a pair that can touch more than once is searched anew when it has moved by search L.
+        flat: a rim within this angle (rad) of lying on a plane stands on three points of it.
+        border: a contact leaves its feature beyond border, in rad, or in L.
     """
 
     name: str = "balanced"
@@ -79,6 +90,11 @@ class Accuracy:
     lcp_iterations: int = 200
     events_at_once: int = 100
     lost: float = 1e-9
+    apart: float = 1e-6
+    reach: float = 0.2
+    search: float = 0.05
+    flat: float = 2e-5
+    border: float = 1e-9
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -100,9 +116,9 @@ class Accuracy:
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
         """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
-        if not 1e-18 <= tolerance <= 1e-2:
+        if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
             raise SimulationError(
-                "accuracy.tolerance",
+                "tolerance",
                 f"{tolerance!r}",
                 "a number from 1e-18 to 1e-2",
                 "choose one within these bounds",
@@ -114,8 +130,19 @@ class Accuracy:
         """`fast`, `balanced` or `tight` by name."""
         records = {"fast": cls.fast, "balanced": cls.balanced, "tight": cls.tight}
         if name not in records:
-            raise SimulationError("accuracy", repr(name), "fast, balanced, tight", "use one of these names")
+            remedy = nearest(name, records) or "use one of these names"
+            raise SimulationError("accuracy", repr(name), "fast, balanced, tight", remedy)
         return records[name]()
+
+    @classmethod
+    def taken(cls, value: object) -> Accuracy:
+        """The record that a caller gave, as such or by its name."""
+        if isinstance(value, Accuracy):
+            return value
+        if isinstance(value, str):
+            return cls.named(value)
+        allowed = "an Accuracy, or one of fast, balanced, tight"
+        raise SimulationError("accuracy", repr(value), allowed, "write Accuracy.of(...) for a tolerance")
 
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.closest import find_closest
-from modelgen.runtime.session import NO_EXTREMUM, PENETRATION, Session
-from modelgen.runtime.tables import Array, address
+from modelgen.runtime.refusal import REFUSED, refusal
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables import RUN_ARRAYS, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 
@@ -29,7 +29,7 @@ class Batch:
 
 
 def simulate_batch(
-    library: Library, q: Array, u: Array, *, until: float, accuracy: Accuracy | None = None
+    library: Library, q: Array, u: Array, *, until: float, accuracy: Accuracy | str | None = None
 ) -> Batch:
     """Run one scene from n starts.
 
@@ -43,20 +43,18 @@ def simulate_batch(
     Raises:
         SimulationError: the shapes do not fit, or a start interpenetrates; names the run and the contact.
     """
-    session = Session(library, accuracy or Accuracy.balanced())
+    expect("simulate_batch", library, Library)
+    session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
     n_q, n_u = session.sentence["n_q"], session.sentence["n_u"]
     starts = np.concatenate([_checked("q", q, n_q), _checked("u", u, n_u)], axis=1)
     n = len(starts)
     x = np.zeros((n, session.n_x), dtype=session.tables.dtype)
     for row, start in zip(x, starts, strict=True):
-        session.x[: n_q + n_u] = start
-        find_closest(session)
-        row[:] = session.x
+        row[: n_q + n_u] = start
     runs, kept = _runs(session, x)
     codes = np.zeros(n, dtype=np.intc)
     session.batch(runs, until, codes)
-    _refuse(session, codes, runs)
-    del kept
+    _refuse(session, codes, runs, kept)
     return Batch(
         q=x[:, :n_q],
         u=x[:, n_q : n_q + n_u],
@@ -74,26 +72,24 @@ def _checked(name: str, values: Array, width: int) -> Array:
     return array
 
 
-def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], list[Array]]:
+def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], dict[str, Array]]:
     """One mg_run a row of x, and the arrays that they point into."""
     n, m = len(x), session.n_contact + 1
     closed, active = np.zeros((n, m), dtype=np.intc), np.zeros((n, m), dtype=np.intc)
     force, margin = np.zeros((n, m), dtype=x.dtype), np.zeros((n, m), dtype=x.dtype)
     runs = (session.tables.Run * n)()
-    columns = {"x": x, "closed": closed, "active": active, "force": force, "margin": margin}
+    link = np.full((n, m), -1, dtype=np.intc)
+    moved = np.zeros((n, len(session.moved)), dtype=x.dtype)
+    arrays = (x, link, moved, closed, active, force, margin)
+    columns = dict(zip(RUN_ARRAYS, arrays, strict=True))
     for index, run in enumerate(runs):
         for name, array in columns.items():
             setattr(run, name, address(array[index]))
-    return runs, list(columns.values())
+    return runs, columns
 
 
-def _refuse(session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure]) -> None:
+def _refuse(session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure], kept: dict[str, Array]) -> None:
     for index, (code, run) in enumerate(zip(codes.tolist(), runs, strict=True)):
-        if code in (PENETRATION, NO_EXTREMUM):
-            name = session.contacts[run.failed_contact]
-            found = (
-                "the bodies interpenetrate" if code == PENETRATION else "no pair of closest points was found"
-            )
-            raise SimulationError(
-                f"run {index}, contact {name!r}", f"{found} at the start", "", "move them apart"
-            )
+        if code in REFUSED:
+            session.x[:], session.link[:-1] = kept["x"][index], kept["link"][index][:-1]
+            raise refusal(session, code, run.failed_contact, f"run {index}, ")

@@ -20,9 +20,12 @@ class Recording:
         shapes: dict[str, tuple[int, ...]] = {
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
-            **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "energy": (n,), "work": (n,)},
+            **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
         }
-        self.arrays = {name: np.zeros(shapes[name], dtype=session.tables.dtype) for name in RECORD_ARRAYS}
+        self.arrays = {
+            name: np.zeros(shapes[name], dtype=np.intc if name == "link" else session.tables.dtype)
+            for name in RECORD_ARRAYS
+        }
         self.arrays["t"][:] = times
         self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
 
@@ -36,7 +39,7 @@ class Recording:
             "quaternion": quaternions(rotation),
             "v": kept["twist"][..., :3],
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
-            **{name: kept[name] for name in ("eta", "force", "gap", "energy", "work")},
+            **{name: kept[name] for name in ("eta", "force", "gap", "link", "energy", "work")},
             "points_o": kept["point_o"],
             "points_f": kept["point_f"],
             "normals": kept["normal"],

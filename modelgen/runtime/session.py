@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.tables import Array, Tables, address, fill_settings, fill_system
+from modelgen.runtime.refusal import REFUSED, refusal
+from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3}
-CONTINUE, FULL, PENETRATION, NO_EXTREMUM = 1, 2, 10, 11
+ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
+CONTINUE, FULL = 1, 2
 
 
 class Session:
@@ -39,11 +39,13 @@ class Session:
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
         self.run = self.tables.Run()
-        for name in ("x", "closed", "active", "force", "margin"):
+        self.link = np.full(n_contact + 1, -1, dtype=np.intc)
+        self.moved = self._reals(len(sentence["pairs"]) + 1)
+        for name in RUN_ARRAYS:
             setattr(self.run, name, address(getattr(self, name)))
         self.n_body, self.n_contact = n_body, n_contact
         self._prepare(library.cdll)
-        self._make_events(64 + 4 * n_contact)
+        self._make_events(64 + 8 * n_contact)
 
     @property
     def eta(self) -> Array:
@@ -68,7 +70,8 @@ class Session:
         start = sentence["n_q"] + sentence["n_u"]
         for contact in sentence["contacts"]:
             at = start + contact["eta"]
-            for layout in library.manifest.kinds["contact"][contact["kind"]]["eta"]:
+            link = sentence["links"][max(contact["link"], sentence["pairs"][contact["pair"]]["links"][0])]
+            for layout in library.manifest.kinds["contact"][link["kind"]]["eta"]:
                 n = ETA_SIZE[layout]
                 if layout == "point":
                     sizes[at : at + n] = length
@@ -88,6 +91,7 @@ class Session:
             "t": self._reals(capacity),
             "kind": np.zeros(capacity, dtype=np.intc),
             "contact": np.zeros(capacity, dtype=np.intc),
+            "link": np.zeros(capacity, dtype=np.intc),
             "speed": self._reals(capacity),
         }
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
@@ -103,35 +107,19 @@ class Session:
         columns = [a[: self.events.count].tolist() for a in self.event_arrays.values()]
         self.events.count = 0
         return [
-            Event(float(t), EVENT_KINDS[kind], self.contacts[contact], float(speed))
-            for t, kind, contact, speed in zip(*columns, strict=True)
+            Event(float(t), EVENT_KINDS[kind], self.contacts[contact], float(speed), self._features(link))
+            for t, kind, contact, link, speed in zip(*columns, strict=True)
         ]
+
+    def _features(self, link: int) -> str:
+        return str(self.sentence["links"][link]["name"]) if link >= 0 else ""
 
     def begin(self) -> None:
         """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""
         code = self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
-        if code in (PENETRATION, NO_EXTREMUM):
-            raise self._refused(code)
+        if code in REFUSED:
+            raise refusal(self, code, self.run.failed_contact)
         self.start_code = code
-
-    def _refused(self, code: int) -> SimulationError:
-        name = self.contacts[self.run.failed_contact]
-        where = f"contact {name!r}"
-        if code == NO_EXTREMUM:
-            return SimulationError(
-                where,
-                "no pair of closest points was found at the start",
-                "surfaces with one nearest pair there",
-                "start the bodies nearer to each other or away from a symmetric position",
-            )
-        d = self.settle(self.run.failed_contact)["d"]
-        allowed = self.settings.start_gap * self.system.length
-        return SimulationError(
-            where,
-            f"the bodies interpenetrate at the start by {-float(d):.3g} m",
-            f"at most {float(allowed):.3g} m",
-            "move them apart",
-        )
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
@@ -147,8 +135,11 @@ class Session:
         return {"steps": steps, "eta": local, **arrays}
 
     def layout(self, contact: int) -> list[str]:
-        """What carries eta on each side of a contact: a key of ETA_SIZE."""
-        kind = self.sentence["contacts"][contact]["kind"]
+        """What carries eta on each side of a contact: a key of ETA_SIZE; nothing where it is on no link."""
+        link = int(self.link[contact])
+        if link < 0:
+            return []
+        kind = self.sentence["links"][link]["kind"]
         return list(self.library.manifest.kinds["contact"][kind]["eta"])
 
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:

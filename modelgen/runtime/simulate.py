@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
-from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.closest import find_closest
+from modelgen.errors import SimulationError, expect
+from modelgen.runtime.accuracy import Accuracy, is_number
+from modelgen.runtime.advice import warnings
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
@@ -23,7 +23,7 @@ def simulate(
     library: Library,
     *,
     until: float | None = None,
-    accuracy: Accuracy | None = None,
+    accuracy: Accuracy | str | None = None,
     samples: int | None = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
@@ -32,7 +32,7 @@ def simulate(
     Args:
         library: what `build` returned.
         until: end time, s; the scene's own when None.
-        accuracy: every tolerance and choice; the scene's own when None.
+        accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
         on_progress: called with the share of simulated time done, about five times a second.
 
@@ -41,30 +41,45 @@ def simulate(
         Ctrl-C and failures keep what was computed; the outcome says which.
 
     Raises:
+        ModelgenError: what is given is no library.
         SimulationError: the start interpenetrates, or a setting is out of bounds.
     """
-    settings = library.manifest.sentence["run"]
-    end = settings["until"] if until is None else until
-    intervals = settings["samples"] if samples is None else samples
-    if not 0 < end < np.inf:
-        raise SimulationError("until", repr(end), "a positive time in s", "give the end of the run")
-    if intervals < 1:
-        raise SimulationError("samples", repr(intervals), "at least 1", "give the number of output intervals")
-    accuracy = accuracy or _accuracy_of(settings)
+    expect("simulate", library, Library)
+    sentence = library.manifest.sentence
+    end, intervals = _extent(sentence, until, samples)
+    chosen = _accuracy_of(sentence) if accuracy is None else Accuracy.taken(accuracy)
     started = time.perf_counter()
-    session = Session(library, accuracy)
-    find_closest(session)
+    session = Session(library, chosen)
     session.begin()
     recording = Recording(session, np.linspace(0.0, end, intervals + 1))
     outcome, events = _run(session, end, recording, on_progress)
     wall = time.perf_counter() - started
-    return _trajectory(session, recording, outcome, events, accuracy, wall)
+    return _trajectory(session, recording, outcome, events, chosen, wall)
 
 
-def _accuracy_of(settings: dict[str, Any]) -> Accuracy:
-    if settings["tolerance"] is not None:
-        return Accuracy.of(settings["tolerance"])
-    return Accuracy.named(settings["accuracy"])
+def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
+    """End time and output intervals, the scene's where the caller gives none."""
+    run, scene = sentence["run"], f"{sentence['source']}: run."
+    end: Any = run["until"] if until is None else until
+    intervals: Any = run["samples"] if samples is None else samples
+    if not is_number(end) or not 0 < end < np.inf:
+        where = f"{scene}until" if until is None else "until"
+        raise SimulationError(where, repr(end), "a positive time in s", "give the end of the run")
+    if not is_number(intervals) or not 1 <= intervals < np.inf or intervals != int(intervals):
+        where = f"{scene}samples" if samples is None else "samples"
+        remedy = "give the number of output intervals"
+        raise SimulationError(where, repr(intervals), "a whole number, at least 1", remedy)
+    return float(end), int(intervals)
+
+
+def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
+    """The accuracy that the scene asks for."""
+    run, key = sentence["run"], "accuracy" if sentence["run"]["tolerance"] is None else "tolerance"
+    try:
+        return Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+    except SimulationError as error:
+        where = f"{sentence['source']}: run.{key}"
+        raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
 def _run(
@@ -106,6 +121,7 @@ def _trajectory(
         **recording.columns(),
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
+        link_names=tuple(link["name"] for link in session.sentence["links"]),
         events=tuple(events),
         outcome=outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
@@ -122,22 +138,5 @@ def _trajectory(
         kinds=tuple(kinds),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,
-        warnings=_warnings(session, accuracy),
+        warnings=warnings(session, accuracy),
     )
-
-
-def _warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
-    """What the user should know of a run that ended well all the same."""
-    margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
-    found = []
-    if margin < accuracy.margin_warn:
-        found.append(
-            f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
-            "its contact points lose about as many digits as the margin has zeros"
-        )
-    if redundant:
-        found.append(
-            f"contact forces are not unique: {redundant} more contacts carried force than have independent "
-            "rows; the motion is unique, the forces given are those of minimum norm"
-        )
-    return tuple(found)

@@ -9,16 +9,24 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import RESOLVED
+from modelgen.runtime.sides import Sides, append
 
 Array = np.ndarray[Any, Any]
 
-SYSTEM_INTEGERS = ("n_body", "n_contact", "n_load", "n_q", "n_u", "n_eta", "n_closed")
+SYSTEM_INTEGERS = (
+    *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
+    *("n_q", "n_u", "n_eta", "n_closed"),
+)
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
-    *("contact_kind", "contact_o", "contact_f", "contact_eta", "contact_parameters"),
+    *("contact_pair", "contact_eta", "contact_link"),
+    *("pair_contact", "pair_link", "pair_search"),
+    *("link_kind", "link_o", "link_f", "link_parameters", "link_pair", "link_group", "link_condition"),
+    *("side_shape", "side_parameters", "side_numbers"),
+    *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
 )
-SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "scale")
+SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
     *(
@@ -33,8 +41,9 @@ SETTINGS_REALS = (
         "residual",
         "step_min",
     ),
-    "margin_refuse",
+    *("margin_refuse", "lost", "apart", "reach", "search", "flat", "border"),
 )
+RUN_ARRAYS = ("x", "link", "moved", "closed", "active", "force", "margin")
 RUN_COUNTS = (
     "steps",
     "rejected",
@@ -49,10 +58,13 @@ RUN_REALS = (
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
 )
 RECORD_ARRAYS = (
-    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "energy", "work"),
+    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link", "energy", "work"),
 )
+QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
+QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 ROOM, ROOM_PER_BODY = 64, 12
 METHODS = {"rk4": 0, "dop853": 1}
+SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
@@ -79,7 +91,7 @@ class Tables:
         self.Run = _structure(
             "Run",
             [("t", real), ("h", real)]
-            + [(n, pointer) for n in ("x", "closed", "active", "force", "margin")]
+            + [(n, pointer) for n in RUN_ARRAYS]
             + [(n, ctypes.c_long) for n in RUN_COUNTS]
             + [(n, real) for n in RUN_REALS]
             + [("failed_contact", integer)],
@@ -91,8 +103,20 @@ class Tables:
         self.Events = _structure(
             "Events",
             [("capacity", integer), ("count", integer)]
-            + [(n, pointer) for n in ("t", "kind", "contact", "speed")],
+            + [(n, pointer) for n in ("t", "kind", "contact", "link", "speed")],
         )
+        self.Queries = _queries(real)
+
+
+def _queries(real: Any) -> Any:
+    return _structure(
+        "Queries",
+        [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
+        + [("stride", ctypes.c_long)]
+        + [(n, ctypes.c_void_p) for n in QUERY_GIVEN]
+        + [("length", real), ("residual", real)]
+        + [(n, ctypes.c_void_p) for n in QUERY_FOUND],
+    )
 
 
 def _structure(name: str, fields: list[tuple[str, Any]]) -> Any:
@@ -106,32 +130,42 @@ def address(array: Array) -> int:
 
 def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tuple[Any, list[Array]]:
     """The mg_system of a sentence, and the arrays that it points into, which must outlive it."""
-    bodies, contacts, loads = sentence["bodies"], sentence["contacts"], sentence["loads"]
+    bodies, links, loads = sentence["bodies"], sentence["links"], sentence["loads"]
+    contacts, pairs = sentence["contacts"], sentence["pairs"]
     parameters: list[float] = []
-    starts = [_append(parameters, entry["parameters"]) for entry in (*bodies, *contacts, *loads)]
-    of_bodies, of_contacts = starts[: len(bodies)], starts[len(bodies) : len(bodies) + len(contacts)]
+    starts = [append(parameters, entry["parameters"]) for entry in (*bodies, *links, *loads)]
+    of_bodies, of_links = starts[: len(bodies)], starts[len(bodies) : len(bodies) + len(links)]
+    sides = Sides(links, parameters, float(np.finfo(tables.dtype).max))
     integers: dict[str, list[int]] = {
         "body_kind": [b["kind"] for b in bodies],
         "body_q": [b["q"] for b in bodies],
         "body_u": [b["u"] for b in bodies],
         "body_parameters": of_bodies,
-        **{f"contact_{key}": [c[key] for c in contacts] for key in ("kind", "o", "f", "eta")},
-        "contact_parameters": of_contacts,
+        **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
+        "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
+        "pair_link": [*(p["links"][0] for p in pairs), len(links)],
+        "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
+        **{f"link_{key}": [entry[key] for entry in links] for key in ("kind", "o", "f", "pair", "group")},
+        "link_parameters": of_links,
+        **sides.integers,
         "load_kind": [entry["kind"] for entry in loads],
         "load_a": [entry["bodies"][0] for entry in loads],
         "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
-        "load_parameters": starts[len(bodies) + len(contacts) :],
+        "load_parameters": starts[len(bodies) + len(links) :],
     }
     reals = {
         "mass_inverse": [value for b in bodies for value in b["mass_inverse"]],
-        "restitution": [c["restitution"] for c in contacts],
+        "restitution": [pairs[c["pair"]]["restitution"] for c in contacts],
         "parameters": parameters,
+        "numbers": sides.numbers,
+        "pair_normal": [value for p in pairs for value in p["normal"] or (0.0, 0.0, 0.0)],
     }
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    sizes = (len(bodies), len(contacts), len(loads), sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    system = tables.System(*sizes, _room(sentence))
+    sizes = (len(bodies), len(contacts), len(loads), len(pairs), len(links))
+    states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
+    system = tables.System(*sizes, *states, _room(sentence))
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
@@ -144,12 +178,6 @@ def _room(sentence: Mapping[str, Any]) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
     return min(len(sentence["contacts"]), max(ROOM, ROOM_PER_BODY * moving))
-
-
-def _append(parameters: list[float], values: list[float]) -> int:
-    start = len(parameters)
-    parameters.extend(values)
-    return start
 
 
 def fill_settings(tables: Tables, accuracy: Any) -> Any:

@@ -44,7 +44,7 @@ OUTCOME_OF_CODE = {
     24: Outcome.TOO_MANY_EVENTS,
     25: Outcome.TOO_MANY_CLOSED,
 }
-EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin")
+EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +55,14 @@ class Event:
     kind: str
     contact: str
     speed: float = 0.0
+    features: str = ""  # that the contact is between after the event, where its shapes have several
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
     """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes.
+
+    `modelgen.record_of(trajectory, library)` makes of it what `modelgen.save` and `modelgen.draw` take.
 
     `energy_drift` is max |E - E_0 - work| over the largest kinetic energy seen (over m L^2 / T^2 if nothing
     moved); `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
@@ -74,7 +77,8 @@ class Trajectory:
     w: Array  # (n, nb, 3) rad/s
     eta: Array  # (n, n_eta) contact parameters
     force: Array  # (n, nc) N
-    gap: Array  # (n, nc) m
+    gap: Array  # (n, nc) m; NaN where the contact is on no link
+    link: Array  # (n, nc) index into `link_names`, -1 on no link
     points_o: Array  # (n, nc, 3) m
     points_f: Array  # (n, nc, 3) m
     normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
@@ -82,6 +86,7 @@ class Trajectory:
     work: Array  # (n,) J, of loads, driven bodies and impacts
     body_names: tuple[str, ...]
     contact_names: tuple[str, ...]
+    link_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
     events: tuple[Event, ...]
     outcome: Outcome
     outcome_contact: str
@@ -100,8 +105,13 @@ class Trajectory:
     accuracy: str
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """What it is of, how it ended and how much there is of it; no arrays."""
+        ending = f"{self.outcome.name.lower()} at t = {self.t_end:.6g} s"
+        return f"<Trajectory {self.scene}: {ending}; samples: {len(self.t)}, events: {len(self.events)}>"
+
     def summary(self) -> dict[str, Any]:
-        """The object that `simulate --json` prints: plain JSON values."""
+        """The object that `simulate --json` prints, less the files written: plain JSON values."""
         last = len(self.t) - 1
         return {
             "scene": self.scene,
@@ -121,7 +131,8 @@ class Trajectory:
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
             "events": [
-                {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed} for e in self.events
+                {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
+                for e in self.events
             ],
             "final": {
                 name: {

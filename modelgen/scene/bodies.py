@@ -8,9 +8,13 @@ from typing import Any
 from modelgen.scene.chart import read_chart, read_curve
 from modelgen.scene.format import PATH_NAMES, ZERO
 from modelgen.scene.formulas import finite, triple
+from modelgen.scene.free_shapes import FREE_SHAPES
+from modelgen.scene.own_solid import read_solid
 from modelgen.scene.place import Place
 from modelgen.scene.pose import read_pose
 from modelgen.scene.shapes import SHAPES
+from modelgen.scene.solids import SOLIDS
+from modelgen.scene.splines import Net
 from modelgen.scene.types import Body, Path, Shape
 
 
@@ -27,12 +31,13 @@ def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
         return Shape(parameters=values["parameters"], chart=read_chart(values, place), **common)
     if kind == "curve":
         return Shape(parameters=values["parameters"], curve=read_curve(values, place), **common)
-    spec = SHAPES[kind]
-    numbers = spec.values(values)
-    broken = spec.constraint(numbers)
-    if broken:
-        raise place.error(broken, spec.rule)
-    return Shape(parameters=tuple(zip(spec.parameters, numbers, strict=True)), **common)
+    if kind in FREE_SHAPES:
+        return Shape(**(common | FREE_SHAPES[kind].read(values, place)))
+    if kind == "solid":
+        return Shape(**read_solid(values, place, read_shape), **common)
+    if kind in SOLIDS:
+        return Shape(**SOLIDS[kind].read(values, place), **common)
+    return Shape(parameters=SHAPES[kind].numbers(values, place), **common)
 
 
 def body_of(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) -> Body:
@@ -90,13 +95,24 @@ def _check_solid(shapes: tuple[Shape, ...], place: Place) -> None:
     if not shapes:
         raise place.error("a density without a shape", "", "add a shape, or give mass and inertia")
     for each in shapes:
-        closed = each.chart is not None or (each.curve is None and SHAPES[each.kind].closed)
-        if each.cavity or not closed:
+        if each.kind == "solid":
+            found = f"a density, but the volume of the user's own solid {each.name!r} is not computed"
+            raise place.error(found, "density needs shapes of the catalogue", "give mass and inertia instead")
+        if each.cavity or not _is_closed(each):
             what = "the cavity" if each.cavity else f"the {each.kind}"
             raise place.error(
                 f"a density, but {what} {each.name!r} bounds no finite solid",
                 "density needs closed shapes", "give mass and inertia instead",
             )  # fmt: skip
+
+
+def _is_closed(shape: Shape) -> bool:
+    if shape.kind in SOLIDS:
+        return SOLIDS[shape.kind].closed
+    spec = SHAPES.get(shape.kind)
+    if spec is None:
+        return shape.chart is not None or (isinstance(shape.spline, Net) and all(shape.spline.periodic))
+    return spec.closed or len(shape.parameters) > len(spec.parameters)
 
 
 def _path(values: Mapping[str, Any], place: Place) -> Path:

@@ -49,9 +49,15 @@ def torus(major: float, minor: float, **keys: object) -> Shape:
     return shape("torus", major=major, minor=minor, **keys)
 
 
-def cylinder(radius: float, **keys: object) -> Shape:
-    """An infinite cylinder about z; `radius` in m."""
-    return shape("cylinder", radius=radius, **keys)
+def cylinder(radius: float, length: float | None = None, **keys: object) -> Shape:
+    """A cylinder about z, infinite without a length, else centred and with ends; in m."""
+    ends = {} if length is None else {"length": length}
+    return shape("cylinder", radius=radius, **ends, **keys)
+
+
+def cone(half_angle: float, **keys: object) -> Shape:
+    """An infinite cone about z below its apex at the origin; `half_angle` in rad."""
+    return shape("cone", half_angle=half_angle, **keys)
 
 
 def paraboloid(rho_x: float, rho_y: float, **keys: object) -> Shape:
@@ -82,6 +88,11 @@ def segment(length: float, **keys: object) -> Shape:
     return shape("segment", length=length, **keys)
 
 
+def edge(length: float, **keys: object) -> Shape:
+    """The x axis from -length/2 to length/2; `length` in m."""
+    return shape("edge", length=length, **keys)
+
+
 def circle(radius: float, **keys: object) -> Shape:
     """The curve (radius cos t, radius sin t, 0); `radius` in m."""
     return shape("circle", radius=radius, **keys)
@@ -100,6 +111,91 @@ def helix(radius: float, pitch: float, **keys: object) -> Shape:
 def curve(x: str, y: str, z: str, *, domain: Pair, **keys: object) -> Shape:
     """A curve of your own: x, y, z in m as expressions of t and `parameters`."""
     return shape("curve", x=x, y=y, z=z, domain=domain, **keys)
+
+
+def point(x: float = 0.0, y: float = 0.0, z: float = 0.0, **keys: object) -> Shape:
+    """A point by itself; coordinates in the shape frame, m."""
+    return shape("point", at=[x, y, z], **keys)
+
+
+def revolution(r: str, z: str, *, domain: Pair, **keys: object) -> Shape:
+    """A surface of revolution about z: r, z in m as expressions of t and `parameters`.
+
+    The exterior is the outside of what the profile encloses, or the side away from the axis.
+    """
+    return shape("revolution", r=r, z=z, domain=domain, **keys)
+
+
+def bspline(points: Sequence[Sequence[Sequence[float]]], **keys: object) -> Shape:
+    """A B-spline surface through a control net [u][v][xyz] in m, cubic unless `degree` is given."""
+    return shape("bspline", points=points, **keys)
+
+
+def height_field(
+    x: Sequence[float], y: Sequence[float], heights: Sequence[Sequence[float]], **keys: object
+) -> Shape:
+    """The bicubic spline through heights [x][y] in m over a grid; exterior +z."""
+    return shape("height_field", x=x, y=y, heights=heights, **keys)
+
+
+def bspline_curve(points: Sequence[Sequence[float]], **keys: object) -> Shape:
+    """A B-spline curve with control points in m, cubic unless `degree` is given."""
+    return shape("bspline_curve", points=points, **keys)
+
+
+def polyline(points: Sequence[Sequence[float]], radius: float, **keys: object) -> Shape:
+    """Straight pieces between points in m, corners rounded with `radius`."""
+    return shape("polyline", points=points, radius=radius, **keys)
+
+
+def surface_line(surface: Mapping[str, object], **keys: object) -> Shape:
+    """A line u = ... or v = ... of a surface, which is written as its table in a scene file."""
+    return shape("surface_line", surface=surface, **keys)
+
+
+def box(x: float, y: float, z: float, **keys: object) -> Shape:
+    """A box centred at the origin; its edges in m."""
+    return shape("box", size=[x, y, z], **keys)
+
+
+def disc(radius: float, **keys: object) -> Shape:
+    """A flat disc in z = 0 without thickness; `radius` in m."""
+    return shape("disc", radius=radius, **keys)
+
+
+def capsule(radius: float, length: float, **keys: object) -> Shape:
+    """A cylinder about z between two half spheres, centred; `length` of the straight part, m."""
+    return shape("capsule", radius=radius, length=length, **keys)
+
+
+def frustum(radius_bottom: float, radius_top: float, length: float, **keys: object) -> Shape:
+    """A truncated cone about z, centred; lengths in m."""
+    return shape("frustum", radius_bottom=radius_bottom, radius_top=radius_top, length=length, **keys)
+
+
+def half_torus(major: float, minor: float, **keys: object) -> Shape:
+    """The half y >= 0 of a torus about z; radii in m, `minor` of the tube."""
+    return shape("half_torus", major=major, minor=minor, **keys)
+
+
+def polyhedron(vertices: Sequence[Sequence[float]], **keys: object) -> Shape:
+    """The convex hull of points [x, y, z] in m."""
+    return shape("polyhedron", vertices=vertices, **keys)
+
+
+def extrusion(length: float, **keys: object) -> Shape:
+    """A polygon (`points`) or a smooth outline (`x`, `y`, `domain`) along z, centred; `length` in m."""
+    return shape("extrusion", length=length, **keys)
+
+
+def solid(
+    face: Sequence[Mapping[str, object]],
+    edge: Sequence[Mapping[str, object]] = (),
+    vertex: Sequence[Mapping[str, object]] = (),
+    **keys: object,
+) -> Shape:
+    """A solid of your own: faces, edges and vertices as in the tables of a scene file."""
+    return shape("solid", face=face, edge=edge, vertex=vertex, **keys)
 
 
 def fixed(name: str, *shapes: Shape, **keys: object) -> Body:

@@ -18,16 +18,35 @@ def read_chart(values: Mapping[str, Any], place: Place) -> Chart:
     """The chart from the values of its table; raises SceneError."""
     names = ("u", "v", *(name for name, _ in values["parameters"]))
     x, y, z = (place.key(key).expression(values[key], names) for key in "xyz")
-    for index, (lower, upper) in enumerate(values["domain"]):
-        if not lower < upper:
-            at = place.key("domain").item(index)
-            raise at.error(f"the interval [{lower:g}, {upper:g}]", "the first number must be the smaller")
-    chart = Chart((x, y, z), values["domain"], values["periodic"])
-    _check_chart(chart, dict(values["parameters"]), place)
+    for index, interval in enumerate(values["domain"]):
+        check_interval(interval, place.key("domain").item(index))
+    chart = Chart((x, y, z), values["domain"], values["periodic"], _poles(values, place.key("poles")))
+    check_chart(chart, dict(values["parameters"]), place)
     return chart
 
 
-def _check_chart(chart: Chart, parameters: dict[str, float], place: Place) -> None:
+def _poles(values: Mapping[str, Any], place: Place) -> tuple[tuple[bool, bool], tuple[bool, bool]]:
+    """Which ends of u and of v are single points, about which the other coordinate turns."""
+    written = values["poles"]
+    (u_min, u_max), (v_min, v_max) = ((f"{name}_min" in written, f"{name}_max" in written) for name in "uv")
+    for index, name in enumerate(written):
+        around = "v" if name[0] == "u" else "u"
+        if not values["periodic"]["uv".index(around)] or values["periodic"]["uv".index(name[0])]:
+            found = f"a pole at {name} with periodic = {[*values['periodic']]}".lower()
+            allowed = f"{around} turns about the pole and is periodic, {name[0]} is not"
+            raise place.item(index).error(found, allowed)
+    return (u_min, u_max), (v_min, v_max)
+
+
+def check_interval(interval: tuple[float, float], place: Place) -> None:
+    """Raises SceneError unless the interval is one."""
+    lower, upper = interval
+    if not lower < upper:
+        raise place.error(f"the interval [{lower:g}, {upper:g}]", "the first number must be the smaller")
+
+
+def check_chart(chart: Chart, parameters: dict[str, float], place: Place) -> None:
+    """Raises SceneError unless the chart needs u and v, is finite, and closes where it is periodic."""
     used = frozenset().union(*(component.names for component in chart.components))
     for name in ("u", "v"):
         if name not in used:
@@ -41,6 +60,12 @@ def _check_chart(chart: Chart, parameters: dict[str, float], place: Place) -> No
                 ends = [points[0] | {name: end} for end in chart.domain[axis]]
                 first, last = (finite(component, point, place.key(key)) for point in ends)
                 _check_closed((first, last), size, name, place.key(key))
+            for end, pole in enumerate(chart.poles[axis]):
+                if pole:
+                    around = [point | {name: chart.domain[axis][end]} for point in points]
+                    _check_pole(
+                        [finite(component, each, place.key(key)) for each in around], size, name, place
+                    )
 
 
 def read_curve(values: Mapping[str, Any], place: Place) -> Curve:
@@ -48,20 +73,30 @@ def read_curve(values: Mapping[str, Any], place: Place) -> Curve:
     parameters = dict(values["parameters"])
     x, y, z = (place.key(key).expression(values[key], ("t", *parameters)) for key in "xyz")
     lower, upper = values["domain"]
-    if not lower < upper:
-        raise place.key("domain").error(
-            f"the interval [{lower:g}, {upper:g}]", "the first number must be the smaller"
-        )
+    check_interval((lower, upper), place.key("domain"))
     if "t" not in x.names | y.names | z.names:
         raise place.error("x, y, z do not depend on t", "a curve needs t", "use t")
-    for key, component in zip("xyz", (x, y, z), strict=True):
+    curve = Curve((x, y, z), (lower, upper), values["periodic"])
+    check_curve(curve, parameters, place)
+    return curve
+
+
+def check_curve(curve: Curve, parameters: dict[str, float], place: Place) -> None:
+    """Raises SceneError unless the curve is finite on its domain, and closes if it is periodic."""
+    lower, upper = curve.domain
+    for key, component in zip("xyz", curve.components, strict=True):
         at = place.key(key)
         nodes = [parameters | {"t": lower + (upper - lower) * node} for node in NODES]
         size = max(abs(finite(component, node, at)) for node in nodes)
-        if values["periodic"]:
+        if curve.periodic:
             first, last = (finite(component, parameters | {"t": end}, at) for end in (lower, upper))
             _check_closed((first, last), size, "t", at, "curve")
-    return Curve((x, y, z), (lower, upper), values["periodic"])
+
+
+def _check_pole(values: list[float], size: float, name: str, place: Place) -> None:
+    if max(values) - min(values) > CLOSURE * size:
+        found = f"{min(values):.9g} and {max(values):.9g} at the pole of {name}"
+        raise place.key("poles").error(found, "at a pole x, y, z are one point", "mend them or the domain")
 
 
 def _check_closed(

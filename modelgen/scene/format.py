@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.inertia import Inertia
+from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
+from modelgen.scene.solids import SOLIDS
 
 ACCURACIES = ("fast", "balanced", "tight")
 FORMS = (
     *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
     *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
     *("curves_block", "curves_paper", "curves_differentiated"),
+    *("centre_surface", "centre_curve", "edge_edge"),
 )
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
@@ -46,19 +52,43 @@ _SHAPE_FIELDS = (
     *POSE_FIELDS,
 )
 
-SHAPE = Defined(
-    "shape",
-    Tagged(
-        "kind",
-        "the shape's name in the catalogue, chart for a surface and curve for a curve of your own",
-        {
-            kind: Table((*spec.fields, *(() if spec.curve else (_CAVITY,)), *_SHAPE_FIELDS), _ORIENTATION)
-            for kind, spec in SHAPES.items()
-        }
-        | {"chart": Table((*CHART_FIELDS, _CAVITY, *_SHAPE_FIELDS), _ORIENTATION)}
-        | {"curve": Table((*CURVE_FIELDS, *_SHAPE_FIELDS), _ORIENTATION)},
-    ),
-)
+
+def _shape_table(
+    fields: tuple[Field, ...], cavity: bool, exclusive: tuple[tuple[str, ...], ...] = ()
+) -> Table:
+    return Table((*fields, *((_CAVITY,) if cavity else ()), *_SHAPE_FIELDS), (*exclusive, ORIENTATIONS))
+
+
+def _tagged(tables: Mapping[str, Table]) -> Tagged:
+    return Tagged("kind", "the shape's name in the catalogue, or chart, curve, solid: your own", tables)
+
+
+_SURFACES = {
+    kind: _shape_table(spec.fields, cavity=True)
+    for kind, spec in SHAPES.items()
+    if not spec.curve and not spec.point
+} | {"chart": _shape_table(CHART_FIELDS, cavity=True)}
+_CURVES = {kind: _shape_table(spec.fields, cavity=False) for kind, spec in SHAPES.items() if spec.curve} | {
+    "curve": _shape_table(CURVE_FIELDS, cavity=False)
+}
+_POINTS = {kind: _shape_table(spec.fields, cavity=False) for kind, spec in SHAPES.items() if spec.point}
+_FREE = {
+    kind: _shape_table(free.fields, not free.curve, free.exclusive) for kind, free in FREE_SHAPES.items()
+}
+_SOLIDS = {kind: _shape_table(solid.fields, solid.cavity, solid.exclusive) for kind, solid in SOLIDS.items()}
+
+FACE_SHAPE = Defined("face_shape", _tagged(_SURFACES))
+EDGE_SHAPE = Defined("edge_shape", _tagged(_CURVES))
+_ENDED = {
+    kind: _shape_table((*spec.fields, *spec.optional), cavity=True)
+    for kind, spec in SHAPES.items()
+    if spec.optional
+}
+_OWN = {"solid": _shape_table(own_fields(FACE_SHAPE, EDGE_SHAPE), cavity=False)}
+
+_SHAPES = _SURFACES | _ENDED | _CURVES | _POINTS | _FREE | _SOLIDS | _OWN
+SHAPE_KINDS = tuple(_SHAPES)
+SHAPE = Defined("shape", _tagged(_SHAPES))
 
 _PATH = Table(
     (
@@ -107,6 +137,8 @@ BODY = Defined(
     ),
 )
 
+_FEATURE = Text(r"^[A-Za-z][A-Za-z0-9_.]{0,63}$", "the name of a feature is allowed")
+
 CONTACT = Table(
     (
         Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
@@ -115,6 +147,14 @@ CONTACT = Table(
         Field(
             "normal", VECTOR,
             "two curves: on which side the second lies at t = 0, roughly, from the first, world axes",
+        ),
+        Field(
+            "features", Sequence(_FEATURE, None),
+            "faces, edges and vertices that may touch, those of both shapes; without it all of them", default=(),
+        ),
+        Field(
+            "points", Whole(1, 64),
+            "how many points of this pair may touch at a time; without it as the shapes suggest",
         ),
     )
 )  # fmt: skip
@@ -175,4 +215,4 @@ SCENE = Table(
     )
 )
 
-DEFINED = (SHAPE, BODY)
+DEFINED = (FACE_SHAPE, EDGE_SHAPE, SHAPE, BODY)

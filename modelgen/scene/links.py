@@ -78,7 +78,9 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
             "a nonzero direction between two curves is allowed: a surface has an exterior side",
             "remove it",
         )
-    return ContactPair((first, second), values["restitution"], values["form"], normal)
+    return ContactPair(
+        (first, second), values["restitution"], values["form"], normal, values["features"], values["points"]
+    )
 
 
 def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:

@@ -1,9 +1,9 @@
 """The catalogue of shapes: names, parameters in the order of the generated C, keys and constraints.
 
 Shape frames: plane z = 0 with exterior +z; sphere, ellipsoid and superellipsoid centred at the origin;
-torus and cylinder about z; paraboloid z = x^2/(2 rho_x) + y^2/(2 rho_y) with exterior +z.
+torus, cylinder and cone about z; paraboloid z = x^2/(2 rho_x) + y^2/(2 rho_y) with exterior +z.
 A cavity has its material on the other side of the surface. Curves have no inside: line, segment and helix run
-along z, circle and ellipse_curve lie in the xy-plane about z.
+along z, edge along x, circle and ellipse_curve lie in the xy-plane about z. A point is a ball of radius 0.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from modelgen.scene.fields import Field, NamedNumbers, Sequence
-from modelgen.scene.scalars import NUMBER, POSITIVE, ExpressionText, Real, Switch
+from modelgen.scene.place import Place
+from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch
 
 PARAMETER_NAMES = r"^(?!pi$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
 CURVE_PARAMETER_NAMES = r"^(?!pi$|t$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
@@ -36,6 +37,8 @@ class ShapeSpec:
     constraint: Callable[[tuple[float, ...]], str] = lambda values: ""
     rule: str = ""
     curve: bool = False  # a curve instead of a surface: no inside, no cavity
+    point: bool = False  # a point instead of a surface
+    optional: tuple[Field, ...] = ()  # numbers which, where written, make a composite shape of it
 
     def values(self, read: Mapping[str, Any]) -> tuple[float, ...]:
         """The parameters in C order from the fields as read."""
@@ -45,8 +48,17 @@ class ShapeSpec:
             flat.extend(value if isinstance(value, tuple) else (value,))
         return tuple(flat)
 
+    def numbers(self, read: Mapping[str, Any], place: Place) -> tuple[tuple[str, float], ...]:
+        """Their names and values, optional ones last; raises SceneError where they break the rule."""
+        flat = self.values(read)
+        broken = self.constraint(flat)
+        if broken:
+            raise place.error(broken, self.rule)
+        written = ((field.key, read[field.key]) for field in self.optional if read.get(field.key) is not None)
+        return (*zip(self.parameters, flat, strict=True), *written)
 
-def _torus_constraint(values: tuple[float, ...]) -> str:
+
+def torus_constraint(values: tuple[float, ...]) -> str:
     major, minor = values
     return "" if major > minor else f"major {major:g} is not larger than minor {minor:g}"
 
@@ -77,10 +89,18 @@ _CATALOGUE = (
             Field("major", POSITIVE, "radius of the circle of tube centres, m", required=True),
             Field("minor", POSITIVE, "radius of the tube, m", required=True),
         ),
-        closed=True, implicit=True, constraint=_torus_constraint, rule="major must be larger than minor",
+        closed=True, implicit=True, constraint=torus_constraint, rule="major must be larger than minor",
     ),
     ShapeSpec(
-        "cylinder", "an infinite cylinder about z", ("radius",), (_RADIUS,), closed=False, implicit=True
+        "cylinder", "a cylinder about z, infinite without a length", ("radius",), (_RADIUS,),
+        closed=False, implicit=True,
+        optional=(Field("length", POSITIVE, "length from end to end, m; infinite if absent"),),
+    ),
+    ShapeSpec(
+        "cone", "an infinite cone about z below its apex at the origin, which contacts keep away from",
+        ("half_angle",),
+        (Field("half_angle", Real(1e-3, 1.57), "angle between axis and surface, rad", required=True),),
+        closed=False, implicit=True,
     ),
     ShapeSpec(
         "paraboloid", "z = x^2/(2 rho_x) + y^2/(2 rho_y), exterior +z", ("rho_x", "rho_y"),
@@ -105,6 +125,10 @@ _CATALOGUE = (
         "segment", "the z axis from -length/2 to length/2", ("length",),
         (Field("length", POSITIVE, "length, m", required=True),),
     ),
+    _curve(
+        "edge", "the x axis from -length/2 to length/2, parameter x in m", ("length",),
+        (Field("length", POSITIVE, "length, m", required=True),),
+    ),
     _curve("circle", "(radius cos t, radius sin t, 0)", ("radius",), (_RADIUS,)),
     _curve(
         "ellipse_curve", "(a cos t, b sin t, 0)", ("a", "b"),
@@ -113,6 +137,11 @@ _CATALOGUE = (
     _curve(
         "helix", "(radius cos t, radius sin t, pitch t), without ends", ("radius", "pitch"),
         (_RADIUS, Field("pitch", NUMBER, "rise along z, m per radian", required=True)),
+    ),
+    ShapeSpec(
+        "point", "a point by itself", ("x", "y", "z"),
+        (Field("at", Sequence(NUMBER, 3), "[x, y, z] in the shape frame, m", default=(0.0, 0.0, 0.0)),),
+        closed=False, implicit=False, point=True,
     ),
 )  # fmt: skip
 
@@ -125,11 +154,22 @@ CHART_FIELDS = (
         "periodic", Sequence(Switch(), 2), "whether [u, v] wrap around their domain", default=(False, False)
     ),
     Field(
+        "poles",
+        Sequence(Choice(("u_min", "u_max", "v_min", "v_max")), None),
+        "ends of the domain that are one point, about which the other coordinate turns",
+        default=(),
+    ),
+    Field(
         "parameters",
         NamedNumbers(PARAMETER_NAMES, "a letter, then letters, digits, single _ (not pi, u, v) are allowed"),
         "named numbers that x, y, z may use",
         default=(),
     ),
+)
+
+REVOLUTION_PARAMETERS = NamedNumbers(
+    r"^(?!pi$|t$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$",
+    "a letter, then letters, digits, single _ (not pi, t, u, v) are allowed",
 )
 
 _OF_T = ExpressionText("expression of t and the parameters, m")
@@ -149,4 +189,3 @@ CURVE_FIELDS = (
 )
 
 SHAPES: Mapping[str, ShapeSpec] = {spec.kind: spec for spec in _CATALOGUE}
-KINDS = (*SHAPES, "chart", "curve")

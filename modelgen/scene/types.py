@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from modelgen.scene.expression import Expression
+from modelgen.scene.splines import Spline
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 Motion = Literal["fixed", "driven", "dynamic"]
 
+NO_POLES = ((False, False), (False, False))
 IDENTITY_QUATERNION = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -33,6 +35,7 @@ class Chart:
     components: tuple[Expression, Expression, Expression]
     domain: tuple[tuple[float, float], tuple[float, float]]  # ((u_min, u_max), (v_min, v_max))
     periodic: tuple[bool, bool] = (False, False)
+    poles: tuple[tuple[bool, bool], tuple[bool, bool]] = NO_POLES  # which ends of u, of v are one point each
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,16 +48,62 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
+class Profile:
+    """A closed smooth outline: x, y as expressions of t and the named parameters."""
+
+    components: tuple[Expression, Expression]
+    domain: tuple[float, float]  # (t_min, t_max), one turn
+
+
+@dataclass(frozen=True, slots=True)
 class Shape:
     """A surface bounding material, or a curve. `cavity` puts the material on a surface's other side."""
 
-    kind: str  # a name of the catalogue, "chart" or "curve"
+    kind: str  # a name of the catalogue, "chart", "curve" or "solid"
     parameters: tuple[tuple[str, float], ...] = ()  # in the order of the catalogue (user's own: as written)
     cavity: bool = False
     pose: Pose = Pose()  # of the shape in the body axes as written
     chart: Chart | None = None
     curve: Curve | None = None
     name: str = "shape"  # unique within the body
+    profile: Profile | None = None  # of an extrusion with a smooth outline
+    solid: Composite | None = None  # a solid of the user's own
+    spline: Spline | None = None  # of a B-spline, a height field or a polyline
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A number that is >= 0 while a contact point, or its normal, belongs to a feature.
+
+    quadric (c, bx, by, bz, Qxx, Qyy, Qzz, Qxy, Qxz, Qyz): c + b.x + Qxx x^2 + ... + Qyz y z at the point x
+    in the feature's shape frame, m. parameter (index, sign, bound): sign (eta_index - bound), eta the chart
+    coordinates of the feature. wing (a, b): -N.w with w = a T x z + b z, T the unit tangent of the edge and z
+    the third axis of its shape frame; w points into the face `next`. direction (x, y, z): -N.e with e the
+    unit vector from the vertex along the edge `next`. N points out of the solid. disc (radius,):
+    (radius^2 - u^2 - v^2)/radius with the chart coordinates u, v of the feature.
+    """
+
+    kind: Literal["quadric", "parameter", "wing", "direction", "disc", "tilt"]
+    numbers: tuple[float, ...]
+    next: str | None  # the feature beyond; None: nothing is there
+
+
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """A face, edge or vertex of a composite shape."""
+
+    name: str  # unique in the shape
+    dimension: int  # 2 face, 1 edge or curve, 0 vertex
+    shape: Shape  # smooth; its pose is relative to the frame of the composite
+    conditions: tuple[Condition, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Composite:
+    """Features with their adjacency."""
+
+    features: tuple[Feature, ...]
+    convex: bool  # the material it bounds is convex
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +135,8 @@ class ContactPair:
     restitution: float = 0.0  # Newton's coefficient, 0..1
     form: str = "auto"  # "auto" or the name of a form
     normal: Vector | None = None  # two curves: roughly N at t = 0, world, from the first to the second
+    features: tuple[str, ...] = ()  # of the two shapes, that may touch; empty: all
+    points: int | None = None  # how many points of the pair may touch at a time; None: from the shapes
 
 
 @dataclass(frozen=True, slots=True)

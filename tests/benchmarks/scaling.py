@@ -17,7 +17,6 @@ from time import perf_counter
 import numpy as np
 
 from modelgen import Accuracy, build, derive, emit, require
-from modelgen.runtime.closest import find_closest
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import address
 from modelgen.scene import build as make
@@ -87,7 +86,7 @@ def row(bodies: int, folder: Path) -> str:
     library = build(package, folder=folder)
     built = perf_counter() - begun
     session = Session(library, Accuracy.balanced())
-    find_closest(session)
+    session.begin()
     contacts = session.n_contact
     free, loaded = evaluation_us(session, 0), evaluation_us(session, bodies)
     return (

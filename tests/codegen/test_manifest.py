@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -68,8 +69,8 @@ def test_sentence_and_kinds_agree_in_their_sizes() -> None:
         == len(sentence["initial_u"])
         == sum(kinds["body"][b["kind"]]["n_u"] for b in sentence["bodies"])
     )
-    assert sentence["n_eta"] == sum(kinds["contact"][c["kind"]]["n_eta"] for c in sentence["contacts"])
-    for group, entries in (("body", "bodies"), ("contact", "contacts")):
+    assert sentence["n_eta"] == sum(contact["room"] for contact in sentence["contacts"])
+    for group, entries in (("body", "bodies"), ("contact", "links")):
         for entry in sentence[entries]:
             assert len(entry["parameters"]) == len(kinds[group][entry["kind"]]["parameters"])
     for load in sentence["loads"]:
@@ -84,4 +85,20 @@ def test_offsets_follow_one_another() -> None:
         q, u = q + kinds["body"][body["kind"]]["n_q"], u + kinds["body"][body["kind"]]["n_u"]
     for contact in sentence["contacts"]:
         assert contact["eta"] == eta
-        eta += kinds["contact"][contact["kind"]]["n_eta"]
+        eta += max(kinds["contact"][link["kind"]]["n_eta"] for link in links_of(contact))
+
+
+def links_of(contact: dict[str, Any]) -> list[dict[str, Any]]:
+    """The links that a contact may be on: its own, or all of its pair."""
+    pair, own = MANIFEST.sentence["pairs"][contact["pair"]], contact["link"]
+    found: list[dict[str, Any]] = MANIFEST.sentence["links"]
+    return found[slice(*pair["links"])] if own < 0 else [found[own]]
+
+
+def test_every_pair_has_its_links_and_its_contacts_in_a_row() -> None:
+    sentence = MANIFEST.sentence
+    for entries in ("links", "contacts"):
+        owners = [index for index, pair in enumerate(sentence["pairs"]) for _ in range(*pair[entries])]
+        assert owners == [entry["pair"] for entry in sentence[entries]]
+    for contact in sentence["contacts"]:
+        assert all(link["pair"] == contact["pair"] for link in links_of(contact))

@@ -29,11 +29,11 @@ from modelgen.scene.types import Chart
 X, Y, Z = (parse_expression(text, ("u", "v")) for text in ("u", "v", "u**2 + v**2"))
 KINDS = {name: ShapeKind(name, name, spec.parameters) for name, spec in SHAPES.items()}
 KINDS["sheet"] = ShapeKind("sheet", "chart", (), chart=Chart((X, Y, Z), ((-1.0, 1.0), (-1.0, 1.0))))
-FLAT = ("plane", "line", "segment")  # a plane touches them nowhere or all along
+FLAT = ("plane", "line", "segment", "edge")  # a plane touches them nowhere or all along
 PAIRS = [
     (a, b)
     for a, b in product(KINDS, repeat=2)
-    if not order(KINDS[a], KINDS[b]) and not (a == "plane" and b in FLAT)
+    if not order(KINDS[a], KINDS[b]) and not (a == "plane" and b in FLAT) and not a == b == "point"
 ]
 CEILINGS = {  # instructions of the rates
     ("ellipsoid", "free", "general", "ellipsoid", "implicit"): 466,
@@ -55,6 +55,15 @@ CEILINGS = {  # instructions of the rates
     ("circle", "fixed", "general", "circle", "curves_block"): 389,
     ("circle", "free", "general", "circle", "curves_block"): 500,
     ("line", "free", "general", "line", "curves_block"): 422,
+    ("line", "free", "general", "line", "edge_edge"): 322,
+    ("edge", "fixed", "general", "edge", "edge_edge"): 191,
+    ("sphere", "free", "general", "ellipsoid", "centre_surface"): 267,
+    ("sphere", "free", "general", "torus", "centre_surface"): 276,
+    ("ellipsoid", "free", "general", "point", "centre_surface"): 364,
+    ("sphere", "free", "general", "circle", "centre_curve"): 210,
+    ("circle", "free", "general", "point", "centre_curve"): 306,
+    ("plane", "free", "general", "point", "explicit"): 205,
+    ("sphere", "free", "general", "point", "explicit"): 168,
 }
 
 
@@ -100,7 +109,11 @@ def test_no_chart_with_poles_is_regular_where_an_equation_exists(o: str, f: str)
         ("ellipsoid", "ellipsoid", "implicit"), ("ellipsoid", "sheet", "mixed"),
         ("plane", "ellipsoid", "support"), ("plane", "circle", "support"),
         ("plane", "helix", "curve_implicit"), ("sheet", "circle", "curve_block"),
-        ("circle", "helix", "curves_block"),
+        ("circle", "helix", "curves_block"), ("line", "edge", "edge_edge"),
+        ("sphere", "helix", "centre_curve"),
+        ("sphere", "ellipsoid", "centre_surface"), ("sphere", "sheet", "centre_surface"),
+        ("plane", "point", "explicit"), ("sphere", "point", "explicit"), ("sheet", "point", "centre_surface"),
+        ("edge", "point", "centre_curve"),
     ],
 )  # fmt: skip
 def test_expected_choices(o: str, f: str, form: str) -> None:
@@ -111,16 +124,17 @@ def test_two_user_charts_have_chart_forms_only() -> None:
     assert set(regular_forms(side("sheet"), side("sheet"))) == {"block", "paper", "differentiated"}
 
 
-def test_the_plane_comes_first() -> None:
+def test_planes_come_first_and_points_last() -> None:
     assert order(KINDS["sphere"], KINDS["plane"])
     assert not order(KINDS["plane"], KINDS["sphere"])
+    assert all(order(KINDS["point"], kind) for name, kind in KINDS.items() if name != "point")
     assert not any(order(kind, kind) for kind in KINDS.values())
 
 
 @pytest.mark.parametrize(
     ("o", "f"),
     [("plane", "ellipsoid"), ("ellipsoid", "sheet"), ("torus", "torus"), ("torus", "helix"),
-     ("line", "circle")],
+     ("line", "circle"), ("line", "edge"), ("sphere", "sheet"), ("ellipsoid", "point"), ("helix", "point")],
 )  # fmt: skip
 def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str) -> None:
     for form in FORMS.values():
@@ -181,3 +195,13 @@ def test_a_form_that_does_not_apply_is_named_with_those_that_do(form: str) -> No
 def test_flat_on_flat_has_no_form(flat: str) -> None:
     with pytest.raises(SceneError, match="no form"):
         choose_form(side("plane"), side(flat))
+
+
+def test_a_point_against_a_point_is_refused_with_the_reason() -> None:
+    for refused in (
+        lambda: choose_form(side("point"), side("point")),
+        lambda: contact_kernels(ContactKind("pair", "explicit", side("point"), side("point"))),
+    ):
+        with pytest.raises(SceneError, match="no normal where they touch") as error:
+            refused()
+        assert "make it a sphere" in str(error.value)

@@ -4,28 +4,44 @@
 #define COUNT 200
 
 int main(void) {
-  const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, contact_parameters[] = {13};
+  const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, link_parameters[] = {13};
+  const int ends[] = {0, 1}, sides[] = {0, 1}, side_parameters[] = {13, 13}, side_numbers[] = {0, MG_SIDE_NUMBERS};
+  const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
+  const mg_real pair_normal[3] = {0};
+  mg_real numbers[2 * MG_SIDE_NUMBERS] = {0}, moved[1];
   mg_real mass_inverse[20] = {0}, scale[7];
-  mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[4000];
-  int closed[1], active[1], kind[COUNT], contact[COUNT], iwork[200];
+  mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
+  int closed[1], active[1], on[] = {-1}, kind[COUNT], contact[COUNT], link[COUNT], iwork[1000];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
-  mg_system system = {.n_body = 2, .n_contact = 1, .n_q = 3, .n_u = 3, .n_closed = 1, .body_kind = body_kind, .body_q = zeros,
-                      .body_u = zeros, .body_parameters = body_parameters, .contact_kind = zeros, .contact_o = zeros,
-                      .contact_f = f, .contact_eta = zeros, .contact_parameters = contact_parameters,
+  for (int side = 0; side < 2; side++) {
+    mg_real *of = numbers + side * MG_SIDE_NUMBERS;
+    of[MG_PLACEMENT + 3] = of[MG_PLACEMENT + 7] = of[MG_PLACEMENT + 11] = 1;
+    for (int k = 0; k < 4; k++) of[MG_DOMAIN + k] = k % 2 ? MG_MAX : -MG_MAX;
+    of[MG_BOUND] = MG_MAX;
+  }
+  mg_system system = {.n_body = 2, .n_contact = 1, .n_pair = 1, .n_link = 1, .n_q = 3, .n_u = 3, .n_closed = 1,
+                      .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
+                      .contact_pair = zeros, .contact_eta = zeros, .contact_link = zeros,
+                      .pair_contact = ends, .pair_link = ends, .pair_search = search,
+                      .link_kind = zeros, .link_o = zeros, .link_f = f, .link_parameters = link_parameters,
+                      .link_pair = zeros, .link_group = groups, .link_condition = zeros,
+                      .side_shape = sides, .side_parameters = side_parameters, .side_numbers = side_numbers,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
-                      .scale = scale, .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1,
-                      .time = (mg_real)0.1};
+                      .numbers = numbers, .pair_normal = pair_normal, .scale = scale,
+                      .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
                           .gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift = (mg_real)1e-15,
                           .rest_speed = (mg_real)1e-6, .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
                           .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
+                          .lost = (mg_real)1e-9, .apart = (mg_real)1e-6, .reach = (mg_real)0.2,
+                          .search = (mg_real)0.05, .border = (mg_real)1e-9,
                           .lcp_iterations = 100, .events_at_once = 100};
-  mg_run run = {.x = x, .closed = closed, .active = active, .force = force, .margin = margin};
-  mg_events events = {COUNT, 0, t, kind, contact, speed};
+  mg_run run = {.x = x, .link = on, .moved = moved, .closed = closed, .active = active, .force = force, .margin = margin};
+  mg_events events = {COUNT, 0, t, kind, contact, link, speed};
   mg_record record = {0};
-  if (mg_work_size(&system) > 4000 || mg_iwork_size(&system) > 200) return 1;
+  if (mg_work_size(&system) > 20000 || mg_iwork_size(&system) > 1000) return 1;
   if (mg_begin(&system, &settings, &run, &events, work, iwork)) return 2;
   if (mg_advance(&system, &settings, &run, 3, 10000, &record, &events, work, iwork)) return 3;
   for (int i = 0; i < events.count; i++) printf("%d %.17g\n", kind[i], (double)t[i]);

@@ -2,7 +2,8 @@
 #include "kinds.h"
 
 static const mg_body_kind mg_body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};
-static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1}};
+static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0}};
+static const mg_shape_kind mg_shape_kinds[] = {{2}, {2}};
 
 static void mg_body_pose(int kind, const mg_real *q, mg_real *pose) { (void)kind, (void)q, (void)pose; }
 
@@ -32,6 +33,11 @@ static void mg_load_wrench(int kind, const mg_real *t, const mg_real *pose_a, co
       (void)wrench_b;
 }
 
+static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
+                           mg_real *direction) {
+  (void)kind, (void)uv, (void)parameters, (void)point, (void)direction;
+}
+
 static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
                              const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d,
                              mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal) {
@@ -47,6 +53,18 @@ static void mg_contact_place(int kind, const mg_real *pose_o, const mg_real *pos
   *d = pose_f[2] - parameters[0];
   residual[0] = residual[1] = normal[0] = normal[1] = 0, margin[0] = normal[2] = 1, margin[1] = 1 / parameters[0];
   for (int i = 0; i < 3; i++) point_o[i] = point_f[i] = pose_f[i];
+}
+
+static void mg_contact_aim(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
+                           const mg_real *parameters, mg_real *normal, mg_real *rounding) {
+  (void)kind, (void)pose_o, (void)pose_f, (void)eta, (void)parameters, (void)normal, (void)rounding;
+}
+
+static void mg_contact_seek(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *normal,
+                            const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *bend, mg_real *tangents,
+                            mg_real *eta) {
+  (void)kind, (void)pose_o, (void)pose_f, (void)normal, (void)parameters, (void)d, (void)slope, (void)bend,
+      (void)tangents, (void)eta;
 }
 
 MG_API const char *mg_hash(void) { return "by hand"; }

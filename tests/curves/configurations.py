@@ -91,7 +91,10 @@ def eta_of(kind: ContactKind, at: Pairs) -> Array:
     """eta as the form carries it."""
     layout = eta_layout(kind)
     n_o = len(at.alpha) - 1
-    first = {"none": at.x_o[:0], "point": at.x_o, "chart": at.alpha[:n_o], "curve": at.alpha[:n_o]}[layout[0]]
+    first = {
+        "none": at.x_o[:0], "point": at.x_o, "chart": at.alpha[:n_o], "curve": at.alpha[:n_o],
+        "sign": at.sign[None],
+    }[layout[0]]  # fmt: skip
     signs = np.stack([at.sign, np.where(at.d >= 0, 1.0, -1.0)])
     last = {
         "none": at.alpha[:0],
@@ -176,8 +179,11 @@ def eta_dot_of(kind: ContactKind, at: Truth) -> Array:
     layout = eta_layout(kind)
     n_o = len(at.alpha_dot) - 1
     none = at.x_o_dot[:0]
-    first = {"none": none, "point": at.x_o_dot, "chart": at.alpha_dot[:n_o], "curve": at.alpha_dot[:n_o]}
     still = np.zeros((2, at.alpha_dot.shape[1]))
+    first = {
+        "none": none, "point": at.x_o_dot, "chart": at.alpha_dot[:n_o], "curve": at.alpha_dot[:n_o],
+        "sign": still[:1],
+    }  # fmt: skip
     last: dict[str, Any] = {
         "none": none, "curve": at.alpha_dot[-1:], "signed_curve": np.concatenate([at.alpha_dot[-1:], still])
     }  # fmt: skip

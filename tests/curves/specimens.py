@@ -10,9 +10,10 @@ from modelgen.contact.kinds import FORMS
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.types import Curve
-from tests.laws.shapes import SPECIMENS, Specimen
+from tests.laws.shapes import SPECIMENS, Specimen, casteljau
 
 WAVE = ("t", "k*sin(2*t)", "t**3/4 + t/5")  # an inflection of the projection, no arc length
+CONTROLS = (0.1, -0.2, 0.0, 0.5, 0.3, 0.1, 0.9, 0.2, 0.5, 1.2, -0.3, 0.4)
 EDGE = ("t + 3*t**3/10", "k*(t + 3*t**3/10)", "0.1")  # straight, run through at a varying speed
 
 
@@ -32,6 +33,10 @@ def _line(m: Any, t: Any, p: Any) -> list[Any]:
 
 def _segment(m: Any, t: Any, p: Any) -> list[Any]:
     return [0 * t, 0 * t, p[0] * t]
+
+
+def _rod(m: Any, t: Any, p: Any) -> list[Any]:
+    return [t, 0 * t, 0 * t]
 
 
 def _ellipse(m: Any, t: Any, p: Any) -> list[Any]:
@@ -55,13 +60,18 @@ def _edge(m: Any, t: Any, p: Any) -> list[Any]:
     return [along, p[0] * along, 0 * t + m.mpf("0.1") if hasattr(m, "mpf") else 0 * t + 0.1]
 
 
+def _bezier(m: Any, t: Any, p: Any) -> list[Any]:
+    return casteljau([[p[k] + (p[3 * n + k] if n else 0) for k in range(3)] for n in range(4)], t)
+
+
 def _bend(name: str, curve: Any, names: str, parameters: tuple[float, ...], reach: float) -> Bend:
     texts = {"wave": WAVE, "edge": EDGE}.get(name)
     own = None
     if texts:
         x, y, z = (parse_expression(text, ("t", "k")) for text in texts)
         own = Curve((x, y, z), (-reach, reach))
-    kind = ShapeKind(name, "curve" if own else name, tuple(names.split()), curve=own)
+    known = "curve" if own else {"rod": "edge"}.get(name, name)
+    kind = ShapeKind(name, known, tuple(names.split()), curve=own)
     return Bend(kind, curve, parameters, ((-reach, reach),))
 
 
@@ -75,21 +85,30 @@ BENDS = {
         _bend("helix", _helix, "radius pitch", (0.5, 0.15), 3.0),
         _bend("wave", _wave, "k", (0.4,), 1.0),
         _bend("edge", _edge, "k", (0.5,), 0.7),
+        _bend("rod", _rod, "length", (1.8,), 0.9),
+        _bend("bezier_curve", _bezier, " ".join(f"p{k}" for k in range(12)), CONTROLS, 0.9),
     )
 }
-STRAIGHT = ("line", "segment", "edge")
+STRAIGHT = ("line", "segment", "edge", "rod")
 ALL: dict[str, Specimen | Bend] = {**SPECIMENS, **BENDS}
 
 ON_SURFACES = [
     ("plane", "circle"), ("plane", "helix"), ("plane_cavity", "ellipse_curve"), ("sphere", "circle"),
     ("sphere", "line"), ("ellipsoid", "ellipse_curve"), ("ellipsoid", "segment"), ("ellipsoid", "helix"),
-    ("ellipsoid_cavity", "circle"), ("torus", "wave"), ("torus", "edge"), ("cylinder", "helix"),
+    ("ellipsoid_cavity", "circle"), ("sphere_cavity", "ellipse_curve"), ("sphere", "rod"), ("torus", "wave"),
+    ("torus", "edge"), ("cylinder", "helix"),
     ("paraboloid", "circle"), ("superellipsoid", "ellipse_curve"), ("patch", "wave"), ("patch", "line"),
+    ("cone", "circle"), ("ellipsoid", "bezier_curve"),
+]  # fmt: skip
+EDGES = [
+    ("line", "line"), ("line", "segment"), ("line", "rod"), ("segment", "segment"), ("segment", "rod"),
+    ("rod", "rod"),
 ]  # fmt: skip
 ON_CURVES = [
-    ("line", "line"), ("line", "edge"), ("line", "circle"), ("segment", "helix"), ("circle", "circle"),
+    *EDGES, ("line", "edge"), ("line", "circle"), ("segment", "helix"), ("circle", "circle"),
     ("circle", "ellipse_curve"), ("ellipse_curve", "helix"), ("helix", "helix"), ("circle", "wave"),
-    ("wave", "edge"), ("wave", "wave"),
+    ("wave", "edge"), ("wave", "wave"), ("rod", "circle"),
+    ("circle", "bezier_curve"),
 ]  # fmt: skip
 PAIRS = [*ON_SURFACES, *ON_CURVES]
 CASES = [

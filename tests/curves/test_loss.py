@@ -140,7 +140,7 @@ def error(case: Case) -> float:
 def margin(case: Case) -> tuple[float, float]:
     contact, inputs = case
     found = evaluate(contact_kernels(contact).place, inputs[0], inputs[2], inputs[4], inputs[5])[3]
-    return float(found[0]), float(found[1])
+    return abs(float(found[0])), abs(float(found[1]))
 
 
 def decades(make: Callable[[float, int], Case], sizes: Array) -> tuple[Array, Array]:

@@ -21,6 +21,7 @@ _OPERATIONS: Mapping[int, Callable[..., Any]] = {
     ca.OP_SQRT: mp.sqrt,
     ca.OP_SIN: mp.sin,
     ca.OP_COS: mp.cos,
+    ca.OP_TAN: mp.tan,
     ca.OP_FABS: abs,
     ca.OP_POW: mp.power,
     ca.OP_CONSTPOW: mp.power,

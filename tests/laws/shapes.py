@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from modelgen.model import ShapeKind
@@ -46,6 +47,11 @@ def cylinder(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
     return [p[0] * m.cos(u), p[0] * m.sin(u), v]
 
 
+def cone(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
+    radius = -v * m.sin(p[0]) / m.cos(p[0])
+    return [radius * m.cos(u), radius * m.sin(u), v]
+
+
 def paraboloid(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
     return [u, v, u * u / (2 * p[0]) + v * v / (2 * p[1])]
 
@@ -61,6 +67,26 @@ def patch(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
         v - u / 5 + u * u / 20,
         35 * u * u / 100 - u * v / 5 + 55 * v * v / 100 + u**3 / 10 - h * u * v * v,
     ]
+
+
+def bezier(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
+    """De Casteljau's construction on the control points: the first, and the others less the first."""
+    net = [[p[k] + (p[3 * n + k] if n else 0) for k in range(3)] for n in range(16)]
+    rows = [casteljau(net[4 * i : 4 * i + 4], v) for i in range(4)]
+    return casteljau(rows, u)
+
+
+def bezier_graph(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
+    points = [[p[0] + p[1] * i / 3, p[2] + p[3] * j / 3] for i in range(4) for j in range(4)]
+    heights = [p[4], *(p[4] + each for each in p[5:])]
+    net = [[*point, height] for point, height in zip(points, heights, strict=True)]
+    return casteljau([casteljau(net[4 * i : 4 * i + 4], v) for i in range(4)], u)
+
+
+def casteljau(points: list[list[Any]], t: Any) -> list[Any]:
+    while len(points) > 1:
+        points = [[(1 - t) * a + t * b for a, b in zip(*pair, strict=True)] for pair in pairwise(points)]
+    return points[0]
 
 
 @dataclass(frozen=True)
@@ -83,6 +109,14 @@ def _user_chart() -> Chart:
     return Chart((x, y, z), ((-0.8, 0.8), (-0.8, 0.8)))
 
 
+CELL = tuple(
+    x
+    for i in range(4)
+    for j in range(4)
+    for x in (0.4 * i - 0.02 * j * j, 0.45 * j + 0.03 * i, 0.05 * i * i - 0.04 * i * j + 0.06 * j * j)
+)
+HILL = (-0.6, 1.2, -0.5, 1.1, 0.3, *(x + 0.1 for x in CELL[5::3]))
+_INSIDE = ((0.05, 0.95), (0.05, 0.95))
 _GLOBE = ((-3.0, 3.0), (-1.2, 1.2))
 _FLAT = ((-0.7, 0.7), (-0.7, 0.7))
 
@@ -90,9 +124,9 @@ _FLAT = ((-0.7, 0.7), (-0.7, 0.7))
 def _specimen(
     name: str, chart: Callable[..., list[Any]], names: str, parameters: tuple[float, ...], box: Any
 ) -> Specimen:
-    shape, _, cavity = name.partition("_")
+    shape = name.removesuffix("_cavity")
     user = _user_chart() if shape == "patch" else None
-    kind = ShapeKind(name, "chart" if user else shape, tuple(names.split()), bool(cavity), chart=user)
+    kind = ShapeKind(name, "chart" if user else shape, tuple(names.split()), shape != name, chart=user)
     return Specimen(kind, chart, parameters, box)
 
 
@@ -104,9 +138,12 @@ SPECIMENS = {
         _specimen("ellipsoid", ellipsoid, "a b c", (1.0, 0.7, 0.5), _GLOBE),
         _specimen("torus", torus, "major minor", (1.0, 0.4), ((-3.0, 3.0), (-3.0, 3.0))),
         _specimen("cylinder", cylinder, "radius", (0.6,), ((-3.0, 3.0), (-1.0, 1.0))),
+        _specimen("cone", cone, "half_angle", (0.5,), ((-3.0, 3.0), (-1.6, -0.7))),
         _specimen("paraboloid", paraboloid, "rho_x rho_y", (1.3, -0.8), _FLAT),
         _specimen("superellipsoid", superellipsoid, "a b c p q", (1.0, 0.8, 0.6, 2.6, 3.3), _GLOBE),
         _specimen("patch", patch, "k h", (0.3, 0.15), _FLAT),
+        _specimen("bezier", bezier, " ".join(f"p{k}" for k in range(48)), CELL, _INSIDE),
+        _specimen("bezier_graph", bezier_graph, " ".join(f"p{k}" for k in range(20)), HILL, _INSIDE),
         _specimen("plane_cavity", plane, "", (), _FLAT),
         _specimen("sphere_cavity", sphere, "radius", (1.7,), _GLOBE),
         _specimen("ellipsoid_cavity", ellipsoid, "a b c", (2.1, 1.8, 2.4), _GLOBE),

@@ -49,12 +49,13 @@ def reference(
     """udot and forces by M a + J^T lambda = f, J a = -gamma with dense matrices."""
     model = derivation.model
     poses, twists, accels, columns = bodies(derivation, t, q, u, g)
-    m = len(model.contacts)
+    m = len(model.links)
     J, gamma = np.zeros((m, 6 * len(poses))), np.zeros(m)
-    for i, entry in enumerate(model.contacts):
+    for i, entry in enumerate(model.links):
         rates = derivation.function(f"mg_{model.contact_kinds[entry.kind].name}_rates")
         sides = [poses[entry.o], twists[entry.o], poses[entry.f], twists[entry.f]]
-        own = eta[entry.eta : entry.eta + rates.numel_in("eta")]
+        at = model.contacts[model.pairs[entry.pair].contacts[0]].eta
+        own = eta[at : at + rates.numel_in("eta")]
         arguments = [a[: rates.numel_in(k)] for k, a in enumerate([*sides, own, np.array(entry.parameters)])]
         _, J_o, J_f, gamma_i, _, _ = call(rates, *arguments)
         J[i, 6 * entry.o : 6 * entry.o + len(J_o)], J[i, 6 * entry.f : 6 * entry.f + len(J_f)] = J_o, J_f
@@ -114,7 +115,7 @@ def test_composed_and_assembled_accelerations_agree(seed: int) -> None:
     assert rhs is not None
     q, u = np.array(model.initial_q), random.normal(size=model.n_u)
     eta, g, t = random.normal(size=model.n_eta), random.normal(size=3), random.normal()
-    entries = (*model.bodies, *model.contacts, *model.loads)
+    entries = (*model.bodies, *model.links, *model.loads)
     parameters = [value for entry in entries for value in entry.parameters]
     _, udot, _, force = call(rhs, t, q, u, eta, g, parameters)
     expected_udot, expected_force = reference(derivation, t, q, u, eta, g)

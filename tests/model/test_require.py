@@ -25,7 +25,7 @@ def test_equal_structure_is_one_kind_whatever_the_numbers() -> None:
     assert len(model.contact_kinds) == 1
     assert len(model.shape_kinds) == 2  # ellipsoid and plane
     assert [kind.motion for kind in model.body_kinds] == ["fixed", "free"]
-    assert model.contacts[0].parameters != model.contacts[1].parameters
+    assert model.links[0].parameters != model.links[1].parameters
 
 
 def test_kinds_have_names_of_their_own() -> None:
@@ -38,7 +38,7 @@ def test_folded_numbers_leave_no_parameters_and_split_kinds() -> None:
     parts = (TABLE, egg("a"), egg("b", "[0.3, 0.2, 0.1]"), contact("a", "table"), contact("b", "table"))
     model = require(replace(scene(*parts), fold=True))
     assert len(model.contact_kinds) == 2
-    assert all(entry.parameters == () for entry in model.contacts)
+    assert all(entry.parameters == () for entry in model.links)
     assert all(body.parameters == () for body in model.bodies if body.name != "table")
 
 
@@ -47,8 +47,8 @@ def test_order_in_the_file_changes_only_the_flag() -> None:
         require(scene(TABLE, egg(), contact(*pair))) for pair in (("egg", "table"), ("table", "egg"))
     )
     assert one.contact_kinds == other.contact_kinds
-    assert (one.contacts[0].o, one.contacts[0].f) == (other.contacts[0].o, other.contacts[0].f)
-    assert one.contacts[0].swapped != other.contacts[0].swapped
+    assert (one.links[0].o, one.links[0].f) == (other.links[0].o, other.links[0].f)
+    assert one.links[0].swapped != other.links[0].swapped
 
 
 PUSH = '[[force]]\nbody = "ball"\n'
@@ -127,7 +127,7 @@ def test_two_balls_balance_at_their_common_centre() -> None:
     np.testing.assert_allclose(model.bodies[1].com, (0.3, 0, 0), atol=1e-15)
     np.testing.assert_allclose(model.initial_q[:3], (1.3, 0, 0), rtol=1e-14)
     np.testing.assert_allclose(model.bodies[1].parameters, (2 * m, about_x, about_y, about_y), rtol=1e-12)
-    np.testing.assert_allclose([entry.parameters[1] for entry in model.contacts], (-0.2, 0.2), rtol=1e-13)
+    np.testing.assert_allclose([entry.parameters[1] for entry in model.links], (-0.2, 0.2), rtol=1e-13)
     assert [entry.name for entry in model.contacts] == ["pair/left-table/plane", "pair/right-table/plane"]
 
 
@@ -139,7 +139,7 @@ def test_initial_spin_is_in_body_axes_and_position_is_of_the_centre_of_mass() ->
     model, R = require(made), rotation_of(made.bodies[1].pose.quaternion)
     np.testing.assert_allclose(model.initial_q[:3], np.array([1, 2, 3]) + R @ [0.1, 0.2, 0.3], rtol=1e-15)
     np.testing.assert_allclose(R @ np.array(model.initial_u[3:]), (0.4, 0.5, 0.6), rtol=1e-14)
-    assert model.contacts[0].parameters[3:6] == (-0.1, -0.2, -0.3)
+    assert model.links[0].parameters[3:6] == (-0.1, -0.2, -0.3)
 
 
 def test_a_fixed_body_at_the_origin_has_no_pose() -> None:

@@ -19,6 +19,17 @@ MOVING = ("point", "free")
 Entry = dict[str, Any]
 
 
+def followed(library: Library, links: np.ndarray) -> list[Entry]:
+    """The contacts of a scene that are on a link (-1: none), each with what its link and its pair say."""
+    sentence = library.manifest.sentence
+    restitution = [pair["restitution"] for pair in sentence["pairs"]]
+    return [
+        {**sentence["links"][link], **contact, "restitution": restitution[contact["pair"]]}
+        for contact, link in zip(sentence["contacts"], links, strict=True)
+        if link >= 0
+    ]
+
+
 @dataclass
 class Rows:
     """One row a contact over the velocities u of the moving bodies, and what goes with it."""
@@ -44,13 +55,16 @@ class Bodies:
 
 
 class PlainScene:
-    """The scene of a library as functions of time and state x = [q, u, eta, work]."""
+    """The scene of a library as functions of time and state x = [q, u, eta, work].
 
-    def __init__(self, library: Library) -> None:
+    `links` (contacts,) says which link each contact is on, all along.
+    """
+
+    def __init__(self, library: Library, links: np.ndarray) -> None:
         self.library, self.sentence = library, library.manifest.sentence
         self.kinds = library.manifest.kinds
         self.bodies: list[Entry] = self.sentence["bodies"]
-        self.contacts: list[Entry] = self.sentence["contacts"]
+        self.contacts = followed(library, links)
         self.n_q, self.n_u = self.sentence["n_q"], self.sentence["n_u"]
         self.u = slice(self.n_q, self.n_q + self.n_u)
         self.gravity = np.array(self.sentence["gravity"], float)

@@ -50,10 +50,13 @@ def complementary(A: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 class PlainStepper:
-    """One run from the sentence's start. `eta` (n_eta,) is a guess of the closest points there."""
+    """One run from the sentence's start.
 
-    def __init__(self, library: Library, eta: np.ndarray) -> None:
-        self.scene = PlainScene(library)
+    `links` (contacts,) says which link each contact is on, `eta` (n_eta,) guesses the closest points there.
+    """
+
+    def __init__(self, library: Library, links: np.ndarray, eta: np.ndarray) -> None:
+        self.scene = PlainScene(library, links)
         sentence = library.manifest.sentence
         scales, accuracy = sentence["scales"], Accuracy.balanced()
         self.near = TOUCHING * scales["length"]

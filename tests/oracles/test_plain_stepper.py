@@ -7,7 +7,6 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
-from modelgen.runtime.closest import find_closest
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
@@ -22,19 +21,18 @@ STONES = (
 )
 
 
-def core_run(library: Library, until: float) -> tuple[np.ndarray, np.ndarray, list[Event]]:
-    """Contact parameters found at the start, state at the end, events."""
+def core_run(library: Library, until: float) -> tuple[PlainStepper, np.ndarray, list[Event]]:
+    """The plain stepper at the links and contact parameters found at the start; state at the end, events."""
     session = Session(library, Accuracy.tight())
-    find_closest(session)
-    guess = session.eta.copy()
     session.begin()
+    plain = PlainStepper(library, session.link[:-1], session.eta)
     record = Recording(session, np.array([2 * until])).record
     events, code = session.drain_events(), CONTINUE
     while code in (CONTINUE, FULL):
         code = session.advance(until, 100, record)
         events += session.drain_events()
     assert code == 0
-    return guess, session.x.copy(), events
+    return plain, session.x.copy(), events
 
 
 def in_order(changes: list[Event] | list[Change]) -> list[Event | Change]:
@@ -44,8 +42,7 @@ def in_order(changes: list[Event] | list[Change]) -> list[Event | Change]:
 
 def agree(library: Library, until: float) -> list[str]:
     """Asserts that core and plain stepper agree; returns the kinds of event that happened."""
-    guess, state, events = core_run(library, until)
-    plain = PlainStepper(library, guess)
+    plain, state, events = core_run(library, until)
     assert np.abs(plain.run(until) - state).max() < 1e-10
     first, second = in_order(events), in_order(plain.changes)
     assert [(each.kind, each.contact) for each in first] == [(each.kind, each.contact) for each in second]

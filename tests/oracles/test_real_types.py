@@ -8,9 +8,9 @@ import pytest
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import RESOLVED
-from modelgen.runtime.closest import find_closest
 from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import Outcome, Trajectory
+from tests.oracles.plain_rows import followed
 from tests.registry import REGISTRY
 from tests.running import run, scene_of
 
@@ -53,6 +53,14 @@ def test_every_scene_runs_in_float(name: str) -> None:
     assert np.abs(coarse.p - fine.p).max() < 2e-5
 
 
+@pytest.mark.parametrize("name", ["linked_rings", "disc_on_rim"])
+@pytest.mark.parametrize("accuracy", [Accuracy.fast(), Accuracy.tight()])
+def test_float_finds_the_start_of_curves(name: str, accuracy: Accuracy) -> None:
+    coarse = run(name, accuracy, real="float", until=0.5, samples=5)
+    assert coarse.outcome is Outcome.DONE
+    assert np.abs(coarse.p - run(name, Accuracy.tight(), until=0.5, samples=5).p).max() < 2e-5
+
+
 @needs_long
 @pytest.mark.parametrize("form", FORMS)
 def test_double_follows_long_double(form: str) -> None:
@@ -76,9 +84,9 @@ def called(library: Library, kernel: str, arguments: list[np.ndarray]) -> list[n
 def starts_of(library: Library) -> dict[str, dict[str, np.ndarray]]:
     """Of each contact kind's kernels the poses, closest points and parameters of one contact at the start."""
     session = Session(library, Accuracy.tight())
-    find_closest(session)
+    session.begin()
     poses, starts = session.poses(), {}
-    for contact in library.manifest.sentence["contacts"]:
+    for contact in followed(library, session.link[:-1]):
         kind = library.manifest.kinds["contact"][contact["kind"]]
         eta = session.eta[contact["eta"] : contact["eta"] + kind["n_eta"]].copy()
         values = {"pose_o": poses[contact["o"]], "pose_f": poses[contact["f"]], "eta": eta}

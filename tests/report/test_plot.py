@@ -32,6 +32,7 @@ def test_svg_has_motion_forces_gap_energy_and_both_curves(tmp_path: Path) -> Non
     assert {"normal contact force", "gap", "position of the centre of mass", "ring: done at t = 2 s"} <= texts
     assert {"ball-table: contact curve on table", "ball-table: contact curve on ball"} <= texts
     assert any(text.startswith("energy") for text in texts)
+    assert {"E", "work", "E - E0 - work (right axis)"} <= texts
 
 
 def test_png_is_a_picture(tmp_path: Path) -> None:
@@ -49,9 +50,16 @@ def test_a_run_without_samples_or_contacts_is_drawn(tmp_path: Path) -> None:
         tmp_path / "free.svg",
     )
     assert not any("contact curve" in text for text in texts)
+    assert not {"normal contact force", "gap"} & texts
+    assert "angular velocity, world axes" in texts
 
 
 PER_CONTACT = ("force", "gap", "points_o", "points_f", "normals")
+
+
+def test_a_picture_has_a_known_suffix(tmp_path: Path) -> None:
+    with pytest.raises(ModelgenError, match=r"run\.gif: no known format '\.gif'; allowed are \.png, \.svg"):
+        draw(ball_on_table(), tmp_path / "run.gif")
 
 
 def test_missing_matplotlib_is_named_with_the_command(monkeypatch: pytest.MonkeyPatch) -> None:

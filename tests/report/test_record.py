@@ -79,6 +79,18 @@ def test_arrays_of_another_program_are_refused(tmp_path: Path) -> None:
         load(tmp_path / "run.npz")
 
 
+def test_what_a_csv_file_lacks_is_said(tmp_path: Path) -> None:
+    save(ball_on_table(), tmp_path / "run.csv")
+    with pytest.raises(ModelgenError, match=r"neither the contact points nor the surfaces .* --out run\.npz"):
+        load(tmp_path / "run.csv")
+
+
+def test_a_run_has_a_known_suffix(tmp_path: Path) -> None:
+    with pytest.raises(ModelgenError, match=r"run\.xls: no known format '\.xls'; allowed are \.npz, \.csv"):
+        save(ball_on_table(), tmp_path / "run.xls")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(ModelgenError, match=r"away\.npz: no such file"):
         load(tmp_path / "away.npz")

@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
 from modelgen.scene.assemble import scene_from_tables
-from modelgen.scene.format import SCENE
+from modelgen.scene.format import SCENE, SHAPE_KINDS
 from modelgen.scene.read import read
 from modelgen.scene.schema import scene_schema
-from modelgen.scene.shapes import KINDS
 
 from .broken_structure import SOUND, STRUCTURAL
 
@@ -62,7 +61,7 @@ def test_every_key_is_described() -> None:
 
 def test_every_shape_has_a_branch() -> None:
     branches = scene_schema()["$defs"]["shape"]["oneOf"]
-    assert tuple(branch["properties"]["kind"]["const"] for branch in branches) == KINDS
+    assert tuple(branch["properties"]["kind"]["const"] for branch in branches) == SHAPE_KINDS
 
 
 leaves = st.none() | st.booleans() | st.integers(-3, 3) | st.floats() | st.text(max_size=8)

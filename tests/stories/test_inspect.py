@@ -84,6 +84,11 @@ def test_text_has_source_cost_units_frames_and_meaning(modelgen: Modelgen) -> No
     assert re.search(r"^    gamma +=", text, re.MULTILINE)
 
 
+def test_factors_in_latex_stand_apart(modelgen: Modelgen) -> None:
+    text = modelgen("inspect", "sphere-helix", "--formula", "curve", "--format", "latex").out
+    assert r"x_{3} &= \mathrm{pitch} \, s" in text
+
+
 def test_the_contact_angle_stands_beside_the_form_of_the_paper(modelgen: Modelgen) -> None:
     (angle,) = modelgen("inspect", "torus-ellipsoid:paper", "--formula", "angle", "--json").json["formulas"]
     assert "(4.3)" in angle["citation"]

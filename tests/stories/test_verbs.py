@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -47,6 +48,13 @@ def test_check_prints_the_same_as_text(modelgen: Modelgen) -> None:
         assert word in text
 
 
+def test_check_cuts_no_name(modelgen: Modelgen) -> None:
+    lines = modelgen("check", "scenes/linked_rings.toml").out.splitlines()
+    (contact,) = modelgen("check", "scenes/linked_rings.toml", "--json").json["contacts"]
+    (row,) = [line for line in lines if line.startswith(contact["kind"])]
+    assert all(f"{form} {count}" in row for form, count in contact["forms"].items())
+
+
 def test_a_form_can_be_forced(modelgen: Modelgen) -> None:
     free, forced = (modelgen("check", EGG, "--json", *more).json for more in ((), ("--form", "implicit")))
     assert {contact["form"] for contact in free["contacts"]} == {"support"}
@@ -76,10 +84,40 @@ def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen,
     Draft202012Validator(schema).validate(summary)
     assert (summary["outcome"], summary["t_end"], summary["accuracy"]) == ("done", 0.2, "tight")
     record = load(npz)
-    assert record.summary == summary
+    assert record.summary | {"out": str(npz), "plot": str(picture)} == summary
     assert record.columns["t"].tolist() == pytest.approx([0.02 * k for k in range(11)])
     assert record.columns["p"][-1, record.body_names.index("egg")].tolist() == summary["final"]["egg"]["p"]
     assert picture.read_text().lstrip().startswith("<?xml")
+
+
+def test_simulate_says_what_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None:
+    npz, picture = tmp_path / "run.npz", tmp_path / "run.png"
+    text = modelgen("simulate", BALL, "--until", 0.1, "--out", npz, "--plot", picture).out
+    assert text.endswith(f"written: {npz}\nwritten: {picture}\n")
+    assert "written" not in modelgen("simulate", BALL, "--until", 0.1).out
+    nothing = modelgen("simulate", BALL, "--until", 0.1, "--json").json
+    assert (nothing["out"], nothing["plot"]) == (None, None)
+
+
+def test_numbers_of_options_are_those_of_scenes(modelgen: Modelgen) -> None:
+    assert modelgen("simulate", BALL, "--until", "1/8", "--json").json["t_end"] == 0.125
+
+
+def test_bodies_without_a_contact_are_hinted_at(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with_contact = Path(BALL).read_text()
+    monkeypatch.chdir(tmp_path)
+    Path("loose.toml").write_text(re.sub(r"\[\[contact\]\]\n(\w.*\n)+", "", with_contact))
+    Path("bound.toml").write_text(with_contact)
+    hint = 'between = ["ball", "table"]'
+    assert "hint: no contact is listed, so all bodies pass" in modelgen("check", "loose.toml").out
+    assert hint in modelgen("check", "loose.toml", "--json").json["hints"][0]
+    run = modelgen("simulate", "loose.toml", "--until", 0.1, "--json")
+    assert run.code == 0
+    assert hint in run.json["warnings"][0]
+    assert modelgen("check", "bound.toml", "--json").json["hints"] == []
+    assert modelgen("simulate", "bound.toml", "--until", 0.1, "--json").json["warnings"] == []
 
 
 def test_the_file_of_a_run_gives_its_picture(modelgen: Modelgen, tmp_path: Path) -> None:

@@ -1,0 +1,103 @@
+"""A centre over a surface: Theorem 4.1 for a partner whose curvature is the same in all directions.
+
+The centre C lies on the normal of the surface's point x, C = x + h n with h = d + rho: rho is the radius,
+negative for a cavity, 0 for a point, and n the exterior normal of the surface, N or -N as it stands for o or
+f. With V the velocity of C seen from the surface, w^t = w x n, l = C from the centre of mass of its body,
+
+    (I + h K) a = V,   nu = K a,   d_dot = n.V,
+    gamma = nu.V + w^t.(2 V + w x l) + n.(w_c x (w_c x l_c))
+
+It is singular at focal distances only; a sphere and a point have no other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.contact.centres import Centre, centre_of, has_centre
+from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.margin import centre_margin
+from modelgen.contact.points import Carrier
+from modelgen.contact.sides import Pair, Partner
+from modelgen.contact.tangent import spin_along
+from modelgen.geometry.frames import cross, dot, solve2
+
+
+@dataclass(frozen=True)
+class Facing:
+    """The two sides as surface and centre; vectors in the axes of the surface's shape if nothing is said."""
+
+    surface: Partner
+    centre: Centre
+    x: ca.SX  # (3,) m, the point of the surface
+    side: int  # of N against the surface's exterior normal: 1 on o, -1 on f
+    lever: ca.SX  # (3,) m, of the centre from the surface's centre of mass
+    h: ca.SX  # (1,) m, height of the centre over the point
+    U: ca.SX  # (2,2) I + h K
+    K: ca.SX  # (2,2) 1/m
+    offset: ca.SX  # (3,) m, from the point to the centre
+    N: ca.SX  # (3,) world, the surface's exterior normal
+
+    @property
+    def d(self) -> ca.SX:
+        return self.h - self.centre.radius
+
+
+def facing(pair: Pair, carrier: Carrier) -> Facing:
+    """The carrier stands on the surface: on f where o has the centre."""
+    swapped = not has_centre(pair.f.shape)
+    surface, centre = (pair.f, centre_of(pair.o)) if swapped else (pair.o, centre_of(pair.f))
+    assert carrier.x is not None
+    lever = ca.mtimes(surface.rotation.T, centre.position - surface.centre)
+    offset = lever - surface.arm - carrier.x
+    h, K = dot(carrier.normal, offset), carrier.curvature(carrier.tangents)
+    N = ca.mtimes(surface.rotation, carrier.normal)
+    side, U = -1 if swapped else 1, ca.SX.eye(2) + h * K
+    return Facing(surface, centre, carrier.x, side, lever, h, U, K, offset, N)
+
+
+def centre_surface_rates(pair: Pair, carrier: Carrier) -> Rates:
+    """Lemma 3.1, corrected Corollary 3.2 and Theorem 4.1 with the centre in the place of f's point."""
+    at = facing(pair, carrier)
+    T, surface, side = carrier.tangents, at.surface, at.side
+    turn, slip = spin_along(surface, T, at.lever)
+    past = ca.mtimes(surface.rotation.T, at.centre.velocity - surface.velocity)
+    V = ca.mtimes(T.T, past) - slip
+    a = solve2(at.U, V)
+    nu = ca.mtimes(at.K, a)
+    row = surface.row(-at.N, -cross(at.lever, carrier.normal)), at.centre.row(at.N)
+    N_dot = ca.mtimes(surface.rotation, ca.mtimes(T, nu) + cross(surface.spin, carrier.normal))
+    steps = {"normal": side * at.N, "l": at.lever, "h": at.h, "K": at.K, "V": V, "slide": a, "nu": nu}
+    return Rates(
+        d=at.d,
+        J_o=row[0 if side == 1 else 1],
+        J_f=row[1 if side == 1 else 0],
+        gamma=dot(nu, V) + dot(turn, 2 * V + slip) + at.centre.pull(at.N),
+        eta_dot=carrier.eta_rate(ca.mtimes(T, a)),
+        normal=side * at.N,
+        normal_rate=side * N_dot,
+        steps=steps,
+    )
+
+
+def centre_surface_place(pair: Pair, carrier: Carrier) -> Placement:
+    """Newton step on e = T^T (C - x) and the height of the point over its surface."""
+    at = facing(pair, carrier)
+    T = carrier.tangents
+    e = ca.mtimes(T.T, at.offset)
+    a = solve2(at.U, e + at.h * carrier.height * ca.mtimes(T.T, carrier.bend))
+    step = carrier.eta_rate(ca.mtimes(T, a) - carrier.height * carrier.normal)
+    on_surface = at.surface.origin + ca.mtimes(at.surface.rotation, at.x)
+    on_centre = at.centre.position - at.centre.radius * at.N
+    points = (on_surface, on_centre)[:: at.side]
+    return Placement(
+        eta_next=pair.eta + step,
+        d=at.d,
+        residual=ca.vertcat(ca.sqrt(dot(e, e) + carrier.height * carrier.height), 0),
+        margin=centre_margin(at.K, at.centre.radius, at.d),
+        normal=at.side * at.N,
+        point_o=points[0],
+        point_f=points[1],
+    )

@@ -1,0 +1,99 @@
+/* How far a contact is from leaving its link: inequalities of its points, its normal and its eta. */
+#include "core.h"
+
+static const int mg_carried[] = {0, 3, 2, 1, 3, 1}; /* entries of eta by carrier */
+
+static const mg_real *mg_side(const mg_context *c, int link, int side) {
+  return c->sys->numbers + c->sys->side_numbers[2 * link + side];
+}
+
+static int mg_side_body(const mg_context *c, int link, int side) {
+  return side ? c->sys->link_f[link] : c->sys->link_o[link];
+}
+
+static int mg_carrier(const mg_context *c, int link, int side) {
+  const mg_contact_kind *kind = mg_contact_kinds + c->sys->link_kind[link];
+  return side ? kind->carrier_f : kind->carrier_o;
+}
+
+/* R^T x, R column-major. */
+static void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out) {
+  const mg_real a = x[0], b = x[1], d = x[2];
+  for (int k = 0; k < 3; k++) out[k] = R[3 * k] * a + R[3 * k + 1] * b + R[3 * k + 2] * d;
+}
+
+static void mg_direction_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
+  mg_unturn(c->pose + 12 * mg_side_body(c, link, side) + 3, world, local);
+  mg_unturn(mg_side(c, link, side) + MG_PLACEMENT + 3, local, local);
+}
+
+/* A point of the world in the axes of the shape on one side of a link. */
+static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
+  const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side), *place = mg_side(c, link, side) + MG_PLACEMENT;
+  mg_real arm[3];
+  for (int k = 0; k < 3; k++) arm[k] = world[k] - pose[k];
+  mg_unturn(pose + 3, arm, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= place[k];
+  mg_unturn(place + 3, arm, local);
+}
+
+/* The chart coordinates of one side; those of a plane or a straight edge are its first axes. */
+static void mg_coordinates(const mg_context *c, int link, int side, const mg_real *eta, const mg_real *point,
+                           mg_real *uv) {
+  const int carrier = mg_carrier(c, link, side);
+  const mg_real *own = eta + (side ? mg_carried[mg_carrier(c, link, 0)] : 0);
+  const int charted = carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+  uv[0] = charted ? own[0] : point[0];
+  uv[1] = carrier == MG_CHART ? own[1] : point[1];
+}
+
+static mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
+  return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] +
+         a[7] * x[0] * x[1] + a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
+}
+
+/* -N.w, w = a T x z + b z the direction from an edge into a face beside it. */
+static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a, const mg_real *uv,
+                       const mg_real *N) {
+  const mg_system *s = c->sys;
+  mg_real point[3], T[3];
+  mg_shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], point, T);
+  return -(a[0] * (T[1] * N[0] - T[0] * N[1]) / sqrt(mg_dot3(T, T)) + a[1] * N[2]);
+}
+
+static mg_real mg_sine(const mg_real *a, const mg_real *b) {
+  const mg_real cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  return sqrt(mg_dot3(cross, cross));
+}
+
+static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta) {
+  const mg_system *s = c->sys;
+  const mg_real *a = s->numbers + s->condition_numbers[k];
+  const int side = s->condition_side[k];
+  mg_real x[3], N[3], uv[2];
+  mg_point_in(c, link, side, c->place + (side ? 11 : 8), x);
+  mg_direction_in(c, link, side, c->place + 5, N);
+  for (int i = 0; i < 3 && side; i++) N[i] = -N[i];
+  mg_coordinates(c, link, side, eta, x, uv);
+  switch (s->condition_kind[k]) {
+    case MG_QUADRIC: return mg_quadric(a, x) / s->length;
+    case MG_PARAMETER: return a[1] * (uv[(int)a[0]] - a[2]);
+    case MG_DISC: return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
+    case MG_WING: return mg_wing(c, link, side, a, uv, N);
+    case MG_TILT: return a[3] * (mg_sine(a, N) - c->set->flat);
+    default: return -mg_dot3(a, N);
+  }
+}
+
+/* The least of the conditions of a link at eta, and which it is; needs mg_place there. */
+static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
+  mg_real least = MG_MAX;
+  *which = -1;
+  for (int k = c->sys->link_condition[link]; k < c->sys->link_condition[link + 1]; k++) {
+    const mg_real value = mg_condition(c, link, k, eta);
+    if (value < least) least = value, *which = k;
+  }
+  return least;
+}

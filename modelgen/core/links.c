@@ -1,0 +1,37 @@
+/* Which link each contact is on, copied to where the loops over contacts look. */
+#include "core.h"
+
+static int mg_present(const mg_context *c, int contact) { return c->run->link[contact] >= 0; }
+
+static int mg_eta_room(const mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
+}
+
+static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact) {
+  return x + c->sys->n_q + c->sys->n_u + c->sys->contact_eta[contact];
+}
+
+/* A contact on no link is infinitely far away, so that no loop over contacts needs to ask. */
+static void mg_take_link(mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  const int held = c->run->link[contact], link = held < 0 ? s->pair_link[s->contact_pair[contact]] : held;
+  c->kind[contact] = s->link_kind[link], c->parameters[contact] = s->link_parameters[link];
+  c->o[contact] = s->link_o[link], c->f[contact] = s->link_f[link];
+  c->n_live -= c->n_eta[contact];
+  c->n_eta[contact] = held < 0 ? 0 : mg_contact_kinds[c->kind[contact]].n_eta;
+  c->n_live += c->n_eta[contact];
+  for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
+  for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
+  c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;
+  if (held < 0) c->d[contact] = MG_MAX, c->run->margin[contact] = 1;
+}
+
+/* Puts the contact on a link with this eta, or on none (-1). */
+static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta) {
+  mg_real *kept = mg_eta_of(c, c->run->x, contact);
+  c->run->link[contact] = link;
+  mg_take_link(c, contact);
+  for (int k = 0; k < mg_eta_room(c, contact); k++) kept[k] = k < c->n_eta[contact] ? eta[k] : 0;
+  if (link < 0) c->run->closed[contact] = c->run->active[contact] = 0;
+}

@@ -1,0 +1,78 @@
+/* Newton's method on the extremality system of any contact kind, damped so that it does not run away. */
+#include "core.h"
+
+static void mg_put(const mg_couple *p, const mg_real *eta, mg_real *next, mg_real *placed) {
+  mg_contact_place(p->kind, p->pose_o, p->pose_f, eta, p->parameters, next, placed, placed + 1, placed + 3, placed + 5,
+                   placed + 8, placed + 11);
+}
+
+/* The residual is as small as is asked for, or as rounding of the positions lets it be. */
+static int mg_is_small(const mg_couple *p, const mg_goal *goal, const mg_real *placed) {
+  mg_real far = 0;
+  for (int k = 0; k < 3; k++) far += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
+  return placed[1] <= goal->small * goal->length + 16 * MG_EPS * far && placed[2] <= goal->small;
+}
+
+static mg_real mg_merit_of(const mg_goal *goal, const mg_real *placed) { return placed[1] / goal->length + placed[2]; }
+
+/* The part of the way to `next` that keeps each entry within its reach; 0 if the step is not finite. */
+static mg_real mg_bounded(const mg_goal *goal, const mg_real *eta, const mg_real *next, int n) {
+  mg_real part = 1;
+  for (int k = 0; k < n; k++) {
+    const mg_real step = fabs(next[k] - eta[k]);
+    if (!(step <= MG_MAX)) return 0;
+    if (part * step > goal->reach[k]) part = goal->reach[k] / step;
+  }
+  return part;
+}
+
+/* Halves the step until the merit falls; returns 0 if it does not. Entries without bounds are signs: they jump. */
+static int mg_damped(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *next, mg_real *placed) {
+  const int n = mg_contact_kinds[p->kind].n_eta;
+  const mg_real before = mg_merit_of(goal, placed);
+  mg_real there[MG_ETA], after[MG_ETA], part = mg_bounded(goal, eta, next, n);
+  for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
+    for (int k = 0; k < n; k++)
+      there[k] = goal->reach[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
+    mg_put(p, there, after, placed);
+    if (!(mg_merit_of(goal, placed) < (1 - part / 1000) * before)) continue;
+    for (int k = 0; k < n; k++) eta[k] = there[k], next[k] = after[k];
+    return 1;
+  }
+  return 0;
+}
+
+/* From eta until the residual is small. Returns the number of steps, or -1; `placed` holds what the place kernel
+   gives at eta, in the order of place.c. */
+static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *placed) {
+  mg_real next[MG_ETA];
+  mg_put(p, eta, next, placed);
+  for (int step = 0; step < 100; step++) {
+    if (mg_is_small(p, goal, placed)) return step;
+    if (!mg_damped(p, goal, eta, next, placed)) break;
+  }
+  mg_put(p, eta, next, placed);
+  return -1;
+}
+
+/* The distance is least there, not only stationary: the sign of the margin. */
+static int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
+
+/* As mg_settle_in, from anywhere; c->place says whether it is a minimum. */
+static int mg_settle_safely(mg_context *c, int contact, mg_real *eta) {
+  const mg_contact_kind *kind = &mg_contact_kinds[c->kind[contact]];
+  const mg_couple p = {c->kind[contact], c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact],
+                       c->sys->parameters + c->parameters[contact]};
+  const int carriers[2] = {kind->carrier_o, kind->carrier_f};
+  mg_real reach[MG_ETA];
+  for (int side = 0, at = 0; side < 2; side++) {
+    const int carrier = carriers[side], points = carrier == MG_LOCAL ? 3 : 0;
+    const int free = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+    const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
+    for (int k = 0; k < points; k++) reach[at++] = c->sys->length / 2;
+    for (int k = 0; k < free; k++) reach[at++] = (mg_real)0.25;
+    for (int k = 0; k < signs; k++) reach[at++] = MG_MAX;
+  }
+  const mg_goal goal = {c->sys->length, c->set->residual, reach};
+  return mg_newton_safely(&p, &goal, eta, c->place);
+}

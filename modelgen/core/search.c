@@ -1,0 +1,174 @@
+/* All local minima of the distance of a pair: every link sampled, refined by Newton's method, kept where its
+   conditions hold. */
+#include "core.h"
+
+/* Makes the spare contact, behind the last one, stand on a link. */
+static int mg_probe(mg_context *c, int link) {
+  const mg_system *s = c->sys;
+  const int spare = s->n_contact;
+  c->kind[spare] = s->link_kind[link], c->parameters[spare] = s->link_parameters[link];
+  c->o[spare] = s->link_o[link], c->f[spare] = s->link_f[link];
+  return spare;
+}
+
+static int mg_has_signs(const mg_context *c, int link) { return mg_carrier(c, link, 0) == MG_SIGN ||
+                                                               mg_carrier(c, link, 1) == MG_SIGNED_CURVE; }
+
+/* Turns the normal of two curves round. */
+static void mg_turn_round(const mg_context *c, int link, mg_real *eta) {
+  if (mg_carrier(c, link, 0) == MG_SIGN) eta[0] = -eta[0];
+  else eta[2] = -eta[2], eta[3] = -eta[3];
+}
+
+/* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
+static int mg_wrong_side(const mg_context *c, int link) {
+  const mg_real *hint = c->sys->pair_normal + 3 * c->sys->link_pair[link];
+  const mg_real along = mg_dot3(hint, c->place + 5);
+  return along != 0 ? along < 0 : c->place[0] < 0;
+}
+
+static int mg_undecided(const mg_context *c, int link) {
+  const mg_real *hint = c->sys->pair_normal + 3 * c->sys->link_pair[link];
+  return mg_dot3(hint, hint) == 0 && fabs(c->place[0]) <= c->set->start_gap * c->sys->length;
+}
+
+/* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
+   the two the link takes first. */
+static void mg_note_place(const mg_context *c, mg_found *found) {
+  const int turned = mg_side_body(c, found->link, 0) > mg_side_body(c, found->link, 1);
+  found->d = c->place[0];
+  for (int k = 0; k < 3; k++) {
+    found->point[k] = c->place[(turned ? 11 : 8) + k];
+    found->normal[k] = turned ? -c->place[5 + k] : c->place[5 + k];
+  }
+}
+
+/* The same point and the same normal: one contact, be it on two links where charts overlap. */
+static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b) {
+  mg_real apart = 0, turned = 0;
+  for (int k = 0; k < 3; k++) {
+    apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
+    turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
+  }
+  return sqrt(apart) < c->set->apart * c->sys->length && sqrt(turned) < c->set->apart;
+}
+
+/* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
+static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
+  const int spare = mg_probe(c, link), alone = c->sys->link_condition[link] == c->sys->link_condition[link + 1];
+  int which;
+  mg_real next[6];
+  mg_place(c, spare, eta, next);
+  if (mg_has_signs(c, link)) {
+    const int wrong = alone ? mg_wrong_side(c, link) : mg_worst_condition(c, link, eta, &which) < -c->set->border;
+    if (wrong) mg_turn_round(c, link, eta), mg_place(c, spare, eta, next);
+  }
+  found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
+  if (!(mg_margin_of(c) > c->set->lost)) return 0;
+  if (mg_worst_condition(c, link, eta, &which) < -c->set->border) return 0;
+  found->link = link;
+  mg_note_place(c, found);
+  for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
+  return fabs(found->d) <= MG_MAX;
+}
+
+/* Keeps the found in order of |d|, each once. */
+static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found) {
+  for (int i = 0; i < kept->count; i++)
+    if (mg_same_contact(c, kept->list + i, found)) return;
+  int at = kept->count < MG_FOUNDS ? kept->count++ : MG_FOUNDS;
+  for (; at > 0 && fabs(kept->list[at - 1].d) > fabs(found->d); at--)
+    if (at < MG_FOUNDS) kept->list[at] = kept->list[at - 1];
+  if (at < MG_FOUNDS) kept->list[at] = *found;
+}
+
+/* A vertex beneath one plane of a convex solid lies outside if it is above another: what counts is the highest. */
+static int mg_is_outdone(mg_context *c, int link, mg_real d) {
+  const mg_system *s = c->sys;
+  mg_real eta[6] = {0}, next[6];
+  if (s->link_group[link] < 0 || d >= 0) return 0;
+  for (int l = s->pair_link[s->link_pair[link]]; l < s->pair_link[s->link_pair[link] + 1]; l++) {
+    if (l == link || s->link_group[l] != s->link_group[link]) continue;
+    mg_place(c, mg_probe(c, l), eta, next);
+    if (c->place[0] > d) return 1;
+  }
+  return 0;
+}
+
+static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept) {
+  const int n_eta = mg_contact_kinds[c->sys->link_kind[link]].n_eta;
+  const int explicit = n_eta == 0 || mg_carrier(c, link, 0) == MG_SIGN;
+  mg_starts *starts = &c->starts;
+  mg_found found;
+  starts->count = 1;
+  for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0;
+  if (!explicit) mg_find_starts(c, link, n, zooms, starts);
+  for (int i = 0; i < starts->count; i++) {
+    if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;
+    if (mg_judge(c, link, starts->eta[i], &found) && !mg_is_outdone(c, link, found.d)) mg_keep(c, kept, &found);
+  }
+}
+
+/* Bounding spheres farther apart than the reach. */
+static int mg_is_far(const mg_context *c, int link) {
+  mg_real centre[2][3], reach = c->set->reach * c->sys->length;
+  for (int side = 0; side < 2; side++) {
+    const mg_real *at = mg_side(c, link, side);
+    if (at[MG_BOUND] >= MG_MAX / 2) return 0;
+    mg_out(c->pose + 12 * mg_side_body(c, link, side), at + MG_PLACEMENT, 1, centre[side]);
+    reach += at[MG_BOUND];
+  }
+  const mg_real span[3] = {centre[1][0] - centre[0][0], centre[1][1] - centre[0][1], centre[1][2] - centre[0][2]};
+  return mg_dot3(span, span) > reach * reach;
+}
+
+/* ---- the start ---- */
+
+static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->set->start_gap * c->sys->length; }
+
+static int mg_first_contact(const mg_context *c, int pair) { return c->sys->pair_contact[pair]; }
+
+/* Each contact of the pair has a link of its own. */
+static int mg_start_each(mg_context *c, int pair) {
+  const mg_system *s = c->sys;
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
+    const int link = s->contact_link[i];
+    mg_founds found = {0};
+    mg_search_link(c, link, MG_GRID, 2, &found);
+    c->run->failed_contact = i;
+    if (!found.count && s->link_condition[link] == s->link_condition[link + 1]) return MG_NO_EXTREMUM;
+    if (found.count && found.list[0].undecided) return MG_NO_SIDE;
+    mg_set_link(c, i, found.count ? link : -1, found.list[0].eta);
+  }
+  return MG_DONE;
+}
+
+/* The contacts of the pair share its links: the nearest first, others only within reach. */
+static int mg_start_shared(mg_context *c, int pair) {
+  const mg_system *s = c->sys;
+  const int first = mg_first_contact(c, pair), end = mg_first_contact(c, pair + 1);
+  mg_founds found = {0};
+  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
+    mg_search_link(c, link, MG_GRID, 2, &found);
+  c->run->failed_contact = first;
+  if (!found.count && s->pair_link[pair + 1] - s->pair_link[pair] == 1) return MG_NO_EXTREMUM;
+  int k = 0;
+  for (int i = first; i < end; i++) {
+    while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
+    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->set->reach * s->length);
+    if (fits && found.list[k].undecided) return MG_NO_SIDE;
+    mg_set_link(c, i, fits ? found.list[k].link : -1, found.list[fits ? k : 0].eta);
+    k++;
+  }
+  return MG_DONE;
+}
+
+static int mg_start_pairs(mg_context *c) {
+  for (int pair = 0; pair < c->sys->n_pair; pair++) {
+    const int own = c->sys->contact_link[mg_first_contact(c, pair)] >= 0;
+    const int outcome = own ? mg_start_each(c, pair) : mg_start_shared(c, pair);
+    if (outcome) return outcome;
+    c->run->moved[pair] = 0;
+  }
+  return MG_DONE;
+}

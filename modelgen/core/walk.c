@@ -1,0 +1,168 @@
+/* Contacts on the move: from link to link where a condition ends, onto a link where one appears. */
+#include "core.h"
+
+#define MG_HOPS 8 /* links passed in one walk: around a vertex, several */
+
+/* The coordinates of a shape nearest to a point in its axes. */
+static void mg_nearest(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
+  mg_real window[4];
+  mg_window(c, link, side, mg_reach_of(c, link), window);
+  for (int level = 0; level < 4; level++) {
+    const int n = mg_sample_side(c, link, side, window, 9, c->sample);
+    mg_real least = MG_MAX;
+    for (int i = 0; i < n; i++) {
+      const mg_real *x = c->sample[i].local, span[3] = {x[0] - local[0], x[1] - local[1], x[2] - local[2]};
+      const mg_real distance = mg_dot3(span, span);
+      if (distance < least) least = distance, uv[0] = c->sample[i].uv[0], uv[1] = c->sample[i].uv[1];
+    }
+    mg_zoom(window, uv);
+  }
+}
+
+/* eta of a link from points of the world near its own. */
+static void mg_eta_near(mg_context *c, int link, const mg_real *point_o, const mg_real *point_f, mg_real *eta) {
+  mg_sample at[2];
+  for (int side = 0; side < 2; side++) {
+    const int carrier = mg_carrier(c, link, side);
+    mg_point_in(c, link, side, side ? point_f : point_o, at[side].local);
+    if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
+      mg_nearest(c, link, side, at[side].local, at[side].uv);
+  }
+  mg_start_eta(c, link, at, at + 1, eta);
+}
+
+/* From one link to another with the points and the normal kept as near as can be. Returns the worst condition
+   there, -MG_MAX where no extremum is found. */
+static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
+  const int turned = mg_side_body(c, from, 0) != mg_side_body(c, to, 0), spare = mg_probe(c, to);
+  mg_real next[6];
+  *which = -1;
+  mg_eta_near(c, to, at + (turned ? 11 : 8), at + (turned ? 8 : 11), eta);
+  if (mg_settle_in(c, spare, eta) < 0) return -MG_MAX;
+  if (mg_has_signs(c, to) && (mg_dot3(c->place + 5, at + 5) < 0) != turned)
+    mg_turn_round(c, to, eta), mg_place(c, spare, eta, next);
+  return mg_worst_condition(c, to, eta, which);
+}
+
+/* True if a contact of the pair other than this one is there already. */
+static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
+  mg_real next[6];
+  mg_found other;
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
+    if (i == contact || !mg_present(c, i)) continue;
+    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    other.link = c->run->link[i];
+    mg_note_place(c, &other);
+    if (mg_same_contact(c, &other, found)) return 1;
+  }
+  return 0;
+}
+
+static void mg_leave(mg_context *c, mg_events *events, int contact) {
+  const mg_real none[6] = {0};
+  mg_set_link(c, contact, -1, none);
+  mg_emit(c, events, c->run->t, MG_EVENT_VANISH, contact, 0);
+}
+
+/* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
+static void mg_walk(mg_context *c, mg_events *events, int contact) {
+  mg_real eta[6] = {0}, at[14], best = -MG_MAX;
+  mg_found found = {0};
+  int link = c->run->link[contact], way = c->way[contact];
+  mg_place(c, contact, mg_eta_of(c, c->run->x, contact), eta);
+  for (int k = 0; k < 14; k++) at[k] = c->place[k];
+  found.link = -1;
+  for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
+    const int to = c->sys->condition_next[way];
+    if (to < 0) break;
+    const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
+    if (worst == -MG_MAX) break;
+    if (worst > best) {
+      best = worst, found.link = to;
+      mg_note_place(c, &found);
+      for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
+    }
+    if (worst >= -c->set->border) break;
+    for (int k = 0; k < 14; k++) at[k] = c->place[k];
+    link = to;
+  }
+  if (found.link < 0 || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
+    mg_leave(c, events, contact);
+    return;
+  }
+  mg_set_link(c, contact, found.link, found.eta);
+  mg_emit(c, events, c->run->t, MG_EVENT_WALK, contact, 0);
+}
+
+/* Walks for all contacts marked MG_WALKS in c->fired. Returns how many changed. */
+static int mg_walk_all(mg_context *c, mg_events *events) {
+  int count = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->fired[i] != MG_WALKS) continue;
+    c->fired[i] = 0;
+    mg_walk(c, events, i);
+    count++;
+  }
+  return count;
+}
+
+/* ---- contacts that appear ---- */
+
+/* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
+static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
+  int slot = -1;
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
+    if (c->sys->contact_link[i] == found->link) return mg_present(c, i) ? -1 : i;
+    if (c->sys->contact_link[i] >= 0 || c->run->closed[i] || c->d[i] <= found->d) continue;
+    if (slot < 0 || c->d[i] > c->d[slot]) slot = i;
+  }
+  return slot;
+}
+
+/* The link has a contact of its own, which is on it. */
+static int mg_is_taken(const mg_context *c, int pair, int link) {
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    if (c->sys->contact_link[i] == link) return mg_present(c, i);
+  return 0;
+}
+
+static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
+  const mg_system *s = c->sys;
+  mg_founds found = {0};
+  int count = 0;
+  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
+    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, &found);
+  for (int k = 0; k < found.count; k++) {
+    const mg_found *each = found.list + k;
+    if (each->d > c->set->reach * s->length || each->d < -c->set->reach * s->length / 10) continue;
+    const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
+    if (slot < 0) continue;
+    mg_set_link(c, slot, each->link, each->eta);
+    c->d[slot] = each->d;
+    mg_emit(c, events, c->run->t, MG_EVENT_APPEAR, slot, 0);
+    count++;
+  }
+  return count;
+}
+
+/* Relative speed of two bodies near each other: of their centres, and of turning at the characteristic length. */
+static mg_real mg_pair_speed(const mg_context *c, int pair) {
+  const int link = c->sys->pair_link[pair];
+  const mg_real *a = c->twist + 6 * c->sys->link_o[link], *b = c->twist + 6 * c->sys->link_f[link];
+  const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return sqrt(mg_dot3(v, v)) + c->sys->length * (sqrt(mg_dot3(a + 3, a + 3)) + sqrt(mg_dot3(b + 3, b + 3)));
+}
+
+/* After an accepted step of length h: looks for contacts that have appeared. Returns how many. */
+static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
+  const mg_system *s = c->sys;
+  int count = 0;
+  for (int pair = 0; pair < s->n_pair; pair++) {
+    if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
+    c->run->moved[pair] += h * mg_pair_speed(c, pair);
+    if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->set->search * s->length) continue;
+    c->run->moved[pair] = 0;
+    count += mg_search_pair(c, events, pair);
+  }
+  return count;
+}

@@ -1,0 +1,1 @@
+"""Composite shapes as features with adjacency, one family a file."""

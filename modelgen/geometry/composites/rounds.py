@@ -1,0 +1,131 @@
+"""Solids of revolution with edges: cylinder, disc, capsule, frustum, half torus.
+
+A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the wing into the disc it bounds.
+"""
+
+from __future__ import annotations
+
+from math import atan2, hypot
+
+from modelgen.geometry.composites.conditions import above, below, edge, face, smooth, wing, within_circle
+from modelgen.geometry.poses import UPSIDE_DOWN, Quaternion
+from modelgen.scene.types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
+
+TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one
+FACING_Y: Quaternion = (0.5**0.5, 0.5**0.5, 0.0, 0.0)  # x stays, y turns to z, z turns to -y
+
+
+def cylinder(shape: Shape) -> Composite:
+    """Side and two ends about z, centred; parameters radius, length."""
+    (_, radius), (_, length) = shape.parameters
+    half = length / 2
+    side = face(
+        "side", smooth("cylinder", Pose(), radius=radius), below(half, "rim_top"), above(-half, "rim_bottom")
+    )
+    ends = (*_end("top", radius, half, (0.0, -1.0)), *_end("bottom", radius, -half, (0.0, 1.0)))
+    return Composite((side, *ends), convex=True)
+
+
+def frustum(shape: Shape) -> Composite:
+    """A truncated cone about z, centred; parameters radius_bottom, radius_top, length."""
+    (_, bottom), (_, top), (_, length) = shape.parameters
+    half, slope = length / 2, hypot(bottom - top, length)
+    down = ((bottom - top) / slope, -length / slope)
+    ends = (
+        *_end("top", top, half, down),
+        *_end("bottom", bottom, -half, (-down[0], -down[1])),
+    )
+    return Composite((_frustum_side(bottom, top, length), *ends), convex=True)
+
+
+def _frustum_side(bottom: float, top: float, length: float) -> Feature:
+    """The cone of nappe z < 0 in a frame at its apex, which looks down where the top is the wider end."""
+    if bottom == top:
+        conditions = below(length / 2, "rim_top"), above(-length / 2, "rim_bottom")
+        return face("side", smooth("cylinder", Pose(), radius=bottom), *conditions)
+    names = ("rim_top", "rim_bottom") if bottom > top else ("rim_bottom", "rim_top")
+    sign, turn = (1.0, IDENTITY_QUATERNION) if bottom > top else (-1.0, UPSIDE_DOWN)
+    depth = min(bottom, top) * length / abs(bottom - top)  # of the narrow end below the apex
+    pose = Pose((0.0, 0.0, sign * (length / 2 + depth)), turn)
+    cone = smooth("cone", pose, half_angle=atan2(abs(bottom - top), length))
+    return face("side", cone, below(-depth, names[0]), above(-depth - length, names[1]))
+
+
+def _end(name: str, radius: float, z: float, side: tuple[float, float]) -> tuple[Feature, Feature]:
+    """The end at height z and its rim, whose wing into the side is given by its two numbers."""
+    rim = f"rim_{name}"
+    pose = Pose((0.0, 0.0, z), IDENTITY_QUATERNION if z > 0 else UPSIDE_DOWN)
+    circle = smooth("circle", Pose((0.0, 0.0, z)), radius=radius)
+    return (
+        face(name, smooth("plane", pose), within_circle(radius, rim)),
+        edge(rim, circle, wing(-1.0, 0.0, name), wing(*side, "side")),
+    )
+
+
+def disc(shape: Shape) -> Composite:
+    """A flat disc in z = 0 without thickness; parameter radius.
+
+    The wings of the rim rise above the plane and sink below it by TILT. Both point inward: of the two the
+    one on the side of the normal is the first to be violated.
+    """
+    (_, radius) = shape.parameters[0]
+    inside = within_circle(radius, "rim")
+    return Composite(
+        (
+            face("top", smooth("plane", Pose()), inside),
+            face("bottom", smooth("plane", Pose(quaternion=UPSIDE_DOWN)), inside),
+            edge(
+                "rim",
+                smooth("circle", Pose(), radius=radius),
+                wing(-1.0, TILT, "top"),
+                wing(-1.0, -TILT, "bottom"),
+            ),
+        ),
+        convex=True,
+    )  # fmt: skip
+
+
+def capsule(shape: Shape) -> Composite:
+    """A cylinder about z, centred, with half spheres at its ends; parameters radius, length (straight)."""
+    (_, radius), (_, length) = shape.parameters
+    half = length / 2
+    return Composite(
+        (
+            face(
+                "side", smooth("cylinder", Pose(), radius=radius),
+                below(half, "cap_top"), above(-half, "cap_bottom"),
+            ),
+            face("cap_top", smooth("sphere", Pose((0.0, 0.0, half)), radius=radius), above(0.0, "side")),
+            face("cap_bottom", smooth("sphere", Pose((0.0, 0.0, -half)), radius=radius), below(0.0, "side")),
+        ),
+        convex=True,
+    )  # fmt: skip
+
+
+def half_torus(shape: Shape) -> Composite:
+    """The half y >= 0 of a torus about z; parameters major, minor."""
+    (_, major), (_, minor) = shape.parameters
+    ring = face(
+        "ring", smooth("torus", Pose(), major=major, minor=minor),
+        _before_end(major, minor, 1.0, "rim_a"), _before_end(major, minor, -1.0, "rim_b"),
+    )  # fmt: skip
+    ends = (*_cut("a", major, minor), *_cut("b", -major, minor))
+    return Composite((ring, *ends), convex=False)
+
+
+def _before_end(major: float, minor: float, sign: float, rim: str) -> Condition:
+    """y + ((x - sign major)^2 + z^2 - minor^2)/(2 major): y near one end of the torus, > 0 near the other.
+
+    The bracket vanishes to second order at its own end and exceeds what -y can reach near the other end.
+    """
+    c, bend = (major * major - minor * minor) / (2 * major), 0.5 / major
+    return Condition("quadric", (c, -sign, 1.0, 0.0, bend, 0.0, bend, 0.0, 0.0, 0.0), rim)
+
+
+def _cut(name: str, x: float, minor: float) -> tuple[Feature, Feature]:
+    """The end disc at x with exterior -y, and its rim."""
+    pose, end, rim = Pose((x, 0.0, 0.0), FACING_Y), f"end_{name}", f"rim_{name}"
+    return (
+        face(end, smooth("plane", pose), within_circle(minor, rim)),
+        edge(rim, smooth("circle", pose, radius=minor), wing(-1.0, 0.0, end), wing(0.0, -1.0, "ring")),
+    )

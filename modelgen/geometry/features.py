@@ -1,0 +1,96 @@
+"""Shapes as features, faces, edges and vertices, with the conditions that lead from one to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+from modelgen.geometry.composites import rounds, splines
+from modelgen.geometry.composites.atlas import atlas, has_poles
+from modelgen.geometry.composites.extrusions import extrusion
+from modelgen.geometry.composites.polyhedra import box, polyhedron
+from modelgen.geometry.composites.polylines import polyline
+from modelgen.scene.types import Composite, Condition, Feature, Pose, Shape
+
+__all__ = ["Composite", "Condition", "Feature", "features_of", "is_composite", "is_convex"]
+
+
+def own_solid(shape: Shape) -> Composite:
+    """The features that the user wrote."""
+    if shape.solid is None:
+        raise ValueError("a solid without features")
+    return shape.solid
+
+
+CURVES = ("line", "segment", "edge", "circle", "ellipse_curve", "helix", "curve", "bezier_curve")
+CONVEX = ("plane", "sphere", "ellipsoid", "superellipsoid", "cylinder", "cone", "point")
+
+BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
+    "box": box,
+    "cylinder": rounds.cylinder,
+    "disc": rounds.disc,
+    "capsule": rounds.capsule,
+    "frustum": rounds.frustum,
+    "half_torus": rounds.half_torus,
+    "polyhedron": polyhedron,
+    "extrusion": extrusion,
+    "solid": own_solid,
+    "bspline": splines.bspline,
+    "height_field": splines.height_field,
+    "bspline_curve": splines.bspline_curve,
+    "polyline": polyline,
+    "chart": atlas,
+}
+
+
+def is_composite(shape: Shape) -> bool:
+    """Whether the shape has several features; an infinite cylinder and a chart without poles have one."""
+    if shape.kind == "cylinder":
+        return len(shape.parameters) == 2
+    if shape.kind == "chart":
+        return has_poles(shape)
+    return shape.kind in BUILDERS
+
+
+@lru_cache(maxsize=512)
+def features_of(shape: Shape) -> Composite:
+    """The features of any shape, in its own frame; a smooth shape is one feature without a name.
+
+    In a cavity the edges of a convex solid are concave: they carry no contact and are left out.
+    """
+    if not is_composite(shape):
+        dimension = 0 if shape.kind == "point" else 1 if shape.kind in CURVES else 2
+        return Composite((Feature("", dimension, replace(shape, pose=Pose())),), is_convex(shape))
+    composite = BUILDERS[shape.kind](shape)
+    return _hollow(composite) if shape.cavity else composite
+
+
+def is_convex(shape: Shape) -> bool:
+    """Whether the material that the shape bounds is convex."""
+    if shape.cavity:
+        return False
+    if is_composite(shape):
+        return features_of(shape).convex
+    if shape.kind == "paraboloid":
+        return all(radius < 0 for _, radius in shape.parameters)
+    return shape.kind in CONVEX
+
+
+def _hollow(composite: Composite) -> Composite:
+    """The faces with their exterior turned round; where there was an edge, nothing follows."""
+    faces = [feature for feature in composite.features if feature.dimension == 2]
+    names = {each.name for each in faces}
+    return Composite(
+        tuple(
+            Feature(
+                each.name, 2, replace(each.shape, cavity=True),
+                tuple(
+                    condition if condition.next in names else replace(condition, next=None)
+                    for condition in each.conditions
+                ),
+            )
+            for each in faces
+        ),
+        convex=False,
+    )  # fmt: skip

@@ -1,0 +1,72 @@
+"""How many contacts follow a pair of shapes, and when the pair is searched for more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from modelgen.geometry.features import features_of, is_composite
+from modelgen.geometry.roundness import touches_once
+from modelgen.model import LinkEntry, Search
+from modelgen.scene.types import ContactPair, Shape
+
+SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
+ROUND = ("sphere", "ellipsoid", "superellipsoid")
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """`contacts` in all; each has its own link, or any of the pair."""
+
+    contacts: int
+    own: bool
+    search: Search
+
+
+def following(
+    a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry], explicit: bool
+) -> Following:
+    """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
+
+    A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex shapes, one of them round, touch
+    once; others in several points, which are searched for as the bodies move.
+    """
+    leading = any(condition.next >= 0 for link in links for condition in link.conditions)
+    if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
+        bounded = is_composite(a) or is_composite(b)
+        return Following(len(links), True, "always" if bounded else "never")
+    once = touches_once(a, b)
+    if once and len(links) == 1:
+        return Following(1, True, "never")
+    if once and (a.kind in ROUND or b.kind in ROUND):
+        return Following(1, False, "never")
+    count = pair.points or (SMOOTH if is_smooth(a) and is_smooth(b) else PIECEWISE)
+    return Following(count, False, "always" if explicit else "moved")
+
+
+def runs_on(shape: Shape) -> bool:
+    """Whether faces of the shape, or pieces of the curve, run into one another without an edge."""
+    features = features_of(shape).features
+    dimensions = {feature.name: feature.dimension for feature in features}
+    return any(
+        dimensions.get(condition.next or "") == feature.dimension
+        for feature in features
+        for condition in feature.conditions
+    )
+
+
+def is_smooth(shape: Shape) -> bool:
+    """Whether the shape has no edges: one feature, or several that run into one another."""
+    features = features_of(shape).features
+    return len({feature.dimension for feature in features}) == 1
+
+
+def _is_plane(shape: Shape) -> bool:
+    return shape.kind == "plane"
+
+
+def confined(links: Sequence[LinkEntry]) -> tuple[LinkEntry, ...]:
+    """Links that each have a contact of their own: where one ends, its contact does."""
+    return tuple(
+        replace(link, conditions=tuple(replace(each, next=-1) for each in link.conditions)) for link in links
+    )

@@ -1,0 +1,44 @@
+"""Rims that come to lie flat on a plane, where their lowest point is not one: three points of the rim hold it then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+from modelgen.geometry.poses import rotation_of, to_outer
+from modelgen.scene.types import Condition, Feature, Shape
+
+RIMS = ("circle", "ellipse_curve")
+PADS = 3
+
+
+def is_rim(feature: Feature) -> bool:
+    """Whether the feature is a closed curve in a plane that bounds a face."""
+    return bool(feature.name) and feature.shape.kind in RIMS
+
+
+def is_pad(feature: Feature) -> bool:
+    return any(condition.kind == "tilt" for condition in feature.conditions)
+
+
+def pads_of(feature: Feature) -> tuple[Feature, ...]:
+    """Points of a rim a third of a turn apart, there while it is flat on a plane; none of other features."""
+    if not is_rim(feature):
+        return ()
+    axis = tuple(float(x) for x in rotation_of(feature.shape.pose.quaternion)[:, 2])
+    flat = Condition("tilt", (*axis, -1.0), None)
+    return tuple(
+        Feature(f"{feature.name}.{k + 1}", 0, _point(feature.shape, 2 * pi * k / PADS), (flat,))
+        for k in range(PADS)
+    )
+
+
+def _point(rim: Shape, angle: float) -> Shape:
+    a, b = rim.parameters[0][1], rim.parameters[-1][1]
+    at = to_outer(rim.pose, (a * cos(angle), b * sin(angle), 0.0))
+    return Shape("point", tuple(zip("xyz", map(float, at), strict=True)))
+
+
+def tilted(feature: Feature) -> Feature:
+    """A rim as it touches a plane: not while it is flat."""
+    return replace(feature, conditions=(*feature.conditions, Condition("tilt", (0.0, 0.0, 1.0, 1.0), None)))

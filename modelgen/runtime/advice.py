@@ -1,0 +1,38 @@
+"""What the user should know of a scene or a run that is valid all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.session import Session
+
+
+def hints(bodies: Sequence[Mapping[str, Any]], contacts: Sequence[Any]) -> tuple[str, ...]:
+    """Of a scene whose bodies (`name`, `motion`) have no contact, how to add one."""
+    moving = [body["name"] for body in bodies if body["motion"] in ("point", "free")]
+    if contacts or not moving or len(bodies) < 2:
+        return ()
+    partner = next(body["name"] for body in bodies if body["name"] != moving[0])
+    return (
+        "no contact is listed, so all bodies pass through each other; "
+        f'two that may touch: [[contact]] with between = ["{moving[0]}", "{partner}"]',
+    )
+
+
+def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
+    """What is remarkable about a run and its scene."""
+    margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
+    found = [*session.sentence["warnings"], *hints(session.sentence["bodies"], session.contacts)]
+    if margin < accuracy.margin_warn:
+        found.append(
+            f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
+            "its contact points lose about as many digits as the margin has zeros"
+        )
+    if redundant:
+        found.append(
+            f"contact forces are not unique: {redundant} more contacts carried force than have independent "
+            "rows; the motion is unique, the forces given are those of minimum norm"
+        )
+    return tuple(found)

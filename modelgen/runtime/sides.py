@@ -1,0 +1,48 @@
+"""The sides and conditions of the links as the tables of the core (modelgen.h)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_QUADRIC ..
+
+
+class Sides:
+    """`integers`: arrays of mg_system; `numbers`: its pool; the lengths of shapes join `parameters`."""
+
+    def __init__(self, links: Sequence[Mapping[str, Any]], parameters: list[float], endless: float) -> None:
+        self.numbers: list[float] = []
+        sides = [link[side] for link in links for side in ("shape_o", "shape_f")]
+        conditions = [condition for link in links for condition in link["conditions"]]
+        first = [0]
+        for link in links:
+            first.append(first[-1] + len(link["conditions"]))
+        self.integers: dict[str, list[int]] = {
+            "link_condition": first,
+            "side_shape": [side["kind"] for side in sides],
+            "side_parameters": [append(parameters, side["parameters"]) for side in sides],
+            "side_numbers": [append(self.numbers, _side_numbers(side, endless)) for side in sides],
+            "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
+            "condition_side": [each["side"] for each in conditions],
+            "condition_next": [each["next"] for each in conditions],
+            "condition_numbers": [append(self.numbers, each["numbers"]) for each in conditions],
+        }
+
+
+def append(pool: list[float], values: Sequence[float]) -> int:
+    """Adds the values at the end; returns where they start."""
+    start = len(pool)
+    pool.extend(values)
+    return start
+
+
+def _side_numbers(side: Mapping[str, Any], endless: float) -> list[float]:
+    """Placement (12), bounds of u and v (4), radius about the shape's origin."""
+    bounds = [*side["domain"], [0.0, 0.0], [0.0, 0.0]][:2]
+    low_high = [
+        end if bound is None else bound
+        for interval in bounds
+        for bound, end in zip(interval, (-endless, endless), strict=True)
+    ]
+    return [*side["placement"], *low_high, endless if side["bounding"] is None else side["bounding"]]
