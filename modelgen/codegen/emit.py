@@ -47,10 +47,13 @@ MODEL_MIDDLE = """#if defined(__GNUC__)
 
 INNER_LOOP = (
     *("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "islands.c"),
-    *("lone.c", "rhs.c", "rk4.c", "step.c", "closest.c", "safeguard.c", "seek.c"),
+    *("lone.c", "rhs.c", "rk4.c", "step.c"),
 )
 
+SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a kind is sought by its separation function
+
 PER_STEP = (
+    *("conditions.c", "sample.c", "starts.c"),
     *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
     *("qp.c", "qp_pivot.c", "qp_refine.c", "qp_small.c"),
 )
@@ -87,11 +90,12 @@ def emit(derivation: Derivation) -> Package:
     core = core_files()
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     kernels = _kernels(compiled)
+    quick = (*INNER_LOOP, *(SEEKING if any(formula.role == "seek" for formula in compiled) else ()))
     files = {
         **core,
         "kernels.c": kernels,
         "kinds.c": kinds_text(derivation, internal),
-        "model.c": _model(core, prototypes(internal.values(), PREFIX, kernels)),
+        "model.c": _model(core, prototypes(internal.values(), PREFIX, kernels), quick),
     }
     manifest = Manifest(
         abi=abi_of(core["modelgen.h"]),
@@ -125,12 +129,12 @@ def _kernels(formulas: list[Formula]) -> str:
     return str(generator.dump())
 
 
-def _model(core: Mapping[str, str], declared: str) -> str:
+def _model(core: Mapping[str, str], declared: str, quick: tuple[str, ...]) -> str:
     sources = [name for name in core if name.endswith(".c")]
     groups = {
-        "inner": [name for name in sources if name in INNER_LOOP],
+        "inner": [name for name in sources if name in quick],
         "step": [name for name in sources if name in PER_STEP],
-        "rest": [name for name in sources if name not in INNER_LOOP + PER_STEP],
+        "rest": [name for name in sources if name not in quick + PER_STEP],
     }
     texts = {group: "".join(f'#include "{name}"\n' for name in names) for group, names in groups.items()}
     wrappers = HASTE.format(
@@ -138,7 +142,7 @@ def _model(core: Mapping[str, str], declared: str) -> str:
         level="O0",
         includes='#include "kernels.c"\n',
     )
-    per_step = HASTE.format(reason="once a step: compiled faster", level="O1", includes=texts["step"])
+    per_step = HASTE.format(reason="once a step: compiled faster", level="Og", includes=texts["step"])
     rest = HASTE.format(
         reason="little work a step, or once a run: compiled fastest", level="O0", includes=texts["rest"]
     )

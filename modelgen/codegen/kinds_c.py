@@ -44,6 +44,7 @@ class Dispatcher:
 
 CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
 
+FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND
 ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
 
 DISPATCHERS = (
@@ -114,13 +115,13 @@ def _tables(derivation: Derivation) -> list[str]:
         _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking))
         for index, kind in enumerate(model.contact_kinds)
     ]
-    shapes = [str(dimension_of(kind)) for kind in model.shape_kinds]
+    shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, [kind.name for kind in model.contact_kinds], _row(*[0] * 7)),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
-        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0"),
+        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
     ]
 
 

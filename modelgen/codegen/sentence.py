@@ -10,7 +10,7 @@ from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.extent import bounding_radius, domain_of
+from modelgen.geometry.extent import bounding_ball, domain_of
 from modelgen.geometry.points3d import is_point
 from modelgen.model import (
     BodyEntry,
@@ -200,11 +200,13 @@ def _link(model: Model, entry: LinkEntry) -> dict[str, Any]:
 
 def _shape(model: Model, body: int, shape: Shape, side: Side) -> dict[str, Any]:
     """The shape of one side: its kind, its lengths, its placement in the centre-of-mass axes, its extent."""
+    centre, radius = bounding_ball(shape)
     return {
         "name": shape.name,
         "kind": model.shape_kinds.index(side.shape),
         "parameters": [value for _, value in shape.parameters],
         "placement": list(pose_numbers(shape.pose, model.bodies[body].com)),
         "domain": [[_finite(bound) for bound in interval] for interval in domain_of(shape)],
-        "bounding": _finite(bounding_radius(shape)),
+        "bounding": _finite(radius),
+        "centre": list(centre),
     }

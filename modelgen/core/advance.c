@@ -38,7 +38,7 @@ static int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && c->run->margin[i] < c->set->margin_refuse) {
       c->run->failed_contact = i;
-      mg_emit(c, events, c->run->t, MG_EVENT_MARGIN, i, 0);
+      mg_befalls(c, events, i, MG_ENDS_RUN, c->run->t, 0);
       return MG_MARGIN;
     }
   return MG_DONE;
@@ -70,11 +70,17 @@ static int mg_settle_drift(mg_context *c) {
   return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* What an event left on the contacts that stay closed, too slow to open them, is removed at once. */
+/* What an event left on the contacts that stay closed, too slow to open them, is removed at once. A contact that
+   appeared below zero is lifted; what that does to the energy is booked as work. */
 static int mg_change_mode(mg_context *c, mg_events *events) {
   const int outcome = mg_transition(c, events);
   if (outcome || !c->set->project) return outcome;
-  return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
+  const int lifts = mg_largest(c, c->d) > c->set->border * c->sys->length;
+  mg_real kinetic;
+  const mg_real before = lifts ? mg_energy(c, &kinetic) : 0;
+  if (!mg_project(c)) return MG_NOT_FINITE;
+  if (lifts) c->run->x[c->work_index] += mg_energy(c, &kinetic) - before;
+  return MG_DONE;
 }
 
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. */

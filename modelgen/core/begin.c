@@ -26,9 +26,10 @@ static void mg_open_leaving(mg_context *c) {
 }
 
 /* After the first impacts: contacts that were struck and do not rebound. */
-static void mg_report_caught(const mg_context *c, mg_events *events) {
+static void mg_report_caught(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && mg_approaching(c, i)) mg_emit(c, events, c->run->t, MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+    if (c->run->closed[i] && mg_approaching(c, i))
+      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t, -c->d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {

@@ -47,7 +47,7 @@ static void mg_coordinates(const mg_context *c, int link, int side, const mg_rea
   uv[1] = carrier == MG_CHART ? own[1] : point[1];
 }
 
-static mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] +

@@ -92,15 +92,19 @@ static const mg_real *mg_side(const mg_context *c, int link, int side);
 static int mg_side_body(const mg_context *c, int link, int side);
 static int mg_carrier(const mg_context *c, int link, int side);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
-static mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
 
 /* sample.c */
 static void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
 static mg_real mg_reach_of(mg_context *c, int link);
 static void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real *window);
+static int mg_dimension(const mg_context *c, int link, int side);
+static void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at);
 static int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out);
 static void mg_zoom(mg_real *window, const mg_real *centre);
+
+/* starts.c */
 static void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta);
 static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept);
 
@@ -150,13 +154,14 @@ static int mg_settle_in(mg_context *c, int contact, mg_real *eta);
 static mg_real mg_margin_of(const mg_context *c);
 static int mg_place_all(mg_context *c, mg_real t, mg_real *x);
 
-/* seek.c, safeguard.c */
+/* seek.c, closest.c, safeguard.c */
 static int mg_unit(mg_real *n);
 static int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v);
 static void mg_put(const mg_couple *p, const mg_real *eta, mg_real *next, mg_real *placed);
 static int mg_is_small(const mg_couple *p, const mg_goal *goal, const mg_real *placed);
 static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *placed);
 static int mg_is_minimum(const mg_real *placed);
+static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
 
 /* rk4.c, dop853.c, step.c */
@@ -174,10 +179,14 @@ static mg_real mg_reach(const mg_context *c);
 static void mg_mark_falling(mg_context *c);
 static int mg_dips(mg_context *c, mg_real h);
 
+/* transitions.c: what may befall a contact */
+enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
+       MG_ENDS_RUN };
+static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
+
 /* events.c, modes.c, impact.c, project.c, ledger.c, record.c */
 static int mg_fired(mg_context *c, mg_real *x);
 static mg_real mg_locate(mg_context *c, mg_real h, int passed);
-static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
 static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);
@@ -187,6 +196,7 @@ static int mg_has_room(const mg_context *c);
 static int mg_transition(mg_context *c, mg_events *events);
 static int mg_unsettled(mg_context *c);
 static void mg_refresh(mg_context *c);
+static mg_real mg_largest(const mg_context *c, const mg_real *value);
 static int mg_project(mg_context *c);
 static int mg_project_start(mg_context *c);
 static mg_real mg_energy(mg_context *c, mg_real *kinetic);

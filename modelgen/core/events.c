@@ -1,10 +1,6 @@
 /* Which event functions have fired at a state, and when the first of them fires within a step. */
 #include "core.h"
 
-#define MG_SCAN 16     /* sub-intervals of a step in which the first event is sought */
-#define MG_POLISH 1000 /* the interpolant finds the event to this part of the step */
-#define MG_LEAVE 100   /* so many times mg_slack: a gap held without force leaves its rest within a step */
-
 static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
@@ -25,7 +21,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (mg_held(c, i))
-      c->fired[i] = fabs(mg_separation(c, i)) > MG_LEAVE * mg_slack(c);
+      c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
     else if (c->run->closed[i])
       c->fired[i] = c->force[i] < 0;
     else
@@ -64,7 +60,7 @@ static mg_real mg_event_slope(mg_context *c, int contact, mg_real h, mg_real the
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
    far as the interpolant may err. */
 static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real tried) {
-  const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried / MG_POLISH;
+  const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0;
   for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
@@ -77,10 +73,10 @@ static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, m
   }
 }
 
-/* The first of MG_SCAN parts of the step h at which an event has fired; 0 when none has. */
+/* The first of the parts of the step h at which an event has fired; 0 when none has. */
 static mg_real mg_scan(mg_context *c, mg_real h) {
-  for (int j = 1; j <= MG_SCAN; j++)
-    if (mg_fired_at(c, h, (mg_real)j / MG_SCAN)) return (mg_real)j / MG_SCAN;
+  for (int j = 1; j <= c->set->scan; j++)
+    if (mg_fired_at(c, h, (mg_real)j / c->set->scan)) return (mg_real)j / c->set->scan;
   return 0;
 }
 
@@ -100,7 +96,7 @@ static mg_real mg_dip(mg_context *c, int contact, mg_real h) {
 /* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
    c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end. Needs the interpolant. */
 static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
-  mg_real high = passed ? mg_scan(c, h) : 0, low = high > 0 ? high - (mg_real)1 / MG_SCAN : 0;
+  mg_real high = passed ? mg_scan(c, h) : 0, low = high > 0 ? high - (mg_real)1 / c->set->scan : 0;
   for (int i = 0; i < c->sys->n_contact && high == 0; i++)
     if (c->falling[i]) high = mg_dip(c, i, h);
   if (high == 0) return 0;
@@ -116,11 +112,4 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   const mg_real slope = mg_held(c, first) || c->fired[first] == MG_WALKS ? 0 : mg_event_slope(c, first, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, high * h, slope, h);
-}
-
-static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
-  if (events->count >= events->capacity) return;
-  const int k = events->count++;
-  events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
-  events->link[k] = c->run->link[contact];
 }

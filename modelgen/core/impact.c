@@ -53,9 +53,8 @@ static void mg_after_impact(mg_context *c, mg_events *events, int n) {
   for (int r = 0; r < n; r++) {
     const int i = c->list[r];
     const int bounces = mg_row(c, i, c->twist) > rest;
-    if (bounces && mg_approaching(c, i)) mg_emit(c, events, c->run->t, MG_EVENT_IMPACT, i, -c->d_dot[i]);
-    else if (bounces) mg_emit(c, events, c->run->t, MG_EVENT_LIFT_OFF, i, 0);
-    if (bounces) c->run->closed[i] = c->run->active[i] = 0;
+    if (bounces && mg_approaching(c, i)) mg_befalls(c, events, i, MG_REBOUNDS, c->run->t, -c->d_dot[i]);
+    else if (bounces) mg_befalls(c, events, i, MG_IS_PUSHED_OFF, c->run->t, 0);
   }
 }
 

@@ -7,6 +7,8 @@
 
 enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
 
+enum { MG_FLAT = 1, MG_ROUND = 2 };
+
 enum { MG_NONE = 0, MG_LOCAL = 1, MG_CHART = 2, MG_CURVE = 3, MG_SIGNED_CURVE = 4, MG_SIGN = 5 };
 
 typedef struct {
@@ -27,6 +29,7 @@ typedef struct {
 
 typedef struct {
   int dimension; /* 2 surface, 1 curve, 0 point */
+  int foot;      /* MG_FLAT, MG_ROUND: the nearest point of a plane, of a sphere about its origin; else 0 */
 } mg_shape_kind;
 
 static void mg_body_pose(int kind, const mg_real *q, mg_real *pose);

@@ -20,8 +20,8 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
-enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_SIDE_NUMBERS = 17 }; /* of one side of a link: shape in
-   body axes (p, R), bounds of u and v (+-MG_MAX: none), radius about the shape's origin */
+enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
+   body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */
 
 typedef struct {
   int n_body, n_contact, n_load, n_pair, n_link;
@@ -62,6 +62,10 @@ typedef struct {
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
+  mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
+  mg_real polish;         /* the interpolant finds an event to this part of the step */
+  mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
+  mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
   mg_real lost;           /* closest points with less margin are not kept by a search */
@@ -71,6 +75,7 @@ typedef struct {
   mg_real flat;           /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
+  int scan;               /* parts of a step in which the first event is sought */
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
 } mg_settings;
 

@@ -37,11 +37,6 @@ static int mg_choose_active(mg_context *c, const int *skip) {
   return MG_DONE;
 }
 
-static void mg_lift(mg_context *c, mg_events *events, int contact) {
-  c->run->closed[contact] = c->run->active[contact] = 0;
-  mg_emit(c, events, c->run->t, MG_EVENT_LIFT_OFF, contact, 0);
-}
-
 /* True if the active contacts hold this one's gap as well, so that it rests without force. */
 static int mg_held_by_others(mg_context *c, int contact) {
   int n = 0;
@@ -54,7 +49,7 @@ static int mg_held_by_others(mg_context *c, int contact) {
   for (int r = 0; r < n; r++) c->b[r] = column[r], c->mask[r] = r < n - 1;
   mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
   for (int r = 0; r < n - 1; r++) own += column[r] * c->z[r];
-  return own <= (mg_real)1e6 * MG_EPS * column[n - 1];
+  return own <= c->set->dependent * column[n - 1];
 }
 
 /* A closed contact without active force opens: at once where its gap accelerates, and at a force that has
@@ -79,7 +74,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
     if (outcome) return outcome;
   }
   for (int i = 0; i < m; i++)
-    if (mg_opens(c, i)) mg_lift(c, events, i);
+    if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
   return MG_DONE;
 }
 
@@ -107,7 +102,7 @@ static int mg_has_room(const mg_context *c) {
 /* A closed contact that has walked to where its gap is wide. */
 static void mg_open_far(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && c->d[i] > c->set->start_gap * c->sys->length) mg_lift(c, events, i);
+    if (c->run->closed[i] && c->d[i] > c->set->start_gap * c->sys->length) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
 }
 
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
@@ -120,7 +115,8 @@ static int mg_transition(mg_context *c, mg_events *events) {
   }
   for (int i = 0; i < c->sys->n_contact; i++)
     if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
-      c->run->closed[i] = 1, c->run->active[i] = 0, c->fired[i] = MG_NEW;
+      mg_befalls(c, events, i, MG_STRIKES, c->run->t, 0);
+      c->fired[i] = MG_NEW;
     }
   if (!mg_has_room(c)) return MG_TOO_MANY_CLOSED;
   const int outcome = mg_impact(c, events);
@@ -129,7 +125,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     if (c->fired[i] != MG_NEW) continue;
     c->fired[i] = 0;
     if (c->run->closed[i])
-      mg_emit(c, events, c->run->t + mg_bounces_left(c, i), MG_EVENT_TOUCH_DOWN, i, -c->d_dot[i]);
+      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t + mg_bounces_left(c, i), -c->d_dot[i]);
   }
   return mg_solve_modes(c, events);
 }

@@ -30,7 +30,7 @@ static mg_real mg_bounded(const mg_goal *goal, const mg_real *eta, const mg_real
 static int mg_damped(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *next, mg_real *placed) {
   const int n = mg_contact_kinds[p->kind].n_eta;
   const mg_real before = mg_merit_of(goal, placed);
-  mg_real there[MG_ETA], after[MG_ETA], part = mg_bounded(goal, eta, next, n);
+  mg_real there[MG_ETA], after[MG_ETA] = {0}, part = mg_bounded(goal, eta, next, n);
   for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
     for (int k = 0; k < n; k++)
       there[k] = goal->reach[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
@@ -45,7 +45,7 @@ static int mg_damped(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_r
 /* From eta until the residual is small. Returns the number of steps, or -1; `placed` holds what the place kernel
    gives at eta, in the order of place.c. */
 static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *placed) {
-  mg_real next[MG_ETA];
+  mg_real next[MG_ETA] = {0};
   mg_put(p, eta, next, placed);
   for (int step = 0; step < 100; step++) {
     if (mg_is_small(p, goal, placed)) return step;
@@ -58,13 +58,10 @@ static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *et
 /* The distance is least there, not only stationary: the sign of the margin. */
 static int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
-/* As mg_settle_in, from anywhere; c->place says whether it is a minimum. */
-static int mg_settle_safely(mg_context *c, int contact, mg_real *eta) {
+/* How far each entry of a contact's eta may go in one step. */
+static void mg_eta_reach(const mg_context *c, int contact, mg_real *reach) {
   const mg_contact_kind *kind = &mg_contact_kinds[c->kind[contact]];
-  const mg_couple p = {c->kind[contact], c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact],
-                       c->sys->parameters + c->parameters[contact]};
   const int carriers[2] = {kind->carrier_o, kind->carrier_f};
-  mg_real reach[MG_ETA];
   for (int side = 0, at = 0; side < 2; side++) {
     const int carrier = carriers[side], points = carrier == MG_LOCAL ? 3 : 0;
     const int free = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
@@ -73,6 +70,20 @@ static int mg_settle_safely(mg_context *c, int contact, mg_real *eta) {
     for (int k = 0; k < free; k++) reach[at++] = (mg_real)0.25;
     for (int k = 0; k < signs; k++) reach[at++] = MG_MAX;
   }
+}
+
+static mg_couple mg_couple_of(const mg_context *c, int contact) {
+  const mg_couple couple = {c->kind[contact], c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact],
+                            c->sys->parameters + c->parameters[contact]};
+  return couple;
+}
+
+/* As mg_settle_in, from anywhere; convex shapes from nothing. c->place says whether it is a minimum. */
+static int mg_settle_safely(mg_context *c, int contact, mg_real *eta) {
+  const mg_couple p = mg_couple_of(c, contact);
+  mg_real reach[MG_ETA];
   const mg_goal goal = {c->sys->length, c->set->residual, reach};
+  mg_eta_reach(c, contact, reach);
+  if (mg_contact_kinds[p.kind].seeks) return mg_closest_convex(&p, &goal, 0, eta, c->place) == MG_NOWHERE ? -1 : 0;
   return mg_newton_safely(&p, &goal, eta, c->place);
 }

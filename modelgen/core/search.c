@@ -32,6 +32,14 @@ static int mg_undecided(const mg_context *c, int link) {
   return mg_dot3(hint, hint) == 0 && fabs(c->place[0]) <= c->set->start_gap * c->sys->length;
 }
 
+/* No condition on the normal tells the outside. */
+static int mg_is_bare(const mg_context *c, int link) {
+  const mg_system *s = c->sys;
+  for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
+    if (s->condition_kind[k] == MG_WING || s->condition_kind[k] == MG_DIRECTION) return 0;
+  return 1;
+}
+
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
    the two the link takes first. */
 static void mg_note_place(const mg_context *c, mg_found *found) {
@@ -43,19 +51,21 @@ static void mg_note_place(const mg_context *c, mg_found *found) {
   }
 }
 
-/* The same point and the same normal: one contact, be it on two links where charts overlap. */
+/* The same point and the same normal: one contact, be it on two links where charts overlap. Two curves without an
+   outside have one contact at a point, whichever way its normal is turned. */
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
-  return sqrt(apart) < c->set->apart * c->sys->length && sqrt(turned) < c->set->apart;
+  const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_is_bare(c, a->link));
+  return sqrt(apart) < c->set->apart * c->sys->length && (!sided || sqrt(turned) < c->set->apart);
 }
 
 /* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
 static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
-  const int spare = mg_probe(c, link), alone = c->sys->link_condition[link] == c->sys->link_condition[link + 1];
+  const int spare = mg_probe(c, link), alone = mg_is_bare(c, link);
   int which;
   mg_real next[6];
   mg_place(c, spare, eta, next);
@@ -97,12 +107,12 @@ static int mg_is_outdone(mg_context *c, int link, mg_real d) {
 
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept) {
   const int n_eta = mg_contact_kinds[c->sys->link_kind[link]].n_eta;
-  const int explicit = n_eta == 0 || mg_carrier(c, link, 0) == MG_SIGN;
+  const int known = n_eta == 0 || mg_carrier(c, link, 0) == MG_SIGN || mg_contact_kinds[c->sys->link_kind[link]].seeks;
   mg_starts *starts = &c->starts;
   mg_found found;
   starts->count = 1;
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0;
-  if (!explicit) mg_find_starts(c, link, n, zooms, starts);
+  if (!known) mg_find_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
     if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;
     if (mg_judge(c, link, starts->eta[i], &found) && !mg_is_outdone(c, link, found.d)) mg_keep(c, kept, &found);
@@ -111,11 +121,12 @@ static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds 
 
 /* Bounding spheres farther apart than the reach. */
 static int mg_is_far(const mg_context *c, int link) {
-  mg_real centre[2][3], reach = c->set->reach * c->sys->length;
+  mg_real arm[3], centre[2][3], reach = c->set->reach * c->sys->length;
   for (int side = 0; side < 2; side++) {
     const mg_real *at = mg_side(c, link, side);
     if (at[MG_BOUND] >= MG_MAX / 2) return 0;
-    mg_out(c->pose + 12 * mg_side_body(c, link, side), at + MG_PLACEMENT, 1, centre[side]);
+    mg_out(at + MG_PLACEMENT, at + MG_CENTRE, 1, arm);
+    mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 1, centre[side]);
     reach += at[MG_BOUND];
   }
   const mg_real span[3] = {centre[1][0] - centre[0][0], centre[1][1] - centre[0][1], centre[1][2] - centre[0][2]};
@@ -148,10 +159,11 @@ static int mg_start_shared(mg_context *c, int pair) {
   const mg_system *s = c->sys;
   const int first = mg_first_contact(c, pair), end = mg_first_contact(c, pair + 1);
   mg_founds found = {0};
-  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    mg_search_link(c, link, MG_GRID, 2, &found);
+  for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
+    mg_search_link(c, each, MG_GRID, 2, &found);
   c->run->failed_contact = first;
-  if (!found.count && s->pair_link[pair + 1] - s->pair_link[pair] == 1) return MG_NO_EXTREMUM;
+  const int link = s->pair_link[pair], endless = s->link_condition[link] == s->link_condition[link + 1];
+  if (!found.count && endless && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;

@@ -61,7 +61,7 @@ static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *
 static void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_set_link(c, contact, -1, none);
-  mg_emit(c, events, c->run->t, MG_EVENT_VANISH, contact, 0);
+  mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
 /* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
@@ -91,7 +91,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     return;
   }
   mg_set_link(c, contact, found.link, found.eta);
-  mg_emit(c, events, c->run->t, MG_EVENT_WALK, contact, 0);
+  mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
 }
 
 /* Walks for all contacts marked MG_WALKS in c->fired. Returns how many changed. */
@@ -106,7 +106,21 @@ static int mg_walk_all(mg_context *c, mg_events *events) {
   return count;
 }
 
-/* ---- contacts that appear ---- */
+/* ---- contacts that end and appear ---- */
+
+/* Where a local minimum of the distance meets a saddle, both end: the contact is left, its pair searched at once. */
+static int mg_leave_folds(mg_context *c, mg_events *events) {
+  int count = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int pair = c->sys->contact_pair[i];
+    if (!mg_present(c, i) || c->run->closed[i] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) continue;
+    if (c->run->margin[i] >= c->set->margin_refuse) continue;
+    mg_leave(c, events, i);
+    c->run->moved[pair] = MG_MAX;
+    count++;
+  }
+  return count;
+}
 
 /* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
 static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
@@ -134,12 +148,12 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (each->d > c->set->reach * s->length || each->d < -c->set->reach * s->length / 10) continue;
+    if (each->undecided || each->d > c->set->reach * s->length || each->d < -c->set->depth * s->length) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    mg_emit(c, events, c->run->t, MG_EVENT_APPEAR, slot, 0);
+    mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
@@ -153,10 +167,10 @@ static mg_real mg_pair_speed(const mg_context *c, int pair) {
   return sqrt(mg_dot3(v, v)) + c->sys->length * (sqrt(mg_dot3(a + 3, a + 3)) + sqrt(mg_dot3(b + 3, b + 3)));
 }
 
-/* After an accepted step of length h: looks for contacts that have appeared. Returns how many. */
+/* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->sys;
-  int count = 0;
+  int count = mg_leave_folds(c, events);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_speed(c, pair);

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import product
 from math import hypot, inf, isfinite
+
+import numpy as np
 
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
@@ -11,7 +14,7 @@ from modelgen.geometry.features import features_of, is_composite
 from modelgen.geometry.points3d import is_point
 from modelgen.geometry.poses import to_outer
 from modelgen.model import ShapeKind
-from modelgen.scene.types import Shape
+from modelgen.scene.types import Shape, Vector
 
 
 def dimension_of(shape: ShapeKind | Shape) -> int:
@@ -56,6 +59,22 @@ def _of_features(shape: Shape) -> float:
     """The largest reach of a feature; faces without bound, planes and the like, end at the edges."""
     reaches = (_reach(feature.shape) for feature in features_of(shape).features)
     return max(filter(isfinite, reaches), default=inf)
+
+
+def bounding_ball(shape: Shape) -> tuple[Vector, float]:
+    """Centre (m, shape axes) and radius of a ball around the shape. A spline's cell lies in the hull of its control
+    points, far from the origin of the net; others are about their own."""
+    p = [value for _, value in shape.parameters]
+    if shape.kind in ("bezier", "bezier_curve"):
+        points = np.array([p[:3], *(np.add(p[:3], p[k : k + 3]) for k in range(3, len(p), 3))])
+    elif shape.kind == "bezier_graph":
+        heights = [p[4], *(p[4] + step for step in p[5:])]
+        ends = ((p[0], p[0] + p[1]), (p[2], p[2] + p[3]), (min(heights), max(heights)))
+        points = np.array(list(product(*ends)))
+    else:
+        return (0.0, 0.0, 0.0), bounding_radius(shape)
+    x, y, z = map(float, (points.min(axis=0) + points.max(axis=0)) / 2)
+    return (x, y, z), float(np.linalg.norm(points - (x, y, z), axis=1).max())
 
 
 def _reach(part: Shape) -> float:

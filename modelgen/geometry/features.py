@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import lru_cache
 
 from modelgen.geometry.composites import rounds, splines
-from modelgen.geometry.composites.atlas import atlas, has_poles
+from modelgen.geometry.composites.atlas import atlas, ends_of, has_poles
+from modelgen.geometry.composites.conditions import at_least, at_most
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.polyhedra import box, polyhedron
 from modelgen.geometry.composites.polylines import polyline
@@ -55,15 +56,27 @@ def is_composite(shape: Shape) -> bool:
 
 @lru_cache(maxsize=512)
 def features_of(shape: Shape) -> Composite:
-    """The features of any shape, in its own frame; a smooth shape is one feature without a name.
+    """The features of any shape, in its own frame; a smooth shape is one feature without a name, which ends
+    where its domain does.
 
     In a cavity the edges of a convex solid are concave: they carry no contact and are left out.
     """
     if not is_composite(shape):
         dimension = 0 if shape.kind == "point" else 1 if shape.kind in CURVES else 2
-        return Composite((Feature("", dimension, replace(shape, pose=Pose())),), is_convex(shape))
+        return Composite((Feature("", dimension, replace(shape, pose=Pose()), _ends(shape)),), is_convex(shape))
     composite = BUILDERS[shape.kind](shape)
     return _hollow(composite) if shape.cavity else composite
+
+
+def _ends(shape: Shape) -> tuple[Condition, ...]:
+    """Where a chart or a curve ends that is not joined to itself."""
+    if shape.chart is not None:
+        return tuple(ends_of(shape.chart))
+    half = {"segment": 0.5, "edge": shape.parameters[0][1] / 2 if shape.parameters else 0.0}.get(shape.kind)
+    domain = None if half is None else (-half, half)
+    if shape.curve is not None and not shape.curve.periodic:
+        domain = shape.curve.domain
+    return () if domain is None else (at_least(0, domain[0], None), at_most(0, domain[1], None))
 
 
 def is_convex(shape: Shape) -> bool:

@@ -8,6 +8,8 @@ from math import inf
 from modelgen.geometry.features import is_convex
 from modelgen.scene.types import Shape
 
+STRAIGHT = ("point", "line", "segment", "edge")  # convex, though they bound no material
+
 Bounds = tuple[float, float]  # least and largest normal curvature, 1/m, positive towards the centre of a ball
 
 
@@ -43,7 +45,7 @@ def is_hollow(shape: Shape) -> bool:
 def touches_once(a: Shape, b: Shape) -> bool:
     """Whether the distance of two shapes has one local minimum at most: convex bodies apart, or one that is
     everywhere more curved than the hollow in which it lies (Blaschke's rolling theorem)."""
-    if is_convex(a) and is_convex(b):
+    if all(is_convex(shape) or shape.kind in STRAIGHT for shape in (a, b)):
         return True
     return any(
         is_hollow(outer) and is_convex(inner) and curvature_bounds(outer)[1] <= curvature_bounds(inner)[0]

@@ -34,10 +34,10 @@ def following(
     leading = any(condition.next >= 0 for link in links for condition in link.conditions)
     if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
         bounded = is_composite(a) or is_composite(b)
-        return Following(len(links), True, "always" if bounded else "never")
+        return Following(len(links), True, "always" if bounded or explicit else "moved")
     once = touches_once(a, b)
     if once and len(links) == 1:
-        return Following(1, True, "never")
+        return Following(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):
         return Following(1, False, "never")
     count = pair.points or (SMOOTH if is_smooth(a) and is_smooth(b) else PIECEWISE)

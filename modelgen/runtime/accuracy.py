@@ -29,6 +29,9 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "event": 8,
         "residual": 64,
         "step_min": 8,
+        "lost": 8,
+        "apart": 4096,
+        "border": 512,
     }
 )
 
@@ -60,6 +63,11 @@ class Accuracy:
         residual: the extremality residual reached at the start, against L and 1.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
+        polish: the interpolant finds an event to this part of the step; steps to the event itself do the rest.
+        dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
+        depth: a contact that appears in a run may be below zero by depth L.
+        scan: parts of a step in which the first event is sought.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once: transitions at one time before the run gives up.
         lost: a search for the closest points keeps a start only if its margin exceeds this.
@@ -87,6 +95,11 @@ class Accuracy:
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
+    leave: float = 100.0
+    polish: float = 1e-3
+    dependent: float = 2e-10
+    depth: float = 0.02
+    scan: int = 16
     lcp_iterations: int = 200
     events_at_once: int = 100
     lost: float = 1e-9

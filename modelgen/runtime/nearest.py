@@ -3,8 +3,8 @@
 Two convex shapes without edges (spheres, ellipsoids, superellipsoids) are solved from nothing: the maximum of
 their separation function is the signed distance. It is certified down to an overlap of the sum of the shapes'
 smallest radii of curvature (of a superellipsoid 0); deeper, a local extremum is given, the highest found or
-the one that continues `eta`. Closed forms (two spheres, a convex shape on a plane) are certified too. All other
-pairs start from `eta` and end in an extremum near it, of which `outcome` tells whether it is a minimum.
+the one that continues `eta`. Closed forms (two spheres, a convex shape on a plane) are certified too. All
+other pairs start from `eta` and end in an extremum near it; `outcome` tells whether it is a minimum.
 
 >>> import numpy as np
 >>> from modelgen import build, closest_points, derive, emit, require
@@ -108,7 +108,7 @@ def closest_points(
         _rows(f"{where}: eta", _start(where, kind) if eta is None else eta, kind["n_eta"]),
     ]
     n, real = _common(where, given), library.dtype
-    whole = [np.array(np.broadcast_to(rows, (n, rows.shape[1])), dtype=real) for rows in given]
+    whole = [np.array(np.broadcast_to(rows, (n, rows.shape[1])), dtype=real, order="C") for rows in given]
     queries, points = prepared(library, entry, whole)
     queries.warm = eta is not None
     library.cdll.mg_closest(ctypes.byref(queries))

@@ -29,20 +29,11 @@ SYSTEM_INDICES = (
 SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
-    *(
-        "step",
-        "tolerance",
-        "gap",
-        "start_gap",
-        "drift",
-        "rest_speed",
-        "rest_acceleration",
-        "event",
-        "residual",
-        "step_min",
-    ),
+    *("step", "tolerance", "gap", "start_gap", "drift", "rest_speed", "rest_acceleration"),
+    *("event", "residual", "leave", "polish", "dependent", "depth", "step_min"),
     *("margin_refuse", "lost", "apart", "reach", "search", "flat", "border"),
 )
+SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = ("x", "link", "moved", "closed", "active", "force", "margin")
 RUN_COUNTS = (
     "steps",
@@ -86,7 +77,7 @@ class Tables:
             "Settings",
             [(n, integer) for n in SETTINGS_INTEGERS]
             + [(n, real) for n in SETTINGS_REALS]
-            + [("lcp_iterations", integer), ("events_at_once", integer)],
+            + [(n, integer) for n in SETTINGS_COUNTS],
         )
         self.Run = _structure(
             "Run",
@@ -184,7 +175,7 @@ def fill_settings(tables: Tables, accuracy: Any) -> Any:
     """The mg_settings of an Accuracy, no tolerance finer than the real type resolves."""
     settings = tables.Settings()
     epsilon = float(np.finfo(tables.dtype).eps)
-    for name in ("newton", "project", "lcp_iterations", "events_at_once"):
+    for name in ("newton", "project", *SETTINGS_COUNTS):
         setattr(settings, name, int(getattr(accuracy, name)))
     for name in SETTINGS_REALS[1:]:
         setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))

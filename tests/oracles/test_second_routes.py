@@ -40,7 +40,8 @@ def compared(path: Trajectory, route: SupportRoute, direction: list[float]) -> t
     """Largest differences of position and rotation matrix between a run and the second route."""
     start = path.quaternion[0, 1]
     spin = rotations(path, 1)[0].T @ path.w[0, 1]
-    other = route.run(path.p[0, 1], start, path.v[0, 1], spin, np.array(direction), path.t)
+    guess = route.angles(np.array(direction))
+    other = route.run(path.p[0, 1], start, path.v[0, 1], spin, guess, path.t)
     position = np.abs(path.p[:, 1] - other.y[:3].T).max()
     turned = Rotation.from_quat(np.roll(other.y[3:7].T, -1, axis=-1)).as_matrix()
     return float(position), float(np.abs(rotations(path, 1) - turned).max())

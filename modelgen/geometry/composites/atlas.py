@@ -19,7 +19,7 @@ def has_poles(shape: Shape) -> bool:
 def atlas(shape: Shape) -> Composite:
     """The faces `sheet`, `pole_u_min`, ...; they overlap, and are the same surface where they do."""
     assert shape.chart is not None
-    caps, conditions = [], _ends(shape.chart)
+    caps, conditions = [], ends_of(shape.chart)
     for pole in poles_of(shape.chart):
         cap, name = cap_at(shape, pole), f"pole_{pole.name}"
         conditions.append(_away_from(shape.chart, pole, INNER * cap.radius, name))
@@ -38,7 +38,7 @@ def _away_from(chart: Chart, pole: Pole, distance: float, cap: str) -> Condition
     return at_most(pole.axis, end - distance, cap)
 
 
-def _ends(chart: Chart) -> list[Condition]:
+def ends_of(chart: Chart) -> list[Condition]:
     """Where the surface ends: sides of the domain that are neither poles nor joined."""
     conditions = []
     for axis, (lower, upper) in enumerate(chart.domain):

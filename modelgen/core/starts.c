@@ -1,0 +1,154 @@
+/* Where to start the search of closest points on a link: the likeliest pairs of samples. */
+#include "core.h"
+
+/* |P_f - P_o| + size (how far the directions are from opposed normals, or from tangent and normal at right
+   angles). */
+static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
+  const mg_real span[3] = {f->point[0] - o->point[0], f->point[1] - o->point[1], f->point[2] - o->point[2]};
+  const mg_real cosine = mg_dot3(o->direction, f->direction);
+  const mg_real tilt = curves == 0 ? 1 + cosine : curves == 1 ? fabs(cosine) : 0;
+  return sqrt(mg_dot3(span, span)) + size * tilt;
+}
+
+/* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
+static int mg_has_foot(const mg_context *c, int link, int side) {
+  const int carrier = mg_carrier(c, link, side);
+  return mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
+}
+
+/* The foot of a point on a plane or sphere; `base` is the sample at (0, 0), `centre` the shape's origin. */
+static void mg_foot(const mg_context *c, int link, int side, const mg_sample *base, const mg_real *point,
+                    mg_sample *foot) {
+  mg_real span[3], origin[3];
+  *foot = *base;
+  if (mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) {
+    for (int k = 0; k < 3; k++) span[k] = point[k] - base->point[k];
+    const mg_real height = mg_dot3(span, base->direction);
+    for (int k = 0; k < 3; k++) foot->point[k] = point[k] - height * base->direction[k];
+  } else {
+    const mg_real radius = sqrt(mg_dot3(base->local, base->local));
+    mg_out(mg_side(c, link, side) + MG_PLACEMENT, base->local, 0, origin); /* the arm to the sample, body axes */
+    mg_out(c->pose + 12 * mg_side_body(c, link, side), origin, 0, span);
+    const mg_real sign = mg_dot3(span, base->direction) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) origin[k] = base->point[k] - span[k], span[k] = point[k] - origin[k];
+    const mg_real distance = sqrt(mg_dot3(span, span));
+    for (int k = 0; k < 3 && distance > 0; k++)
+      foot->direction[k] = sign * span[k] / distance, foot->point[k] = origin[k] + radius * span[k] / distance;
+  }
+  mg_point_in(c, link, side, foot->point, foot->local);
+}
+
+/* For each of the n samples of the rows the best of the others: its merit and index. */
+static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
+  for (int i = 0; i < n; i++) {
+    c->merit[i] = MG_MAX, c->mate[i] = 0;
+    for (int j = 0; j < others; j++) {
+      const mg_real merit = mg_merit(c->sample + i, c->sample + MG_SAMPLES + j, curves, size);
+      if (merit < c->merit[i]) c->merit[i] = merit, c->mate[i] = j;
+    }
+  }
+}
+
+/* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
+static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, mg_real size) {
+  const mg_real zero[2] = {0, 0};
+  mg_sample base;
+  mg_sample_at(c, link, side, zero, &base);
+  const mg_real width = 2 * sqrt(mg_dot3(base.local, base.local)); /* of a plane: 0 */
+  if (width > 0 && (width < size || !(size > 0))) size = width;
+  for (int i = 0; i < n; i++) {
+    mg_foot(c, link, side, &base, c->sample[i].point, c->sample + MG_SAMPLES + i);
+    c->mate[i] = i, c->merit[i] = mg_merit(c->sample + i, c->sample + MG_SAMPLES + i, curves, size);
+    if (!(c->merit[i] <= MG_MAX)) c->merit[i] = MG_MAX;
+  }
+}
+
+/* True if no neighbour of sample i on the grid of rows has a smaller merit. */
+static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
+  const int row = i / across, column = i % across, rows = n / across;
+  for (int a = -1; a <= 1; a++)
+    for (int b = -1; b <= 1; b++) {
+      const int p = row + a, q = column + b;
+      if (p < 0 || q < 0 || p >= rows || q >= across) continue;
+      if (c->merit[p * across + q] < c->merit[i]) return 0;
+    }
+  return 1;
+}
+
+static void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
+  for (int side = 0; side < 2; side++) {
+    const mg_sample *at = side ? f : o;
+    switch (mg_carrier(c, link, side)) {
+      case MG_LOCAL: for (int k = 0; k < 3; k++) *eta++ = at->local[k]; break;
+      case MG_CHART: *eta++ = at->uv[0], *eta++ = at->uv[1]; break;
+      case MG_CURVE: *eta++ = at->uv[0]; break;
+      case MG_SIGNED_CURVE: *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1; break;
+      case MG_SIGN: *eta++ = 1; break;
+      default: break;
+    }
+  }
+}
+
+static mg_real mg_extent_of(const mg_context *c, int from, int n) {
+  mg_real low[3], high[3], extent = 0;
+  for (int k = 0; k < 3; k++) low[k] = MG_MAX, high[k] = -MG_MAX;
+  for (int i = from; i < from + n; i++)
+    for (int k = 0; k < 3; k++) {
+      const mg_real x = c->sample[i].point[k];
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
+    }
+  for (int k = 0; k < 3; k++)
+    if (high[k] - low[k] > extent) extent = high[k] - low[k];
+  return extent;
+}
+
+/* Inserts into the MG_STARTS starts kept in order of merit. */
+static void mg_keep_start(mg_starts *kept, mg_real merit, const mg_real *eta) {
+  int at = kept->count < MG_STARTS ? kept->count++ : MG_STARTS;
+  for (; at > 0 && kept->merit[at - 1] > merit; at--)
+    if (at < MG_STARTS) {
+      kept->merit[at] = kept->merit[at - 1];
+      for (int k = 0; k < 6; k++) kept->eta[at][k] = kept->eta[at - 1][k];
+    }
+  if (at == MG_STARTS) return;
+  kept->merit[at] = merit;
+  for (int k = 0; k < 6; k++) kept->eta[at][k] = eta[k];
+}
+
+/* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
+static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_real window[2][4]) {
+  const int curves = (mg_dimension(c, link, 0) < 2) + (mg_dimension(c, link, 1) < 2);
+  const int rows = mg_sample_side(c, link, row, window[row], n, c->sample);
+  const mg_real own = mg_extent_of(c, 0, rows);
+  if (feet) {
+    mg_match_feet(c, link, 1 - row, rows, curves, own);
+    return rows;
+  }
+  const int others = mg_sample_side(c, link, 1 - row, window[1 - row], n, c->sample + MG_SAMPLES);
+  const mg_real size = mg_extent_of(c, MG_SAMPLES, others);
+  mg_match(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
+  return rows;
+}
+
+/* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
+static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
+  const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
+  const int across = mg_dimension(c, link, row) == 2 ? n : 1;
+  mg_real window[2][4], eta[6] = {0};
+  kept->count = 0;
+  for (int side = 0; side < 2; side++) mg_window(c, link, side, mg_reach_of(c, link), window[side]);
+  for (int level = 0; level <= zooms; level++) {
+    const int rows = mg_match_sides(c, link, row, feet, n, window);
+    int best = 0;
+    for (int i = 0; i < rows; i++) {
+      const mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];
+      if (c->merit[i] < c->merit[best]) best = i;
+      if (!mg_is_lowest(c, i, rows, across)) continue;
+      mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
+      mg_keep_start(kept, c->merit[i], eta);
+    }
+    mg_zoom(window[row], c->sample[best].uv);
+    mg_zoom(window[1 - row], c->sample[MG_SAMPLES + c->mate[best]].uv);
+  }
+}
