@@ -82,7 +82,8 @@ DISPATCHERS = (
 
 def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
-    parts = [HEAD, *_tables(derivation)]
+    lone = any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in derivation.model.contact_kinds)
+    parts = [HEAD, f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n", *_tables(derivation)]
     for dispatcher in DISPATCHERS:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
