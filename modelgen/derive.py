@@ -17,6 +17,9 @@ from modelgen.errors import expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points3d import is_point, point_kernel
 from modelgen.geometry.surface import surface_kernel
+from modelgen.joint.limits import CITATION, limit_kernels
+from modelgen.joint.rows import coordinates_kernel, rows_kernel
+from modelgen.joint.springs import spring_kernel
 from modelgen.model import Model, ShapeKind
 
 Role = Literal[
@@ -33,6 +36,8 @@ Role = Literal[
     "aim",
     "seek",
     "angle",
+    "rows",
+    "coordinates",
     "rhs",
 ]
 
@@ -50,6 +55,9 @@ CITATIONS: dict[str, str] = {
     "surface": "surface point and exterior unit normal, Section 2",
     "curve": "point of a curve and its derivative, Section 2",
     "point": "a point by itself",
+    "joint_spring": "Hooke's law with viscous damping along the coordinate of a joint",
+    "rows": "joints Theta with J and Gamma1 (2.3), (2.6)",
+    "coordinates": "relative coordinates of the frames of a joint",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
 
@@ -96,7 +104,10 @@ def derive(model: Model) -> Derivation:
     Raises ModelgenError if it is given something else.
     """
     expect("derive", model, Model)
-    formulas = (*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model))
+    formulas = (
+        *(*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model)),
+        *(*_of_limits(model), *_of_joints(model)),
+    )
     if not is_closed_form(model):
         return Derivation(model, formulas)
     rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
@@ -119,7 +130,7 @@ def _of_bodies(model: Model) -> list[Formula]:
 
 def _of_loads(model: Model) -> list[Formula]:
     return [
-        _formula(load_kernel(kind), "wrench", index, CITATIONS[kind.kind])
+        _formula((spring_kernel if kind.joint else load_kernel)(kind), "wrench", index, CITATIONS[kind.kind])
         for index, kind in enumerate(model.load_kinds)
     ]
 
@@ -145,4 +156,21 @@ def _of_contacts(model: Model) -> list[Formula]:
         angle = FORMS[kind.form].angle
         if angle is not None:
             found.append(_formula(angle(kind), "angle", index, CITATIONS["angle"]))
+    return found
+
+
+def _of_limits(model: Model) -> list[Formula]:
+    """Their indices follow those of the contact kinds."""
+    found: list[Formula] = []
+    for index, kind in enumerate(model.limit_kinds, start=len(model.contact_kinds)):
+        rates, place = limit_kernels(kind)
+        found += [_formula(rates, "rates", index, CITATION), _formula(place, "place", index, CITATION)]
+    return found
+
+
+def _of_joints(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.joint_kinds):
+        found.append(_formula(rows_kernel(kind), "rows", index, CITATIONS["rows"]))
+        found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
     return found

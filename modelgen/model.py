@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Scene, Shape, TorqueLoad
+from modelgen.scene.expression import Expression
+from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Scene, Shape, TorqueLoad
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
@@ -63,11 +64,30 @@ class ContactKind:
 @dataclass(frozen=True, slots=True)
 class LoadKind:
     name: str  # C identifier
-    kind: Literal["force", "torque", "spring"]
+    kind: Literal["force", "torque", "spring", "joint_spring"]
     motions: tuple[BodyMotion, ...]  # one body, or two for a spring
     expressions: tuple[str, ...] = ()  # texts, for the identity of the kind
     load: ForceLoad | TorqueLoad | None = None  # whose expressions it compiles; without its body and point
     arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
+    joint: str = ""  # the kind of joint whose coordinate a joint_spring acts on
+
+
+@dataclass(frozen=True, slots=True)
+class JointKind:
+    """The structure of a joint; its frames and lengths are parameters."""
+
+    name: str  # C identifier
+    kind: str  # name in `joint.kinds.FORMS`
+    motion: Expression | None = None  # of t: what its first coordinate is held at
+
+
+@dataclass(frozen=True, slots=True)
+class LimitKind:
+    """One bound of the first coordinate of a kind of joint."""
+
+    name: str  # C identifier
+    kind: str  # of joint
+    upper: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +160,35 @@ class LoadEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class JointEntry:
+    """A joint of the sentence between bodies a and b."""
+
+    name: str
+    kind: int
+    a: int
+    b: int
+    row: int  # its first among the rows of all joints
+    rows: int
+    frames: tuple[Pose, Pose]  # in the axes of a and b as written
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LimitEntry:
+    """A bound of a joint: a contact without shapes."""
+
+    name: str  # "elbow:min"
+    kind: int
+    joint: int
+    a: int
+    b: int
+    eta: int  # offset
+    room: int  # entries of eta: 1 for an angle
+    restitution: float
+    parameters: tuple[float, ...]  # of the joint, then the bound
+
+
+@dataclass(frozen=True, slots=True)
 class Scales:
     """Characteristic length (m), mass (kg) and time (s); every tolerance is dimensionless against them."""
 
@@ -155,11 +204,15 @@ class Model:
     body_kinds: tuple[BodyKind, ...]
     contact_kinds: tuple[ContactKind, ...]
     load_kinds: tuple[LoadKind, ...]
+    joint_kinds: tuple[JointKind, ...]
+    limit_kinds: tuple[LimitKind, ...]
     bodies: tuple[BodyEntry, ...]
     pairs: tuple[PairEntry, ...]
     links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
     loads: tuple[LoadEntry, ...]
+    joints: tuple[JointEntry, ...]
+    limits: tuple[LimitEntry, ...]
     n_q: int
     n_u: int
     n_eta: int

@@ -52,6 +52,8 @@ INNER_LOOP = (
 
 SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a kind is sought by its separation function
 
+JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where there are joints
+
 PER_STEP = (
     *("conditions.c", "sample.c", "starts.c"),
     *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
@@ -90,7 +92,8 @@ def emit(derivation: Derivation) -> Package:
     core = core_files()
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     kernels = _kernels(compiled)
-    quick = (*INNER_LOOP, *(SEEKING if any(formula.role == "seek" for formula in compiled) else ()))
+    roles = {formula.role for formula in compiled}
+    quick = (*INNER_LOOP, *(SEEKING if "seek" in roles else ()), *(JOINING if "rows" in roles else ()))
     files = {
         **core,
         "kernels.c": kernels,
@@ -133,7 +136,7 @@ def _model(core: Mapping[str, str], declared: str, quick: tuple[str, ...]) -> st
     sources = [name for name in core if name.endswith(".c")]
     groups = {
         "inner": [name for name in sources if name in quick],
-        "step": [name for name in sources if name in PER_STEP],
+        "step": [name for name in sources if name in PER_STEP and name not in quick],
         "rest": [name for name in sources if name not in quick + PER_STEP],
     }
     texts = {group: "".join(f'#include "{name}"\n' for name in names) for group, names in groups.items()}

@@ -10,7 +10,9 @@ from modelgen.codegen.sentence import J_SIZE
 from modelgen.contact.kinds import eta_layout
 from modelgen.derive import Derivation, Formula
 from modelgen.geometry.extent import dimension_of
-from modelgen.model import ContactKind
+from modelgen.joint.kinds import FORMS
+from modelgen.joint.limits import is_turn
+from modelgen.model import ContactKind, Model
 from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
 HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
@@ -42,6 +44,7 @@ class Dispatcher:
     outputs: tuple[str, ...]
 
 
+TURN = 6  # MG_TURN
 CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
 
 FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND
@@ -66,6 +69,13 @@ DISPATCHERS = (
     Dispatcher(
         ("place",), "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
         ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
+    ),
+    Dispatcher(
+        ("rows",), "mg_joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("value", "J", "gamma", "bias"),
+    ),
+    Dispatcher(
+        ("coordinates",), "mg_joint_coordinates", ("pose_a", "pose_b", "parameters"), ("coordinate",)
     ),
     Dispatcher(
         ("surface", "curve", "point"), "mg_shape_point", ("uv", "parameters"), ("point", "direction")
@@ -105,7 +115,7 @@ def _tables(derivation: Derivation) -> list[str]:
     sizes = {
         (formula.role, formula.kind): int(formula.function.numel_in("parameters"))
         for formula in derivation.formulas
-        if formula.role in ("motion", "wrench", "rates")
+        if formula.role in ("motion", "wrench", "rates", "rows")
     }
     seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     bodies = [
@@ -116,14 +126,35 @@ def _tables(derivation: Derivation) -> list[str]:
         _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking))
         for index, kind in enumerate(model.contact_kinds)
     ]
+    contacts += [
+        _row(6, 6, turn, sizes["rates", index], TURN if turn else 0, 0, 0)
+        for index, turn in enumerate(_limit_turns(model), start=len(model.contact_kinds))
+    ]
+    contact_names = [kind.name for kind in (*model.contact_kinds, *model.limit_kinds)]
     shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
-        _table("mg_contact_kind", contacts, [kind.name for kind in model.contact_kinds], _row(*[0] * 7)),
+        _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 7)),
+        _table("mg_joint_kind", _joint_rows(derivation), [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
     ]
+
+
+def _limit_turns(model: Model) -> list[int]:
+    """Whether each kind of limit bounds an angle, which is its eta."""
+    return [int(is_turn(kind.kind)) for kind in model.limit_kinds]
+
+
+def _joint_rows(derivation: Derivation) -> list[str]:
+    """Rows, coordinates, parameters and whether time moves it, of each kind of joint."""
+    kernels = {f.kind: f.function for f in derivation.formulas if f.role == "rows"}
+    found = []
+    for index, kind in enumerate(derivation.model.joint_kinds):
+        rows, parameters = (int(n) for n in (kernels[index].numel_out("value"), kernels[index].numel_in("parameters")))
+        found.append(_row(rows, len(FORMS[kind.kind].coordinates), parameters, int(kind.motion is not None)))
+    return found
 
 
 def _row(*numbers: int) -> str:

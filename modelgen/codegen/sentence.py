@@ -12,10 +12,15 @@ from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.extent import bounding_ball, domain_of
 from modelgen.geometry.points3d import is_point
+from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.rows import row_count
 from modelgen.model import (
     BodyEntry,
     BodyKind,
     ContactKind,
+    JointEntry,
+    JointKind,
+    LimitEntry,
     LinkEntry,
     LoadKind,
     Model,
@@ -44,6 +49,8 @@ def kinds_of(model: Model) -> dict[str, Any]:
         "contact": [_contact_kind(kind, model) for kind in model.contact_kinds],
         "load": [_load_kind(kind) for kind in model.load_kinds],
         "shape": [_shape_kind(kind) for kind in model.shape_kinds],
+        "joint": [_joint_kind(kind) for kind in model.joint_kinds],
+        "limit": [asdict(kind) for kind in model.limit_kinds],
     }
 
 
@@ -96,7 +103,26 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
         "kind": kind.kind,
         "motions": list(kind.motions),
         "expressions": list(kind.expressions),
-        "n_parameters": 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0),
+        "joint": kind.joint,
+        "n_parameters": _load_size(kind),
+    }
+
+
+def _load_size(kind: LoadKind) -> int:
+    if kind.joint:
+        return 2 * len(_POSE_NAMES) + 1 + len(FORMS_OF_JOINTS[kind.joint].numbers) + 3
+    return 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0)
+
+
+def _joint_kind(kind: JointKind) -> dict[str, Any]:
+    form = FORMS_OF_JOINTS[kind.kind]
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "rows": row_count(kind),
+        "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
+        "motion": None if kind.motion is None else kind.motion.text,
+        "parameters": [*(f"{side}.{name}" for side in "ab" for name in _POSE_NAMES), "length", *form.numbers],
     }
 
 
@@ -143,6 +169,8 @@ def sentence_of(model: Model) -> dict[str, Any]:
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
         ],
+        "joints": [_joint(model, entry) for entry in model.joints],
+        "limits": [_limit(model, entry) for entry in model.limits],
         "n_q": model.n_q,
         "n_u": model.n_u,
         "n_eta": model.n_eta,
@@ -167,6 +195,33 @@ def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
         "parameters": list(entry.parameters),
         "mass_inverse": list(entry.mass_inverse),
         "com": list(entry.com),
+    }
+
+
+def _joint(model: Model, entry: JointEntry) -> dict[str, Any]:
+    pose = pose_numbers(entry.frames[1], model.bodies[entry.b].com)
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "a": entry.a,
+        "b": entry.b,
+        "row": entry.row,
+        "anchor": list(pose[:3]),  # origin of the frame in b, from its centre of mass
+        "parameters": list(entry.parameters),
+    }
+
+
+def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
+    """Its kind counts on from those of the contacts."""
+    return {
+        "name": entry.name,
+        "kind": len(model.contact_kinds) + entry.kind,
+        "joint": entry.joint,
+        "o": entry.a,
+        "f": entry.b,
+        "eta": entry.eta,
+        "restitution": entry.restitution,
+        "parameters": list(entry.parameters),
     }
 
 

@@ -36,7 +36,9 @@ static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
-  run->margin_min = MG_MAX;
+  run->margin_min = run->joint_margin_min = MG_MAX;
+  run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
+  run->failed_joint = run->joint_margin = -1, run->rank_min = -1, run->rank_max = 0;
   run->t_event = run->t;
 }
 
@@ -53,6 +55,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   if (!outcome) outcome = mg_find_extrema(&c);
   if (outcome) return outcome;
   mg_refresh(&c);
+  if (!mg_start_joints(&c)) return MG_JOINT_APART;
   mg_open_leaving(&c);
   if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);

@@ -1,7 +1,7 @@
 /* How far a contact is from leaving its link: inequalities of its points, its normal and its eta. */
 #include "core.h"
 
-static const int mg_carried[] = {0, 3, 2, 1, 3, 1}; /* entries of eta by carrier */
+static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
 
 static const mg_real *mg_side(const mg_context *c, int link, int side) {
   return c->sys->numbers + c->sys->side_numbers[2 * link + side];

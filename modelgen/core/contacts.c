@@ -1,4 +1,4 @@
-/* The rows of the contacts: J, Gamma2, M^-1 J^T, and the matrix J M^-1 J^T. */
+/* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
 #include "core.h"
 
 static void mg_rates(mg_context *c, const mg_real *x) {
@@ -23,6 +23,7 @@ static inline mg_real mg_row(const mg_context *c, int contact, const mg_real *pe
   const mg_contact_kind *kind = mg_contact_kinds + c->kind[contact];
   const mg_real *J = c->J + 12 * contact;
   mg_real sum = 0;
+  if (contact >= c->bilateral) return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->o[contact]);
   if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   return sum;
@@ -80,9 +81,9 @@ static void mg_assemble(mg_context *c, const int *list, int n) {
   for (int r = 0; r < n; r++) c->column[list[r]] = -1;
 }
 
-/* The part of d_dot that driven bodies make. */
+/* The part of d_dot that driven bodies and given motions make. */
 static mg_real mg_driven_rate(const mg_context *c, int contact) {
-  mg_real rate = 0;
+  mg_real rate = c->bias[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->f[contact] : c->o[contact];
     if (mg_body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
@@ -93,4 +94,5 @@ static mg_real mg_driven_rate(const mg_context *c, int contact) {
 
 static void mg_gap_rates(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
+  for (int i = c->bilateral; i < c->n_rows; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->bias[i];
 }

@@ -15,16 +15,23 @@ static int *mg_take_int(int **next, long n) {
 
 static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
+/* Contacts, one to spare, rows of joints. */
+static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_row; }
+
+/* The most rows held at a time. */
+static long mg_held_of(const mg_system *s) { return (long)s->n_closed + s->n_row; }
+
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
 
 MG_API long mg_work_size(const mg_system *s) {
-  const long b = s->n_body, m = s->n_contact, k = s->n_closed, x = mg_states(s);
-  return 30 * b + 34 * m + s->n_eta + k * k + 2 * k + mg_lcp_work_size((int)k) + (MG_STAGES + 11) * x + 32 +
-         2 * s->n_eta + mg_sample_size();
+  const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
+  return 30 * b + 31 * r + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+         (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size();
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
-  return 14L * s->n_contact + 4 + MG_SAMPLES + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
+  const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
+  return 4 * m + 10 * r + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -35,8 +42,10 @@ static void mg_incidence(mg_context *c) {
   int n = 0;
   for (int b = 0; b < s->n_body; b++) {
     c->first[b] = n;
-    for (int i = 0; i < s->n_contact && mg_moves(c, b); i++)
+    for (int i = 0; i < c->n_rows && mg_moves(c, b); i++) {
+      if (i == s->n_contact) continue;
       if (c->o[i] == b || c->f[i] == b) c->incident[n++] = i;
+    }
   }
   c->first[s->n_body] = n;
 }
@@ -47,40 +56,44 @@ static void mg_zero(mg_real *a, long n) {
 
 static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
-  const long b = s->n_body, m = s->n_contact, n = s->n_closed, x = c->n_x;
+  const long b = s->n_body, m = s->n_contact, r = c->n_rows, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
-  c->J = mg_take(&work, 12 * m), c->MJ = mg_take(&work, 12 * m);
-  c->d = mg_take(&work, m), c->gamma = mg_take(&work, m), c->d_dot = mg_take(&work, m);
-  c->normal = mg_take(&work, 3 * m), c->force = mg_take(&work, m), c->eta_dot = mg_take(&work, s->n_eta + m);
+  c->J = mg_take(&work, 12 * r), c->MJ = mg_take(&work, 12 * r);
+  c->d = mg_take(&work, r), c->gamma = mg_take(&work, r), c->d_dot = mg_take(&work, r), c->bias = mg_take(&work, r);
+  c->normal = mg_take(&work, 3 * m), c->force = mg_take(&work, r), c->eta_dot = mg_take(&work, s->n_eta + m);
   c->A = mg_take(&work, n * n), c->b = mg_take(&work, n), c->z = mg_take(&work, n);
   c->lcp = mg_take(&work, mg_lcp_work_size((int)n));
+  c->S = mg_take(&work, k * k), c->s = mg_take(&work, k), c->y = mg_take(&work, n);
   c->K = mg_take(&work, MG_STAGES * x), c->x_next = mg_take(&work, x), c->x_stage = mg_take(&work, x);
   c->settled = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
-  c->rate = mg_take(&work, m), c->amount = mg_take(&work, m);
+  c->rate = mg_take(&work, r), c->amount = mg_take(&work, r);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
   c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
-  c->kind = mg_take_int(&iwork, m + 1), c->parameters = mg_take_int(&iwork, m + 1);
-  c->o = mg_take_int(&iwork, m + 1), c->f = mg_take_int(&iwork, m + 1);
-  c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);
+  c->kind = mg_take_int(&iwork, r), c->parameters = mg_take_int(&iwork, m + 1);
+  c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
+  c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n), c->fired = mg_take_int(&iwork, m);
   c->falling = mg_take_int(&iwork, m);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
-  c->column = mg_take_int(&iwork, m), c->next = mg_take_int(&iwork, m), c->island = mg_take_int(&iwork, n);
+  c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);
   c->parent = mg_take_int(&iwork, b), c->head = mg_take_int(&iwork, b);
-  c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * m);
+  c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * r);
 }
 
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
                     int *iwork) {
   c->sys = sys, c->set = set, c->run = run;
   c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0;
+  c->bilateral = sys->n_contact + 1, c->n_rows = (int)mg_rows_of(sys);
   mg_carve(c, work, iwork);
   mg_zero(c->pose, 30L * sys->n_body);
-  mg_zero(c->J, 24L * sys->n_contact); /* J and MJ: the columns a kind lacks stay zero */
-  mg_zero(c->force, sys->n_contact);
+  mg_zero(c->J, 24L * c->n_rows); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero(c->force, c->n_rows);
+  mg_zero(c->bias, c->n_rows);
   c->n_live = c->n_x - sys->n_eta;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
+  mg_open_joints(c);
   mg_incidence(c);
   mg_set_fixed(c);
 }

@@ -40,26 +40,32 @@ typedef struct {
   mg_run *run;
   int n_x, work_index;                      /* length of x; index of the work state */
   mg_real *pose, *twist, *accel, *wrench;   /* per body 12, 6, 6, 6; accel without, then with contact forces */
-  mg_real *J, *MJ;                          /* per contact 12: o then f; J and M^-1 J^T */
-  mg_real *d, *gamma, *d_dot, *normal;      /* per contact 1, 1, 1, 3 */
-  mg_real *force, *rate, *amount, *eta_dot; /* per contact 1, 1, 1; n_eta */
+  int bilateral, n_rows;                    /* rows: contacts, a spare, then those of the joints from `bilateral` on */
+  mg_real *J, *MJ;                          /* per row 12: o then f; J and M^-1 J^T */
+  mg_real *d, *gamma, *d_dot;               /* per row */
+  mg_real *bias;                            /* per row: what time alone makes of d_dot */
+  mg_real *normal;                          /* per contact 3 */
+  mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
+  mg_real *S, *s, *y;                       /* the same with the joints eliminated */
   mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
+  int *bound;                               /* mask of the rows of joints among those assembled */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
-  int *column;                              /* per contact: its place in A while assembled, else -1 */
-  int *parent, *head, *next, *island;       /* islands: per body, body, contact; closed contacts of one */
-  int *first, *incident;                    /* contacts at each moving body: incident[first[b]] .. */
+  int *column;                              /* per row: its place in A while assembled, else -1 */
+  int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */
+  int *first, *incident;                    /* rows at each moving body: incident[first[b]] .. */
   int n_live;                               /* states without those of contacts on no link */
   mg_sample *sample;                        /* of both sides of a link: 2 MG_SAMPLES */
   mg_real *merit;                           /* of the samples of o with their best mate */
   int *mate;
   mg_starts starts;
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
+  int prescribed;                           /* a joint's motion is given */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 
@@ -141,6 +147,15 @@ static void mg_assemble(mg_context *c, const int *list, int n);
 /* islands.c */
 static int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
 
+/* joints.c, ranks.c, reduce.c */
+static void mg_open_joints(mg_context *c);
+static void mg_joint_rates(mg_context *c, mg_real t);
+static int mg_joint_of(const mg_context *c, int row);
+static int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
+static int mg_list_joints(const mg_context *c, int *list, int n);
+static void mg_watch_joints(mg_context *c);
+static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
+
 /* rhs.c */
 static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 static mg_real mg_separation(const mg_context *c, int contact);
@@ -199,6 +214,7 @@ static void mg_refresh(mg_context *c);
 static mg_real mg_largest(const mg_context *c, const mg_real *value);
 static int mg_project(mg_context *c);
 static int mg_project_start(mg_context *c);
+static int mg_start_joints(mg_context *c);
 static mg_real mg_energy(mg_context *c, mg_real *kinetic);
 static void mg_ledger(mg_context *c);
 static void mg_record_until(mg_context *c, mg_record *record, mg_real h);

@@ -65,15 +65,13 @@ static int mg_impact(mg_context *c, mg_events *events) {
   mg_lcp_report report;
   for (int r = 0; r < n; r++) struck += mg_nearing(c, c->list[r]);
   if (!struck) return MG_DONE;
-  mg_assemble(c, c->list, n);
+  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
   for (int r = 0; r < n; r++) {
     const int i = c->list[r];
-    c->b[r] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
+    c->rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
   }
-  mg_qp(n, c->A, c->b, c->set->lcp_iterations, c->z, c->mask, &report, c->lcp, c->lcp_i);
-  c->run->lcp_solves++;
-  if (report.outcome != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
-  mg_apply_impulses(c, n);
+  if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  mg_apply_impulses(c, n + c->sys->n_row);
   mg_poses(c, c->run->t, c->run->x);
   mg_after_impact(c, events, n);
   return MG_DONE;

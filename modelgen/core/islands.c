@@ -1,4 +1,4 @@
-/* Contacts that share moving bodies form islands; the amounts that hold their rows are found island by island. */
+/* Rows that share moving bodies form islands; the amounts that hold them are found island by island. */
 #include "core.h"
 
 static int mg_root(int *parent, int body) {
@@ -11,7 +11,7 @@ static int mg_moving_side(const mg_context *c, int contact) {
   return mg_moves(c, o) ? o : c->f[contact];
 }
 
-/* Chains the n contacts of c->list by island: c->head[root] is the first, c->next[contact] the one after, else -1. */
+/* Chains the n rows of c->list by island: c->head[root] is the first, c->next[row] the one after, else -1. */
 static void mg_chain(mg_context *c, int n) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++) c->parent[b] = b, c->head[b] = -1;
@@ -35,14 +35,15 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
   for (int r = 0; r < n; r++) amount[c->island[r]] = c->z[r];
 }
 
-/* Over the marked contacts A amount = -rate, of minimum norm where they are redundant; 0 elsewhere. Leaves the
-   marked contacts in c->list and returns their number. */
+/* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
+   Leaves the rows in c->list and returns their number. */
 static int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     amount[i] = 0;
     if (marked[i]) c->list[n++] = i;
   }
+  n = mg_list_joints(c, c->list, n);
   if (n == 1) {
     const mg_real weight = mg_weigh(c, c->list[0]);
     amount[c->list[0]] = weight > 0 ? -rate[c->list[0]] / weight : 0;

@@ -9,7 +9,7 @@ enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
 
 enum { MG_FLAT = 1, MG_ROUND = 2 };
 
-enum { MG_NONE = 0, MG_LOCAL = 1, MG_CHART = 2, MG_CURVE = 3, MG_SIGNED_CURVE = 4, MG_SIGN = 5 };
+enum { MG_NONE = 0, MG_LOCAL = 1, MG_CHART = 2, MG_CURVE = 3, MG_SIGNED_CURVE = 4, MG_SIGN = 5, MG_TURN = 6 }; /* MG_TURN: the angle of a joint, whole turns counted */
 
 typedef struct {
   int motion; /* MG_FIXED .. MG_FREE */
@@ -28,6 +28,11 @@ typedef struct {
 } mg_load_kind;
 
 typedef struct {
+  int n_rows, n_coordinates, n_parameters;
+  int prescribed; /* its rows depend on time: it does work */
+} mg_joint_kind;
+
+typedef struct {
   int dimension; /* 2 surface, 1 curve, 0 point */
   int foot;      /* MG_FLAT, MG_ROUND: the nearest point of a plane, of a sphere about its origin; else 0 */
 } mg_shape_kind;
@@ -43,6 +48,11 @@ static void mg_body_path(int kind, const mg_real *t, const mg_real *parameters, 
 static void mg_load_wrench(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
                            const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
                            mg_real *wrench_a, mg_real *wrench_b);
+static void mg_joint_rows(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
+                          const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters, mg_real *value,
+                          mg_real *J, mg_real *gamma, mg_real *bias); /* J: 12 a row, a then b */
+static void mg_joint_coordinates(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
+                                 mg_real *coordinate);
 static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
                            mg_real *direction); /* exterior normal, tangent of any length, or nothing */
 static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,

@@ -29,6 +29,7 @@ static void mg_ledger(mg_context *c) {
   const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_index];
   mg_raise(&run->energy_error_max, fabs(error));
   mg_raise(&run->kinetic_max, kinetic);
+  if (s->n_row) mg_watch_joints(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
     mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));

@@ -15,7 +15,7 @@
 /* The index of the body if the scene is of this kind now, else -1. */
 static int mg_lone(const mg_context *c) {
   const mg_system *s = c->sys;
-  if (!MG_LONE || s->n_contact != 1 || s->n_load || c->moving != 1 || c->driven || !c->run->active[0]) return -1;
+  if (!MG_LONE || s->n_contact != 1 || s->n_row || s->n_load || c->moving != 1 || c->driven || !c->run->active[0]) return -1;
   const int body = c->f[0];
   return mg_body_kinds[mg_kind_of(c, body)].motion == MG_FREE ? body : -1;
 }

@@ -5,14 +5,15 @@
    once and mg_advance until it answers MG_DONE. Nothing here allocates, prints or keeps static state.
 
    Units are SI. Vectors are in world axes except angular velocities and torques, which are in body axes.
-   The state is x = [q of all bodies, u of all bodies, eta of all contacts, work]. */
+   The state is x = [q of all bodies, u of all bodies, eta of all contacts, work].
+   A limit of a joint is a contact without shapes, on a link of its own. */
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 2
+#define MG_ABI 3
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -27,6 +28,7 @@ typedef struct {
   int n_body, n_contact, n_load, n_pair, n_link;
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
+  int n_joint, n_row; /* joints, and the rows of all of them */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
@@ -36,6 +38,7 @@ typedef struct {
   const int *side_shape, *side_parameters, *side_numbers; /* two a link: kind of shape, its parameters, numbers */
   const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, or -1 */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
+  const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
   const mg_real *restitution;  /* one a contact, 0..1 */
   const mg_real *parameters;
@@ -57,6 +60,7 @@ typedef struct {
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
+  mg_real start_joint;    /* joints that fit at the start to start_joint * length are brought together, others refused */
   mg_real drift;          /* d beyond drift * length (d_dot: / time) is projected away */
   mg_real rest_speed;     /* approach below rest_speed * length / time is caught without bounce */
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
@@ -80,7 +84,7 @@ typedef struct {
 } mg_settings;
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
-       MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, /* the start is refused */
+       MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */
        MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24,
        MG_TOO_MANY_CLOSED = 25 };
 
@@ -101,7 +105,12 @@ typedef struct {
   mg_real t_event;        /* time of the last transition */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
+  mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
+  mg_real joint_margin_min, joint_margin_t; /* least part of its own that an independent row of a joint has, 0..1; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
+  int failed_joint;       /* the joint that fits worst at the start, or -1 */
+  int joint_margin;       /* the joint with the least margin, or -1 */
+  int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
 } mg_run;
 
 typedef struct {          /* caller's arrays for the samples; t is given, count advances */
@@ -110,6 +119,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   mg_real *pose, *twist;  /* 12 and 6 a body */
   mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3; gap of none: NAN */
   int *link;              /* per contact */
+  mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
+  mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
   mg_real *energy, *work;
 } mg_record;
 
@@ -162,6 +173,10 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
 /* The right-hand side at (t, x) with the run's active set; x_dot has the length of x. */
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,
                         const mg_real *x, mg_real *x_dot, mg_real *work, int *iwork);
+
+/* How many rows of each joint are independent of those of the joints before it, at the run's state. */
+MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
+                           int *iwork);
 
 /* The poses of all bodies at the run's state, 12 a body. */
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,

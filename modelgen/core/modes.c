@@ -25,23 +25,22 @@ static int mg_choose_active(mg_context *c, const int *skip) {
   for (int i = 0; i < m; i++)
     if (c->run->closed[i] && !skip[i]) c->list[n++] = i;
   if (n == 0) return MG_DONE;
-  mg_assemble(c, c->list, n);
-  for (int r = 0; r < n; r++) c->b[r] = mg_separation(c, c->list[r]), c->mask[r] = 1;
-  mg_qp(n, c->A, c->b, c->set->lcp_iterations, c->z, c->mask, &report, c->lcp, c->lcp_i);
-  c->run->lcp_solves++;
+  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = mg_separation(c, i);
+  for (int r = 0; r < n; r++) c->rate[c->list[r]] = mg_separation(c, c->list[r]), c->mask[r] = 1;
+  if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
   if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
-  if (report.outcome != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
   for (int r = 0; r < n; r++) c->run->active[c->list[r]] = c->mask[r] != 0, carrying += c->mask[r] != 0;
   if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;
   mg_refresh(c);
   return MG_DONE;
 }
 
-/* True if the active contacts hold this one's gap as well, so that it rests without force. */
+/* True if the active contacts and the joints hold this one's gap as well, so that it rests without force. */
 static int mg_held_by_others(mg_context *c, int contact) {
   int n = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) c->list[n++] = i;
+  n = mg_list_joints(c, c->list, n);
   c->list[n++] = contact;
   mg_assemble(c, c->list, n);
   const mg_real *column = c->A + (long)n * (n - 1);

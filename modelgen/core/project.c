@@ -5,6 +5,8 @@ static mg_real mg_largest(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
+  for (int i = c->bilateral; i < c->n_rows; i++)
+    if (fabs(value[i]) > largest) largest = fabs(value[i]);
   return largest;
 }
 
@@ -12,9 +14,9 @@ static void mg_clear(mg_context *c) {
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
 }
 
-/* M^-1 J^T z with A z = -value over the closed contacts, six numbers a body, in c->wrench. */
-static void mg_correction(mg_context *c, const mg_real *value) {
-  const int n = mg_hold(c, c->run->closed, value, c->amount);
+/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. */
+static void mg_correction(mg_context *c, const int *marked, const mg_real *value) {
+  const int n = mg_hold(c, marked, value, c->amount);
   mg_clear(c);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
 }
@@ -52,13 +54,13 @@ static void mg_push(mg_context *c) {
 static int mg_project(mg_context *c) {
   const mg_real drift = c->set->drift * c->sys->length;
   if (mg_largest(c, c->d) > drift) {
-    mg_correction(c, c->d);
+    mg_correction(c, c->run->closed, c->d);
     mg_move(c);
     if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
     mg_refresh(c);
   }
   if (mg_largest(c, c->d_dot) > drift / c->sys->time) {
-    mg_correction(c, c->d_dot);
+    mg_correction(c, c->run->closed, c->d_dot);
     mg_push(c);
     mg_refresh(c);
   }
@@ -69,11 +71,33 @@ static int mg_project(mg_context *c) {
 static int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
     if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
-    mg_correction(c, c->d);
+    mg_correction(c, c->run->closed, c->d);
     mg_move(c);
     for (int extra = 0; extra < 3; extra++)
       if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
     mg_refresh(c);
   }
+  return 1;
+}
+
+/* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
+static void mg_join_velocities(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = 0;
+  mg_correction(c, c->falling, c->d_dot);
+  mg_push(c);
+  mg_refresh(c);
+}
+
+/* Needs the rows at run->x. Notes how well the joints fit, and brings the given start onto them; returns 0 where they
+   do not fit. */
+static int mg_start_joints(mg_context *c) {
+  mg_run *run = c->run;
+  if (!c->sys->n_row) return 1;
+  run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);
+  if (!(run->joint_error_max <= c->set->start_joint * c->sys->length)) return 0;
+  run->failed_joint = mg_worst_joint(c, c->d_dot, &run->joint_speed);
+  mg_join_velocities(c);
+  if (!mg_project_start(c)) return 0;
+  mg_join_velocities(c);
   return 1;
 }

@@ -18,6 +18,20 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
   mg_copy(record->point_f + 3 * k, c->place + 11, 3);
 }
 
+/* What a joint does to its second body, and where it stands. */
+static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
+  const mg_system *s = c->sys;
+  const long k = (long)row * s->n_joint + joint;
+  const int kind = s->joint_kind[joint], first = c->bilateral + s->joint_row[joint];
+  mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
+  for (int j = 0; j < 6; j++) wrench[j] = 0;
+  for (int i = first; i < first + mg_joint_kinds[kind].n_rows; i++)
+    for (int j = 0; j < 6; j++) wrench[j] += c->force[i] * c->J[12 * i + 6 + j];
+  for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
+  mg_joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
+                       s->parameters + s->joint_parameters[joint], coordinate);
+}
+
 static mg_real mg_energy_of(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
   c->run->x = x;
@@ -35,6 +49,7 @@ static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   mg_copy(record->twist + row * 6 * s->n_body, c->twist, 6 * s->n_body);
   mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
+  for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   record->energy[row] = mg_energy_of(c, x);
   record->work[row] = x[c->work_index];
 }

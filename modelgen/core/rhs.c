@@ -1,19 +1,22 @@
-/* The smooth right-hand side within one mode: the active contacts hold their gap's acceleration at zero. */
+/* The smooth right-hand side within one mode: the active contacts hold their gap's acceleration at zero, the joints
+   that of their rows (2.6). */
 #include "core.h"
 
 /* Forces on the active contacts: A force = -(J a + Gamma2), the unconstrained accelerations a in c->accel. */
 static void mg_forces(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) c->rate[i] = mg_separation(c, i);
+  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = mg_separation(c, i);
   const int n = mg_hold(c, c->run->active, c->rate, c->force);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->force[c->list[r]], c->accel);
 }
 
-/* Power that driven bodies put into the moving ones through the contacts. */
+/* Power that driven bodies and given motions put into the moving bodies through contacts and joints. */
 static mg_real mg_driven_power(const mg_context *c) {
   mg_real power = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) power -= c->force[i] * mg_driven_rate(c, i);
+  for (int i = c->bilateral; i < c->n_rows; i++) power -= c->force[i] * mg_driven_rate(c, i);
   return power;
 }
 
@@ -22,14 +25,15 @@ static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   mg_poses(c, t, x);
   mg_accelerations(c, t, x, x_dot);
   mg_rates(c, x);
+  mg_joint_rates(c, t);
   mg_forces(c);
   for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
   for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
-  if (c->driven) x_dot[c->work_index] += mg_driven_power(c);
+  if (c->driven || c->prescribed) x_dot[c->work_index] += mg_driven_power(c);
   c->run->rhs_evals++;
 }
 
-/* d_ddot of one contact under the accelerations last computed. */
+/* d_ddot of one row under the accelerations last computed. */
 static mg_real mg_separation(const mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
 
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,

@@ -65,9 +65,10 @@ static void mg_eta_reach(const mg_context *c, int contact, mg_real *reach) {
   for (int side = 0, at = 0; side < 2; side++) {
     const int carrier = carriers[side], points = carrier == MG_LOCAL ? 3 : 0;
     const int free = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
-    const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
+    const int turns = carrier == MG_TURN, signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < points; k++) reach[at++] = c->sys->length / 2;
     for (int k = 0; k < free; k++) reach[at++] = (mg_real)0.25;
+    for (int k = 0; k < turns; k++) reach[at++] = 4;
     for (int k = 0; k < signs; k++) reach[at++] = MG_MAX;
   }
 }

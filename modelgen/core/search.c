@@ -107,11 +107,12 @@ static int mg_is_outdone(mg_context *c, int link, mg_real d) {
 
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept) {
   const int n_eta = mg_contact_kinds[c->sys->link_kind[link]].n_eta;
-  const int known = n_eta == 0 || mg_carrier(c, link, 0) == MG_SIGN || mg_contact_kinds[c->sys->link_kind[link]].seeks;
+  const int turn = mg_carrier(c, link, 0) == MG_TURN;
+  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || mg_contact_kinds[c->sys->link_kind[link]].seeks;
   mg_starts *starts = &c->starts;
   mg_found found;
   starts->count = 1;
-  for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0;
+  for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
     if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;

@@ -23,6 +23,7 @@ from modelgen.model import (
     ShapeKind,
 )
 from modelgen.require.following import Following, confined, following
+from modelgen.require.joints import joined
 from modelgen.require.links import Whole, links_of
 from modelgen.require.masses import (
     Mass,
@@ -89,22 +90,29 @@ def require(scene: Scene) -> Model:
     contact_kinds: Vocabulary[ContactKind] = Vocabulary()
     touching = _touching(scene, pieces, names, shape_kinds, contact_kinds)
     load_kinds: Vocabulary[LoadKind] = Vocabulary()
-    loads = _load_entries(scene, pieces, load_kinds)
+    scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+    contact_eta = sum(entry.room for entry in touching.contacts)
+    joints = joined(scene, [piece.centre for piece in pieces], scales.length, contact_eta, load_kinds)
+    loads = (*_load_entries(scene, pieces, load_kinds), *joints.springs)
     return Model(
         scene=scene,
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
         contact_kinds=contact_kinds.kinds,
         load_kinds=load_kinds.kinds,
+        joint_kinds=joints.joint_kinds,
+        limit_kinds=joints.limit_kinds,
         bodies=bodies,
         pairs=touching.pairs,
         links=touching.links,
         contacts=touching.contacts,
         loads=loads,
+        joints=joints.joints,
+        limits=joints.limits,
         n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
         n_u=sum(U_SIZE[piece.motion] for piece in pieces),
-        n_eta=sum(entry.room for entry in touching.contacts),
-        scales=scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass]),
+        n_eta=contact_eta + sum(entry.room for entry in joints.limits),
+        scales=scales,
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),
@@ -124,7 +132,9 @@ def _piece(scene: Scene, index: int) -> Piece:
     motion = motion_of(scene, body, mass)
     if motion == "free" and mass is not None and mass.inertia is None:
         raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
-    return Piece(body, motion, mass, any(body.name in bodies_of(load) for load in scene.loads))
+    sprung = any(body.name in joint.between for joint in scene.joints if joint.is_sprung)
+    loaded = sprung or any(body.name in bodies_of(load) for load in scene.loads)
+    return Piece(body, motion, mass, loaded)
 
 
 def _body_entries(

@@ -61,6 +61,7 @@ def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
         return "driven" if body.motion == "driven" else "fixed"
     turns = (
         _is_watched(scene, body)
+        or any(body.name in joint.between for joint in scene.joints)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
         or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(scene, body))
     )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from modelgen.model import BodyKind, ContactKind, LoadKind, ShapeKind
+from modelgen.model import BodyKind, ContactKind, JointKind, LimitKind, LoadKind, ShapeKind
 
-Kind = TypeVar("Kind", BodyKind, ContactKind, LoadKind, ShapeKind)
+Kind = TypeVar("Kind", BodyKind, ContactKind, JointKind, LimitKind, LoadKind, ShapeKind)
 
 
 class Vocabulary(Generic[Kind]):

@@ -23,6 +23,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "tolerance": 8,
         "gap": 16,
         "start_gap": 64,
+        "start_joint": 64,
         "drift": 4,
         "rest_speed": 16,
         "rest_acceleration": 64,
@@ -56,6 +57,7 @@ class Accuracy:
         use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
         gap: |d| <= gap L counts as touching.
         start_gap: the same at t = 0; deeper penetration is refused.
+        start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
         rest_speed: approach below rest_speed L/T is caught without bounce.
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
@@ -87,6 +89,7 @@ class Accuracy:
     use_gamma: bool = True
     gap: float = 1e-10
     start_gap: float = 1e-8
+    start_joint: float = 1e-6
     drift: float = 1e-15
     rest_speed: float = 1e-6
     rest_acceleration: float = 1e-10

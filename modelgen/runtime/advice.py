@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
 
 
@@ -35,4 +36,4 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
             f"contact forces are not unique: {redundant} more contacts carried force than have independent "
             "rows; the motion is unique, the forces given are those of minimum norm"
         )
-    return tuple(found)
+    return (*found, *joint_warnings(session, accuracy))

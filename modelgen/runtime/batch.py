@@ -92,4 +92,4 @@ def _refuse(session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure]
     for index, (code, run) in enumerate(zip(codes.tolist(), runs, strict=True)):
         if code in REFUSED:
             session.x[:], session.link[:-1] = kept["x"][index], kept["link"][index][:-1]
-            raise refusal(session, code, run.failed_contact, f"run {index}, ")
+            raise refusal(session, code, run, f"run {index}, ")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from modelgen.runtime.joints import joint_columns
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import RECORD_ARRAYS, Array, address
 
@@ -15,18 +16,20 @@ class Recording:
     """Room for one sample at each of `times`, filled by the core."""
 
     def __init__(self, session: Session, times: Array) -> None:
-        n, nb, nc = len(times), session.n_body, session.n_contact
+        n, nb, nc, nj = len(times), session.n_body, session.n_contact, len(session.joints)
         n_eta = session.sentence["n_eta"]
         shapes: dict[str, tuple[int, ...]] = {
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
+            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
             name: np.zeros(shapes[name], dtype=np.intc if name == "link" else session.tables.dtype)
             for name in RECORD_ARRAYS
         }
         self.arrays["t"][:] = times
+        self.session = session
         self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
 
     def columns(self) -> dict[str, Any]:
@@ -40,6 +43,7 @@ class Recording:
             "v": kept["twist"][..., :3],
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
             **{name: kept[name] for name in ("eta", "force", "gap", "link", "energy", "work")},
+            **joint_columns(self.session, kept, rotation),
             "points_o": kept["point_o"],
             "points_f": kept["point_f"],
             "normals": kept["normal"],

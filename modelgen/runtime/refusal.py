@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from modelgen.errors import SimulationError
 
 if TYPE_CHECKING:
     from modelgen.runtime.session import Session
 
-PENETRATION, NO_EXTREMUM, NO_SIDE = 10, 11, 12
-REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE)
+PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13
+REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART)
 
 
-def refusal(session: Session, code: int, contact: int, run: str = "") -> SimulationError:
-    """The error of a code at the session's state; `run` says which of several runs it is."""
-    where = f"{run}contact {session.contacts[contact]!r}"
+def refusal(session: Session, code: int, run: Any, label: str = "") -> SimulationError:
+    """The error of the code of an mg_run at the session's state; `label` says which of several runs it is."""
+    if code == JOINT_APART:
+        return _apart(session, run, label)
+    contact = int(run.failed_contact)
+    where = f"{label}contact {session.contacts[contact]!r}"
     if code == NO_EXTREMUM:
         return SimulationError(
             where,
@@ -30,6 +33,8 @@ def refusal(session: Session, code: int, contact: int, run: str = "") -> Simulat
             "a gap, or a contact that says on which side the second curve lies",
             "give the contact a normal, from the first curve to the second",
         )
+    if contact >= len(session.sentence["contacts"]):
+        return _beyond(session, contact, label)
     d = session.settle(contact)["d"]
     allowed = session.settings.start_gap * session.system.length
     return SimulationError(
@@ -37,4 +42,25 @@ def refusal(session: Session, code: int, contact: int, run: str = "") -> Simulat
         f"the bodies interpenetrate at the start by {-float(d):.3g} m",
         f"at most {float(allowed):.3g} m",
         "move them apart",
+    )
+
+
+def _apart(session: Session, run: Any, label: str) -> SimulationError:
+    """Of the joint whose frames are farthest from what its kind allows."""
+    return SimulationError(
+        f"{label}joint {session.joints[run.failed_joint]!r}",
+        f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m",
+        f"at most {float(session.settings.start_joint * session.system.length):.3g} m",
+        "move them to where the joint holds, or give the joint by one frame in the world at the start",
+    )
+
+
+def _beyond(session: Session, contact: int, label: str) -> SimulationError:
+    """Of a limit that the start is past."""
+    joint, end = session.contacts[contact].rsplit(":", 1)
+    return SimulationError(
+        f"{label}joint {joint!r}",
+        f"at the start it is past its limit ({end}imum)",
+        "a start within the limits",
+        "move the bodies or the limit",
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.joints import redundancy
 from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
@@ -27,10 +28,11 @@ class Session:
         self.sentence: Mapping[str, Any] = library.manifest.sentence
         self.tables = Tables(library.dtype)
         sentence = self.sentence
-        self.contacts = [c["name"] for c in sentence["contacts"]]
+        self.contacts = [c["name"] for c in (*sentence["contacts"], *sentence["limits"])]
+        self.joints = [joint["name"] for joint in sentence["joints"]]
         n_contact, n_body = len(self.contacts), len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
-        self.system, self._kept = fill_system(self.tables, sentence, self._scales(library))
+        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales(library))
         self.settings = fill_settings(self.tables, accuracy)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]
@@ -40,7 +42,7 @@ class Session:
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
         self.run = self.tables.Run()
         self.link = np.full(n_contact + 1, -1, dtype=np.intc)
-        self.moved = self._reals(len(sentence["pairs"]) + 1)
+        self.moved = self._reals(len(sentence["pairs"]) + len(sentence["limits"]) + 1)
         for name in RUN_ARRAYS:
             setattr(self.run, name, address(getattr(self, name)))
         self.n_body, self.n_contact = n_body, n_contact
@@ -112,19 +114,26 @@ class Session:
         ]
 
     def _features(self, link: int) -> str:
-        return str(self.sentence["links"][link]["name"]) if link >= 0 else ""
+        links = self.sentence["links"]
+        return str(links[link]["name"]) if 0 <= link < len(links) else ""
 
     def begin(self) -> None:
         """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""
         code = self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
         if code in REFUSED:
-            raise refusal(self, code, self.run.failed_contact)
+            raise refusal(self, code, self.run)
+        self.redundant_joints = redundancy(self) if self.joints else []
         self.start_code = code
+
+    def ranks(self) -> list[int]:
+        """How many rows of each joint are independent of those of the joints before it."""
+        rank = np.zeros(len(self.joints) + 1, dtype=np.intc)
+        self.library.cdll.mg_joint_ranks(*self._head, ctypes.c_void_p(address(rank)), *self._scratch)
+        return [int(n) for n in rank[:-1]]
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
-        n = self.sentence["contacts"]
-        start = n[contact]["eta"]
+        start = (*self.sentence["contacts"], *self.sentence["limits"])[contact]["eta"]
         size = sum(ETA_SIZE[kind] for kind in self.layout(contact))
         local = np.array(self.eta[start : start + size] if eta is None else eta, dtype=self.tables.dtype)
         out = {"d": 1, "residual": 2, "margin": 2, "normal": 3, "point_o": 3, "point_f": 3}
@@ -137,7 +146,7 @@ class Session:
     def layout(self, contact: int) -> list[str]:
         """What carries eta on each side of a contact: a key of ETA_SIZE; nothing where it is on no link."""
         link = int(self.link[contact])
-        if link < 0:
+        if not 0 <= link < len(self.sentence["links"]):
             return []
         kind = self.sentence["links"][link]["kind"]
         return list(self.library.manifest.kinds["contact"][kind]["eta"])

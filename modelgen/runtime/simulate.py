@@ -12,6 +12,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy, is_number
 from modelgen.runtime.advice import warnings
+from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
@@ -115,13 +116,16 @@ def _trajectory(
 ) -> Trajectory:
     run, manifest = session.run, session.library.manifest
     failed = run.failed_contact
-    kinds = (kind["name"] for group in ("body", "contact", "load") for kind in manifest.kinds[group])
+    groups = ("body", "contact", "load", "joint", "limit")
+    kinds = (kind["name"] for group in groups for kind in manifest.kinds[group])
     return Trajectory(
         scene=session.sentence["name"],
         **recording.columns(),
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
-        link_names=tuple(link["name"] for link in session.sentence["links"]),
+        link_names=(*(e["name"] for e in session.sentence["links"]), *("" for _ in session.sentence["limits"])),
+        joint_names=tuple(session.joints),
+        coordinate_names=coordinate_names(session),
         events=tuple(events),
         outcome=outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
@@ -132,6 +136,7 @@ def _trajectory(
         wall_s=wall,
         energy_drift=session.energy_drift(run),
         gap_max=float(run.gap_max),
+        joint_error_max=float(run.joint_error_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),

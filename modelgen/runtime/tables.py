@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
 from modelgen.runtime.sides import Sides, append
 
@@ -15,7 +16,7 @@ Array = np.ndarray[Any, Any]
 
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
-    *("n_q", "n_u", "n_eta", "n_closed"),
+    *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -25,11 +26,12 @@ SYSTEM_INDICES = (
     *("side_shape", "side_parameters", "side_numbers"),
     *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
+    *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
 )
 SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
-    *("step", "tolerance", "gap", "start_gap", "drift", "rest_speed", "rest_acceleration"),
+    *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "depth", "step_min"),
     *("margin_refuse", "lost", "apart", "reach", "search", "flat", "border"),
 )
@@ -47,9 +49,12 @@ RUN_COUNTS = (
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
+    *("joint_error_max", "joint_speed", "joint_margin_min", "joint_margin_t"),
 )
+RUN_INTEGERS = ("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max")
 RECORD_ARRAYS = (
-    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link", "energy", "work"),
+    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
+    *("joint_wrench", "coordinate", "energy", "work"),
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
@@ -85,7 +90,7 @@ class Tables:
             + [(n, pointer) for n in RUN_ARRAYS]
             + [(n, ctypes.c_long) for n in RUN_COUNTS]
             + [(n, real) for n in RUN_REALS]
-            + [("failed_contact", integer)],
+            + [(n, integer) for n in RUN_INTEGERS],
         )
         self.Record = _structure(
             "Record",
@@ -119,13 +124,16 @@ def address(array: Array) -> int:
     return int(array.ctypes.data)
 
 
-def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tuple[Any, list[Array]]:
-    """The mg_system of a sentence, and the arrays that it points into, which must outlive it."""
-    bodies, links, loads = sentence["bodies"], sentence["links"], sentence["loads"]
-    contacts, pairs = sentence["contacts"], sentence["pairs"]
+def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, list[Array]]:
+    """The mg_system of a manifest's sentence, and the arrays that it points into, which must outlive it."""
+    sentence = manifest.sentence
+    bodies, loads, joints, limits = (sentence[key] for key in ("bodies", "loads", "joints", "limits"))
+    links, contacts, pairs = sentence["links"], sentence["contacts"], sentence["pairs"]
     parameters: list[float] = []
-    starts = [append(parameters, entry["parameters"]) for entry in (*bodies, *links, *loads)]
-    of_bodies, of_links = starts[: len(bodies)], starts[len(bodies) : len(bodies) + len(links)]
+    of_bodies, of_links, of_loads, of_joints, of_limits = (
+        [append(parameters, entry["parameters"]) for entry in group]
+        for group in (bodies, links, loads, joints, limits)
+    )
     sides = Sides(links, parameters, float(np.finfo(tables.dtype).max))
     integers: dict[str, list[int]] = {
         "body_kind": [b["kind"] for b in bodies],
@@ -142,21 +150,28 @@ def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tu
         "load_kind": [entry["kind"] for entry in loads],
         "load_a": [entry["bodies"][0] for entry in loads],
         "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
-        "load_parameters": starts[len(bodies) + len(links) :],
+        "load_parameters": of_loads,
+        **{f"joint_{key}": [entry[key] for entry in joints] for key in ("kind", "a", "b", "row")},
+        "joint_parameters": of_joints,
     }
+    _add_limits(integers, limits, of_limits)
     reals = {
         "mass_inverse": [value for b in bodies for value in b["mass_inverse"]],
-        "restitution": [pairs[c["pair"]]["restitution"] for c in contacts],
+        "restitution": [
+            *(pairs[c["pair"]]["restitution"] for c in contacts),
+            *(limit["restitution"] for limit in limits),
+        ],
         "parameters": parameters,
         "numbers": sides.numbers,
-        "pair_normal": [value for p in pairs for value in p["normal"] or (0.0, 0.0, 0.0)],
+        "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
     }
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    sizes = (len(bodies), len(contacts), len(loads), len(pairs), len(links))
+    n = len(limits)
+    sizes = (len(bodies), len(contacts) + n, len(loads), len(pairs) + n, len(links) + n)
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    system = tables.System(*sizes, *states, _room(sentence))
+    system = tables.System(*sizes, *states, _room(sentence), len(joints), row_count(manifest))
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
@@ -168,7 +183,33 @@ def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tu
 def _room(sentence: Mapping[str, Any]) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
-    return min(len(sentence["contacts"]), max(ROOM, ROOM_PER_BODY * moving))
+    many = len(sentence["contacts"]) + len(sentence["limits"])
+    return min(many, max(ROOM, ROOM_PER_BODY * moving))
+
+
+def row_count(manifest: Manifest) -> int:
+    """Rows of all joints."""
+    kinds = manifest.kinds["joint"]
+    return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.sentence["joints"])
+
+
+def _add_limits(
+    integers: dict[str, list[int]], limits: Sequence[Mapping[str, Any]], parameters: list[int]
+) -> None:
+    """Each limit is a contact, with a pair and a link of its own behind those with shapes."""
+    for limit, start in zip(limits, parameters, strict=True):
+        pair, link = len(integers["pair_search"]), len(integers["link_kind"])
+        rows = {
+            **{"contact_pair": pair, "contact_eta": limit["eta"], "contact_link": link},
+            **{"pair_contact": len(integers["contact_pair"]) + 1, "pair_link": link + 1, "pair_search": 0},
+            **{"link_kind": limit["kind"], "link_o": limit["o"], "link_f": limit["f"], "link_pair": pair},
+            **{"link_group": -1, "link_parameters": start},
+            "link_condition": integers["link_condition"][-1],
+        }
+        for name, value in rows.items():
+            integers[name].append(value)
+        for name in ("side_shape", "side_parameters", "side_numbers"):
+            integers[name] += [0, 0]
 
 
 def fill_settings(tables: Tables, accuracy: Any) -> Any:

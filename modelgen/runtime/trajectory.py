@@ -82,11 +82,16 @@ class Trajectory:
     points_o: Array  # (n, nc, 3) m
     points_f: Array  # (n, nc, 3) m
     normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
+    joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
+    joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
+    coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
     energy: Array  # (n,) J
     work: Array  # (n,) J, of loads, driven bodies and impacts
     body_names: tuple[str, ...]
-    contact_names: tuple[str, ...]
+    contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
     link_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
+    joint_names: tuple[str, ...]
+    coordinate_names: tuple[str, ...]  # "elbow.angle"
     events: tuple[Event, ...]
     outcome: Outcome
     outcome_contact: str
@@ -97,6 +102,7 @@ class Trajectory:
     wall_s: float
     energy_drift: float
     gap_max: float
+    joint_error_max: float  # m, largest deviation from the joints' equations at an accepted step
     complementarity_max: float
     margin_min: float
     redundant_max: int  # most active contacts beyond the rank of their rows; their forces have minimum norm
@@ -127,6 +133,7 @@ class Trajectory:
             "wall_s": self.wall_s,
             "energy_drift": self.energy_drift,
             "gap_max": self.gap_max,
+            "joint_error_max": self.joint_error_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
@@ -144,6 +151,19 @@ class Trajectory:
                 for i, name in enumerate(self.body_names)
                 if last >= 0
             },
+            "joints": {
+                name: {
+                    "force": self.joint_force[last, i].tolist(),
+                    "torque": self.joint_torque[last, i].tolist(),
+                    "coordinates": self._coordinates_of(name, last),
+                }
+                for i, name in enumerate(self.joint_names)
+                if last >= 0
+            },
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
         }
+
+    def _coordinates_of(self, joint: str, sample: int) -> dict[str, float]:
+        pairs = zip(self.coordinate_names, self.coordinates[sample].tolist(), strict=True)
+        return {name.rsplit(".", 1)[1]: value for name, value in pairs if name.rsplit(".", 1)[0] == joint}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.scene import links
+from modelgen.scene import joints, links
 from modelgen.scene.bodies import read_body, unique_names
 from modelgen.scene.format import RUN, SCENE
 from modelgen.scene.place import Place
@@ -25,6 +25,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     if not bodies:
         raise place.key("body").error("no body", "a scene has one body or more", "add a [[body]]")
     unique_names(bodies, place.key("body"))
+    bodies = joints.with_world(bodies, values["joint"])
     known = {body.name: body for body in bodies}
     run = values["run"] or RUN.read({}, place.key("run"))
     return Scene(
@@ -33,6 +34,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         bodies=bodies,
         contacts=links.contacts(values["contact"], known),
         loads=links.loads(values, known),
+        joints=joints.joints(values["joint"], known),
         gravity=values["gravity"],
         observe=links.observed(values["observe"], known, place.key("observe")),
         fold=values["fold"],

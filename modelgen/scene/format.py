@@ -9,7 +9,7 @@ from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
-from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
+from modelgen.scene.scalars import LIMIT, NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 
@@ -174,6 +174,57 @@ FORCE = Table(
 
 TORQUE = Table((_LOADED, Field("torque", _formulas(_LOAD_DOC), "components, N m", required=True), _FRAME))
 
+_BETWEEN = Field("between", Sequence(NAME, 2), 'names of two bodies; "world" is a body at rest', required=True)
+_JOINT_FRAMES = (
+    Field("name", NAME, "name of the joint, unique in the scene; its bodies' names and kind if absent"),
+    _BETWEEN,
+    *POSE_FIELDS,
+    Field(
+        "frames", Sequence(Table(POSE_FIELDS, _ORIENTATION), 2),
+        "the frame in each body, in its axes; without it, position and orientation give it in the world at t = 0",
+    ),
+)
+_LIMITS = (
+    Field(
+        "limits", Sequence(LIMIT, 2),
+        'least and largest coordinate, rad or m; "none" where there is no bound', default=(None, None),
+    ),
+    Field("restitution", Real(0.0, 1.0), "coefficient of restitution at the limits", default=0.0),
+)
+_SPRUNG = (
+    Field("stiffness", _NOT_NEGATIVE, "of a spring along the coordinate, N/m or N m/rad", default=0.0),
+    Field("damping", _NOT_NEGATIVE, "along the coordinate, N s/m or N m s/rad", default=0.0),
+    Field("rest", NUMBER, "coordinate at which the spring has no force, m or rad", default=0.0),
+)
+_MOTION = Field("motion", ExpressionText("expression of t"), "the coordinate as an expression of t, rad or m")
+_LEAD = Field("lead", Real(), "displacement a turn, m; negative: left-handed", required=True)
+_DISTANCE = Field("distance", POSITIVE, "between the origins of the frames, m", required=True)
+_TEETH = Field("teeth", Sequence(Whole(-10000, 10000), 2), "n_a turn_a + n_b turn_b = 0", required=True)
+
+_JOINT_KEYS: Mapping[str, tuple[Field, ...]] = {
+    "revolute": (*_LIMITS, *_SPRUNG, _MOTION),
+    "prismatic": (*_LIMITS, *_SPRUNG, _MOTION),
+    "cylindrical": (*_LIMITS, *_SPRUNG),
+    "spherical": (),
+    "universal": (*_LIMITS, *_SPRUNG),
+    "planar": (),
+    "weld": (),
+    "screw": (_LEAD, *_LIMITS, *_SPRUNG, _MOTION),
+    "distance": (_DISTANCE,),
+    "rope": _LIMITS,
+    "gear": (_TEETH,),
+}
+_FRAME_OR_FRAMES = tuple((key, "frames") for key in ("position", *ORIENTATIONS))
+
+JOINT = Tagged(
+    "kind",
+    "what the two frames of the joint may do",
+    {
+        kind: Table((*_JOINT_FRAMES, *keys), (*_ORIENTATION, *_FRAME_OR_FRAMES))
+        for kind, keys in _JOINT_KEYS.items()
+    },
+)
+
 SPRING = Table(
     (
         Field("between", Sequence(NAME, 2), "names of two bodies", required=True),
@@ -200,6 +251,7 @@ SCENE = Table(
     (
         Field("body", Several(BODY, label="body"), "the bodies", required=True),
         Field("contact", Several(CONTACT), "pairs of shapes that may touch", default=()),
+        Field("joint", Several(JOINT, label="joint"), "joints between bodies", default=()),
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),

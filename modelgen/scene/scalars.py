@@ -48,6 +48,18 @@ class Real:
         return {"anyOf": [number, text]}
 
 
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A number, or the text "none", which reads to None."""
+
+    def read(self, value: object, place: Place) -> float | None:
+        return None if value == "none" else NUMBER.read(value, place)
+
+    def schema(self) -> Schema:
+        return {"anyOf": [{"const": "none"}, NUMBER.schema()]}
+
+
+LIMIT = Bound()
 POSITIVE = Real(minimum=1.0 / HUGE)
 NUMBER = Real()
 

@@ -167,6 +167,27 @@ class SpringLoad:
     rest_length: float = 0.0  # m
 
 
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """Two frames, one in each of two bodies, that move against each other as the kind allows."""
+
+    name: str
+    kind: str
+    between: tuple[str, str]  # body names
+    frames: tuple[Pose, Pose]  # in the axes of each body as written
+    numbers: tuple[float, ...] = ()  # lead m a turn; distance m; teeth, and both frames' rotations at t = 0
+    limits: tuple[float | None, float | None] = (None, None)  # of the first coordinate, rad or m
+    restitution: float = 0.0  # at the limits
+    stiffness: float = 0.0  # N/m or N m/rad, along the first coordinate
+    damping: float = 0.0  # N s/m or N m s/rad
+    rest: float = 0.0  # m or rad
+    motion: Expression | None = None  # of t: the first coordinate, rad or m
+
+    @property
+    def is_sprung(self) -> bool:
+        return self.stiffness > 0 or self.damping > 0
+
+
 Load = ForceLoad | TorqueLoad | SpringLoad
 
 
@@ -185,6 +206,7 @@ class Scene:
     bodies: tuple[Body, ...]
     contacts: tuple[ContactPair, ...]
     loads: tuple[Load, ...] = ()
+    joints: tuple[Joint, ...] = ()
     gravity: Vector = (0.0, 0.0, -9.81)  # m/s^2
     observe: tuple[str, ...] = ()  # names such as "ball.position"; empty: everything
     fold: bool = False  # numbers become constants of the generated code

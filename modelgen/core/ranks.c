@@ -1,0 +1,58 @@
+/* Which rows of the joints are independent: closed loops may hold a direction twice, and lose one at a dead centre. */
+#include "core.h"
+
+/* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
+   less than `dependent` is passed over. Writes the independent rows of each joint into `rank` unless it is 0; the
+   least part that an independent row has of its own goes to *least, its joint to *which. Returns the rank. */
+static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) {
+  const int n = mg_list_joints(c, c->list, 0);
+  int total = 0;
+  mg_assemble(c, c->list, n);
+  *least = 1, *which = -1;
+  for (int r = 0; r < n; r++) {
+    const mg_real own = c->A[r + n * r];
+    mg_real left = own;
+    for (int k = 0; k < r; k++) {
+      if (!c->bound[k]) continue;
+      mg_real entry = c->A[r + n * k];
+      for (int j = 0; j < k; j++)
+        if (c->bound[j]) entry -= c->A[r + n * j] * c->A[k + n * j];
+      c->A[r + n * k] = entry / c->A[k + n * k];
+      left -= c->A[r + n * k] * c->A[r + n * k];
+    }
+    const int joint = mg_joint_of(c, c->list[r]);
+    c->bound[r] = own > 0 && left > c->set->dependent * own;
+    total += c->bound[r];
+    if (rank) rank[joint] += c->bound[r];
+    if (!c->bound[r]) continue;
+    c->A[r + n * r] = sqrt(left);
+    if (left / own < *least) *least = left / own, *which = joint;
+  }
+  return total;
+}
+
+/* Needs the rows at run->x. */
+static void mg_watch_joints(mg_context *c) {
+  mg_run *run = c->run;
+  mg_real least, off;
+  int which;
+  const int rank = mg_rank_joints(c, 0, &least, &which);
+  mg_worst_joint(c, c->d, &off);
+  if (off > run->joint_error_max) run->joint_error_max = off;
+  if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
+  if (rank > run->rank_max) run->rank_max = rank;
+  if (!(least < run->joint_margin_min)) return;
+  run->joint_margin_min = least, run->joint_margin = which, run->joint_margin_t = run->t;
+}
+
+MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
+                           int *iwork) {
+  mg_context c;
+  mg_real least;
+  int which;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_poses(&c, run->t, run->x);
+  mg_joint_rates(&c, run->t);
+  for (int j = 0; j < system->n_joint; j++) rank[j] = 0;
+  mg_rank_joints(&c, rank, &least, &which);
+}

@@ -1,0 +1,114 @@
+"""Joints in results: forces at their frames, coordinates with whole turns counted, and what is remarkable."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from modelgen.runtime.accuracy import Accuracy
+
+if TYPE_CHECKING:
+    from modelgen.runtime.session import Session
+
+Array = np.ndarray[Any, Any]
+TURN = 2 * np.pi
+
+
+def coordinate_names(session: Session) -> tuple[str, ...]:
+    """`elbow.angle`: every coordinate of every joint."""
+    kinds = session.library.manifest.kinds["joint"]
+    return tuple(
+        f"{joint['name']}.{each['name']}"
+        for joint in session.sentence["joints"]
+        for each in kinds[joint["kind"]]["coordinates"]
+    )
+
+
+def joint_columns(session: Session, kept: Mapping[str, Array], rotation: Array) -> dict[str, Array]:
+    """`joint_force`, `joint_torque` (n, nj, 3), world, on the second body at the origin of its frame, and
+    `coordinates` (n, number of them).
+
+    `rotation`: (n, nb, 3, 3) body -> world.
+    """
+    joints, wrench = session.sentence["joints"], kept["joint_wrench"]
+    force, torque = wrench[..., :3].copy(), np.zeros_like(wrench[..., :3])
+    columns = [np.zeros((len(wrench), 0), dtype=wrench.dtype)]
+    for k, joint in enumerate(joints):
+        turned = rotation[:, joint["b"]]
+        lever = turned @ np.array(joint["anchor"])
+        torque[:, k] = np.einsum("nij,nj->ni", turned, wrench[:, k, 3:]) - np.cross(lever, force[:, k])
+        columns.append(_coordinates(session, k, kept, rotation))
+    return {"joint_force": force, "joint_torque": torque, "coordinates": np.concatenate(columns, axis=1)}
+
+
+def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: Array) -> Array:
+    joint = session.sentence["joints"][k]
+    listed = session.library.manifest.kinds["joint"][joint["kind"]]["coordinates"]
+    values: Array = kept["coordinate"][:, k, : len(listed)].copy()
+    axis = rotation[:, joint["b"]] @ np.array(joint["parameters"][21:24])  # z of the frame in b
+    spins = [np.einsum("nij,nj->ni", rotation[:, joint[s]], kept["twist"][:, joint[s], 3:]) for s in "ab"]
+    rate = np.einsum("ni,ni->n", axis, spins[1] - spins[0])
+    for column, each in enumerate(listed):
+        if each["name"] == "angle":
+            values[:, column] = counted(kept["t"], values[:, column], rate)
+        elif each["measure"] == "angle":
+            values[:, column] = np.unwrap(values[:, column])
+    return values
+
+
+def counted(t: Array, angle: Array, rate: Array) -> Array:
+    """Angles (n,) within half a turn continued through whole turns, each nearest to what the rates foretell."""
+    turns = np.zeros(len(angle), dtype=angle.dtype)
+    for i in range(1, len(angle)):
+        foretold = angle[i - 1] + turns[i - 1] + (rate[i - 1] + rate[i]) / 2 * (t[i] - t[i - 1])
+        turns[i] = TURN * np.round((foretold - angle[i]) / TURN)
+    return angle + turns
+
+
+def joint_warnings(session: Session, accuracy: Accuracy) -> list[str]:
+    """Redundant joints, singular configurations, and velocities at the start that did not fit."""
+    if not session.joints:
+        return []
+    return [*_misfit(session), *session.redundant_joints, *_singular(session, accuracy)]
+
+
+def redundancy(session: Session) -> list[str]:
+    """The joints of which the joints before them hold some rows already, at the session's state."""
+    kinds, found = session.library.manifest.kinds["joint"], []
+    for joint, rank in zip(session.sentence["joints"], session.ranks(), strict=True):
+        rows = int(kinds[joint["kind"]]["rows"])
+        if rank < rows:
+            found.append(
+                f"joint {joint['name']!r} is redundant: {rows - rank} of its {rows} rows follow from the joints "
+                "listed before it; the motion is unique, the joint forces given are those of minimum norm"
+            )
+    return found
+
+
+def _misfit(session: Session) -> list[str]:
+    speed, scales = float(session.run.joint_speed), session.sentence["scales"]
+    if speed <= float(session.settings.start_joint) * scales["length"] / scales["time"]:
+        return []
+    name = session.joints[session.run.failed_joint]
+    return [
+        f"the velocities at the start do not fit joint {name!r} by {speed:.3g} m/s; the nearest ones that fit, "
+        "by kinetic energy, were taken"
+    ]
+
+
+def _singular(session: Session, accuracy: Accuracy) -> list[str]:
+    run = session.run
+    name = session.joints[run.joint_margin] if run.joint_margin >= 0 else ""
+    if 0 <= run.rank_min < run.rank_max:
+        return [
+            f"the joints were singular: their rows had rank {run.rank_min} at some times and {run.rank_max} at "
+            "others, as linkages have at a dead centre; what happens there is not determined by the joints alone"
+        ]
+    if float(run.joint_margin_min) >= accuracy.margin_warn**2:
+        return []
+    return [
+        f"the rows of joint {name!r} came near to depending on those of the joints before it at "
+        f"t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead centre"
+    ]

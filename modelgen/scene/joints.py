@@ -1,0 +1,148 @@
+"""Joints: frames put into their bodies, what follows from the start, and what cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import cos, hypot, sin
+from typing import Any
+
+from modelgen.errors import nearest
+from modelgen.scene.format import PATH_NAMES
+from modelgen.scene.formulas import finite
+from modelgen.scene.place import Place
+from modelgen.scene.pose import read_pose
+from modelgen.scene.turns import conjugate, product, rows_of, turned
+from modelgen.scene.types import Body, Joint, Pose
+
+WORLD = "world"
+Written = Iterable[tuple[Place, Mapping[str, Any]]]
+
+
+def with_world(bodies: tuple[Body, ...], read: Written) -> tuple[Body, ...]:
+    """The bodies, and one at rest named `world` if a joint names it and there is none."""
+    named = any(WORLD in values["between"] for _, values in read)
+    if not named or any(body.name == WORLD for body in bodies):
+        return bodies
+    return (*bodies, Body(WORLD, "fixed"))
+
+
+def joints(read: Written, bodies: Mapping[str, Body]) -> tuple[Joint, ...]:
+    """The joints, each with its frame in both bodies; raises SceneError."""
+    found: dict[str, Joint] = {}
+    for place, values in read:
+        joint = _joint(values, bodies, place)
+        if joint.name in found:
+            raise place.key("name").error(
+                f"the name {joint.name!r} a second time", "each joint has a name of its own", "name both"
+            )
+        found[joint.name] = joint
+    return tuple(found.values())
+
+
+def pose_at_start(body: Body, place: Place) -> Pose:
+    """Of the body's axes in the world at t = 0; a driven body's path comes on top of its pose."""
+    if body.path is None:
+        return body.pose
+    start = {name: 0.0 for name in PATH_NAMES}
+    x, y, z = (finite(each, start, place) for each in body.path.position)
+    vector = [finite(each, start, place) for each in body.path.rotation_vector]
+    angle = hypot(*vector)
+    part = sin(angle / 2) / angle if angle else 0.0
+    turn = (cos(angle / 2), part * vector[0], part * vector[1], part * vector[2])
+    a, b, c = body.pose.position
+    return Pose((a + x, b + y, c + z), product(turn, body.pose.quaternion))
+
+
+def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) -> Joint:
+    _check_between(values["between"], bodies, place.key("between"))
+    first, second = (pose_at_start(bodies[name], place) for name in values["between"])
+    frames = _frames(values, first, second, place)
+    motion = values.get("motion")
+    name = values["name"] or "_".join((*values["between"], values["kind"]))
+    joint = Joint(
+        name,
+        values["kind"],
+        values["between"],
+        frames,
+        _numbers(values, (first, second), frames, place),
+        *(values.get(key, default) for key, default in _OPTIONAL),
+        None if motion is None else place.key("motion").expression(motion, PATH_NAMES),
+    )
+    _check_limits(joint, place)
+    return joint
+
+
+_OPTIONAL = (
+    *(("limits", (None, None)), ("restitution", 0.0)),
+    *(("stiffness", 0.0), ("damping", 0.0), ("rest", 0.0)),
+)
+
+
+def _frames(values: Mapping[str, Any], first: Pose, second: Pose, place: Place) -> tuple[Pose, Pose]:
+    if values["frames"] is None:
+        frame = read_pose(values, place)
+        return _inside(first, frame), _inside(second, frame)
+    at = place.key("frames")
+    a, b = (read_pose(each, at.item(index)) for index, each in enumerate(values["frames"]))
+    return a, b
+
+
+def _inside(outer: Pose, frame: Pose) -> Pose:
+    """A frame of the world as a body at `outer` sees it."""
+    back = conjugate(outer.quaternion)
+    x, y, z = (a - b for a, b in zip(frame.position, outer.position, strict=True))
+    return Pose(turned(back, (x, y, z)), product(back, frame.quaternion))
+
+
+def _numbers(
+    values: Mapping[str, Any], bodies: Sequence[Pose], frames: Sequence[Pose], place: Place
+) -> tuple[float, ...]:
+    match values["kind"]:
+        case "screw":
+            if not values["lead"]:
+                raise place.key("lead").error("a lead of 0", "any other is allowed", "use a revolute joint")
+            return (values["lead"],)
+        case "distance":
+            return (values["distance"],)
+        case "gear":
+            return (*_teeth(values["teeth"], place), *_starts(bodies, frames))
+    return ()
+
+
+def _teeth(teeth: Sequence[int], place: Place) -> tuple[float, float]:
+    if 0 in teeth:
+        raise place.key("teeth").error("a wheel without teeth", "whole numbers but 0 are allowed", "")
+    return float(teeth[0]), float(teeth[1])
+
+
+def _starts(bodies: Sequence[Pose], frames: Sequence[Pose]) -> tuple[float, ...]:
+    """The rotations (9 each, column by column) of both frames in the world at t = 0."""
+    turns = [product(body.quaternion, frame.quaternion) for body, frame in zip(bodies, frames, strict=True)]
+    return tuple(rows_of(turn)[i][j] for turn in turns for j in range(3) for i in range(3))
+
+
+def _check_between(names: tuple[str, str], bodies: Mapping[str, Body], place: Place) -> None:
+    for name in names:
+        if name not in bodies:
+            allowed = "bodies: " + ", ".join([*list(bodies)[:20], WORLD])
+            raise place.error(f"no body named {name!r}", allowed, nearest(name, (*bodies, WORLD)))
+    if names[0] == names[1]:
+        raise place.error(f"the body {names[0]!r} with itself", "", "name two different bodies")
+    if "dynamic" not in (bodies[name].motion for name in names):
+        found = " and ".join(f"{name!r} ({bodies[name].motion})" for name in names)
+        raise place.error(found, "one of the two must be dynamic", "remove the joint or free a body")
+
+
+def _check_limits(joint: Joint, place: Place) -> None:
+    low, high = joint.limits
+    if low is not None and high is not None and not low < high:
+        remedy = "write the least first"
+        raise place.key("limits").error(f"{low:g} to {high:g}", "the first is the smaller one", remedy)
+    if joint.kind == "rope" and joint.limits == (None, None):
+        raise place.key("limits").error("a rope without limits", "", 'write limits = ["none", length]')
+    if joint.motion is not None and (joint.limits != (None, None) or joint.is_sprung):
+        raise place.key("motion").error(
+            "a given motion together with limits, stiffness or damping",
+            "a coordinate whose motion is given has neither",
+            "remove one",
+        )
