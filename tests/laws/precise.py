@@ -22,6 +22,7 @@ _OPERATIONS: Mapping[int, Callable[..., Any]] = {
     ca.OP_SIN: mp.sin,
     ca.OP_COS: mp.cos,
     ca.OP_TAN: mp.tan,
+    ca.OP_ATAN2: mp.atan2,
     ca.OP_FABS: abs,
     ca.OP_POW: mp.power,
     ca.OP_CONSTPOW: mp.power,
