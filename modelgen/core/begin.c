@@ -38,7 +38,8 @@ static void mg_reset(mg_run *run) {
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
-  run->failed_joint = run->joint_margin = -1, run->rank_min = -1, run->rank_max = 0;
+  run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
+  run->dead_centre_t = 0;
   run->t_event = run->t;
 }
 

@@ -106,11 +106,13 @@ typedef struct {
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
+  mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least part of its own that an independent row of a joint has, 0..1; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
+  int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
 } mg_run;
 
 typedef struct {          /* caller's arrays for the samples; t is given, count advances */

@@ -31,12 +31,63 @@ static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) 
   return total;
 }
 
+/* J_row M^-1 J_column^T, of the rows now with those of the step before. */
+static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
+  const mg_real *J = c->J + 12 * row, *MJ = c->MJ_before + 12 * (column - c->bilateral);
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++)
+    for (int other = 0; other < 2; other++)
+      if ((side ? c->f : c->o)[row] == (other ? c->f : c->o)[column]) sum += mg_dot6(J + 6 * side, MJ + 6 * other);
+  return sum;
+}
+
+/* True if a determinant, n by n and column-major, is negative; by elimination with row exchanges. */
+static int mg_is_negative(mg_real *A, int n) {
+  int negative = 0;
+  for (int k = 0; k < n; k++) {
+    int pivot = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(A[i + n * k]) > fabs(A[pivot + n * k])) pivot = i;
+    negative ^= pivot != k;
+    for (int j = k; j < n; j++) {
+      const mg_real value = A[pivot + n * j];
+      A[pivot + n * j] = A[k + n * j], A[k + n * j] = value;
+    }
+    negative ^= A[k + n * k] < 0;
+    if (A[k + n * k] == 0) return 0;
+    for (int i = k + 1; i < n; i++) {
+      const mg_real factor = A[i + n * k] / A[k + n * k];
+      for (int j = k + 1; j < n; j++) A[i + n * j] -= factor * A[k + n * j];
+    }
+  }
+  return negative;
+}
+
+/* A linkage that passes a dead centre turns its independent rows over: det J_now M^-1 J_before^T, positive for a step
+   of no length, changes its sign. Keeps the rows for the next step. */
+static int mg_passed_dead_centre(mg_context *c) {
+  const int n = c->sys->n_row, first = c->run->rank_min < 0;
+  int same = !first, independent = 0;
+  for (int r = 0; r < n; r++) same &= c->bound[r] == c->kept[r];
+  for (int r = 0; r < n && same; r++)
+    if (c->bound[r]) c->list[independent++] = c->bilateral + r;
+  for (int j = 0; j < independent; j++)
+    for (int i = 0; i < independent; i++)
+      c->A[i + independent * j] = mg_product_with_before(c, c->list[i], c->list[j]);
+  for (int r = 0; r < n; r++) c->kept[r] = c->bound[r];
+  for (int k = 0; k < 12 * n; k++) c->MJ_before[k] = c->MJ[12 * c->bilateral + k];
+  return same && mg_is_negative(c->A, independent);
+}
+
 /* Needs the rows at run->x. */
 static void mg_watch_joints(mg_context *c) {
   mg_run *run = c->run;
   mg_real least, off;
   int which;
   const int rank = mg_rank_joints(c, 0, &least, &which);
+  if (mg_passed_dead_centre(c)) {
+    if (!run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = which;
+  }
   mg_worst_joint(c, c->d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;
   if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;

@@ -99,16 +99,21 @@ def _misfit(session: Session) -> list[str]:
 
 
 def _singular(session: Session, accuracy: Accuracy) -> list[str]:
-    run = session.run
-    name = session.joints[run.joint_margin] if run.joint_margin >= 0 else ""
+    run, found = session.run, []
+    if run.dead_centres:
+        found.append(
+            f"the joints were singular {run.dead_centres} times, first before t = {float(run.dead_centre_t):.6g} s, "
+            f"where joint {session.joints[run.dead_centre]!r} lost a row to the joints before it: at such a dead "
+            "centre the linkage could have gone on another way; it went on as it came"
+        )
     if 0 <= run.rank_min < run.rank_max:
-        return [
-            f"the joints were singular: their rows had rank {run.rank_min} at some times and {run.rank_max} at "
-            "others, as linkages have at a dead centre; what happens there is not determined by the joints alone"
-        ]
-    if float(run.joint_margin_min) >= accuracy.margin_warn**2:
-        return []
-    return [
-        f"the rows of joint {name!r} came near to depending on those of the joints before it at "
-        f"t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead centre"
-    ]
+        found.append(
+            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: at a dead "
+            "centre the joints alone do not say how the linkage goes on, and the least acceleration was taken"
+        )
+    elif float(run.joint_margin_min) < accuracy.margin_warn**2:
+        found.append(
+            f"joint {session.joints[run.joint_margin]!r} came near to losing a row to the joints before it at "
+            f"t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead centre"
+        )
+    return found

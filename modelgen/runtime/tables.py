@@ -49,9 +49,12 @@ RUN_COUNTS = (
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
-    *("joint_error_max", "joint_speed", "joint_margin_min", "joint_margin_t"),
+    *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
 )
-RUN_INTEGERS = ("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max")
+RUN_INTEGERS = (
+    *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
+    *("dead_centres", "dead_centre"),
+)
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
     *("joint_wrench", "coordinate", "energy", "work"),
