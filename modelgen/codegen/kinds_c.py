@@ -92,8 +92,14 @@ DISPATCHERS = (
 
 def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
-    lone = any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in derivation.model.contact_kinds)
-    parts = [HEAD, f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n", *_tables(derivation)]
+    lone = any(
+        kind.o.motion == "fixed" and kind.f.motion == "free" for kind in derivation.model.contact_kinds
+    )
+    parts = [
+        HEAD,
+        f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n",
+        *_tables(derivation),
+    ]
     for dispatcher in DISPATCHERS:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
@@ -130,13 +136,15 @@ def _tables(derivation: Derivation) -> list[str]:
         _row(6, 6, turn, sizes["rates", index], TURN if turn else 0, 0, 0)
         for index, turn in enumerate(_limit_turns(model), start=len(model.contact_kinds))
     ]
-    contact_names = [kind.name for kind in (*model.contact_kinds, *model.limit_kinds)]
+    contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
     shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 7)),
-        _table("mg_joint_kind", _joint_rows(derivation), [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"),
+        _table(
+            "mg_joint_kind", _joint_rows(derivation), [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"
+        ),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
     ]
@@ -152,8 +160,8 @@ def _joint_rows(derivation: Derivation) -> list[str]:
     kernels = {f.kind: f.function for f in derivation.formulas if f.role == "rows"}
     found = []
     for index, kind in enumerate(derivation.model.joint_kinds):
-        rows, parameters = (int(n) for n in (kernels[index].numel_out("value"), kernels[index].numel_in("parameters")))
-        found.append(_row(rows, len(FORMS[kind.kind].coordinates), parameters, int(kind.motion is not None)))
+        sizes = kernels[index].numel_out("value"), len(FORMS[kind.kind].coordinates)
+        found.append(_row(*sizes, kernels[index].numel_in("parameters"), int(kind.motion is not None)))
     return found
 
 

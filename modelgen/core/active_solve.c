@@ -24,8 +24,8 @@ static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z)
   return rank;
 }
 
-static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real *z,
-                            mg_real *work, int *order)
+static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
+                            mg_real *z, mg_real *work, int *order)
 {
   mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;
   int rank;
@@ -38,12 +38,12 @@ static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int
     for (int i = 0; i < k; ++i) S[i + j * k] = column[index[i]] * reciprocal[i] * reciprocal[j];
     if (A[index[j] + index[j] * n] > 0) S[j + j * k] = 1;
   }
-  rank = mg_minimum_norm(k, S, c, y, y + k, order);
+  rank = mg_minimum_norm(k, S, c, floor, y, y + k, order);
   for (int i = 0; i < k; ++i) z[index[i]] = y[i] * reciprocal[i];
   return rank;
 }
 
-MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+static int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
                            mg_real *work, int *iwork)
 {
   int k = 0;
@@ -55,5 +55,11 @@ MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int 
   }
   if (k == 0) return 0;
   if (k == 1) return mg_active_one(A[iwork[0] + iwork[0] * n], b[iwork[0]], z + iwork[0]);
-  return mg_active_gather(n, A, b, iwork, k, z, work, iwork + n);
+  return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n);
+}
+
+MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+                           mg_real *work, int *iwork)
+{
+  return mg_active_above(n, A, b, active, 0, z, work, iwork);
 }

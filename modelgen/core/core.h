@@ -3,6 +3,7 @@
 #define MG_CORE_H
 
 #include "kinds.h"
+#include "lcp_scaled.h"
 #include "modelgen.h"
 
 #define MG_GRID 17      /* samples along each side of a chart at the start */

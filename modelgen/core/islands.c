@@ -31,7 +31,7 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
   for (int i = first; i >= 0; i = c->next[i]) c->island[n++] = i;
   mg_assemble(c, c->island, n);
   for (int r = 0; r < n; r++) c->b[r] = rate[c->island[r]], c->mask[r] = 1;
-  mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
+  mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
   for (int r = 0; r < n; r++) amount[c->island[r]] = c->z[r];
 }
 

@@ -110,15 +110,17 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
   return 1;
 }
 
-/* Least |y| with S y = -c, refined once; returns the rank of S. The diagonal of S is 1, or not positive. */
-static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *work, int *order)
+/* Least |y| with S y = -c, refined once; returns the rank of S, the number of pivots above `floor`. The diagonal of S is
+   1, or not positive. */
+static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
+                           int *order)
 {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};
   mg_real *residual = work + 3 * k * k, *t = residual + k, *s = t + k;
   if (k == 2 && S[0] > 0 && S[3] > 0) return mg_minimum_norm_two(S[1], c, y);
   if (mg_solve_regular(k, S, c, y, f.L, residual)) return k;
   for (int i = 0; i < k * k; ++i) f.L[i] = S[i];
-  f.rank = mg_cholesky_pivoted(k, f.L, order, MG_LCP_RANK(k));
+  f.rank = mg_cholesky_pivoted(k, f.L, order, floor);
   if (f.rank < k) mg_orthonormalise(&f);
   for (int i = 0; i < k; ++i) y[i] = 0;
   mg_correct(&f, c, y, t, s);

@@ -49,7 +49,12 @@ static int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance)
 
 /* lcp_minimum_norm.c: scratch of 3 k^2 + 3 k reals, k ints */
 static int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
-static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *work, int *order);
+static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
+                           int *order);
+
+/* active_solve.c: pivots below `floor` count as zero */
+static int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
+                           mg_real *work, int *iwork);
 
 /* lcp_basis.c */
 static void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column);

@@ -69,6 +69,8 @@ typedef struct {
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
   mg_real polish;         /* the interpolant finds an event to this part of the step */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
+  mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
+                             along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */

@@ -46,7 +46,7 @@ static int mg_held_by_others(mg_context *c, int contact) {
   const mg_real *column = c->A + (long)n * (n - 1);
   mg_real own = column[n - 1];
   for (int r = 0; r < n; r++) c->b[r] = column[r], c->mask[r] = r < n - 1;
-  mg_active_solve(n, c->A, c->b, c->mask, c->z, c->lcp, c->lcp_i);
+  mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
   for (int r = 0; r < n - 1; r++) own += column[r] * c->z[r];
   return own <= c->set->dependent * column[n - 1];
 }

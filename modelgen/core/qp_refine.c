@@ -28,7 +28,7 @@ static int mg_refine_deficient(mg_qp_state *s)
     for (int i = 0; i < k; ++i) S[i + j * k] = column[s->index[i]];
     c[j] = s->c[s->index[j]];
   }
-  rank = mg_minimum_norm(k, S, c, s->gathered, c + k, s->order);
+  rank = mg_minimum_norm(k, S, c, MG_LCP_RANK(k), s->gathered, c + k, s->order);
   for (int i = 0; i < k; ++i) s->trial[s->index[i]] = s->gathered[i];
   return rank;
 }

@@ -2,7 +2,7 @@
 #include "core.h"
 
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `dependent` is passed over. Writes the independent rows of each joint into `rank` unless it is 0; the
+   less than `singular` is passed over. Writes the independent rows of each joint into `rank` unless it is 0; the
    least part that an independent row has of its own goes to *least, its joint to *which. Returns the rank. */
 static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) {
   const int n = mg_list_joints(c, c->list, 0);
@@ -21,7 +21,7 @@ static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) 
       left -= c->A[r + n * k] * c->A[r + n * k];
     }
     const int joint = mg_joint_of(c, c->list[r]);
-    c->bound[r] = own > 0 && left > c->set->dependent * own;
+    c->bound[r] = own > 0 && left > c->set->singular * own;
     total += c->bound[r];
     if (rank) rank[joint] += c->bound[r];
     if (!c->bound[r]) continue;
@@ -64,11 +64,11 @@ static int mg_is_negative(mg_real *A, int n) {
 }
 
 /* A linkage that passes a dead centre turns its independent rows over: det J_now M^-1 J_before^T, positive for a step
-   of no length, changes its sign. Keeps the rows for the next step. */
+   of no length, changes its sign; or a row is lost at this very step. Keeps the rows for the next step. */
 static int mg_passed_dead_centre(mg_context *c) {
   const int n = c->sys->n_row, first = c->run->rank_min < 0;
-  int same = !first, independent = 0;
-  for (int r = 0; r < n; r++) same &= c->bound[r] == c->kept[r];
+  int same = !first, independent = 0, lost = 0;
+  for (int r = 0; r < n; r++) same &= c->bound[r] == c->kept[r], lost += c->kept[r] - c->bound[r];
   for (int r = 0; r < n && same; r++)
     if (c->bound[r]) c->list[independent++] = c->bilateral + r;
   for (int j = 0; j < independent; j++)
@@ -76,7 +76,7 @@ static int mg_passed_dead_centre(mg_context *c) {
       c->A[i + independent * j] = mg_product_with_before(c, c->list[i], c->list[j]);
   for (int r = 0; r < n; r++) c->kept[r] = c->bound[r];
   for (int k = 0; k < 12 * n; k++) c->MJ_before[k] = c->MJ[12 * c->bilateral + k];
-  return same && mg_is_negative(c->A, independent);
+  return same ? mg_is_negative(c->A, independent) : !first && lost > 0;
 }
 
 /* Needs the rows at run->x. */

@@ -4,7 +4,7 @@
 
 /* y = -A_jj^+ (right side) over the joints, of minimum norm; the first n entries are 0. */
 static void mg_hold_joints(mg_context *c, int size, const mg_real *right) {
-  mg_active_solve(size, c->A, right, c->bound, c->y, c->lcp, c->lcp_i);
+  mg_active_above(size, c->A, right, c->bound, c->set->singular, c->y, c->lcp, c->lcp_i);
 }
 
 static mg_real mg_through_joints(const mg_context *c, int row, int n, int size) {

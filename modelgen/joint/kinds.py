@@ -1,7 +1,7 @@
 """The kinds of joint, one table: what two frames keep (Theta of (2.3)), and the coordinates that they leave.
 
-Every row is in metres: angles are measured by the characteristic length. A row that holds an angle uses its sine, so
-that no branch of an arc tangent is met.
+Every row is in metres: angles are measured by the characteristic length. A row that holds an angle uses its
+sine, so that no branch of an arc tangent is met.
 """
 
 from __future__ import annotations
@@ -95,7 +95,11 @@ def _turn_past(start: ca.SX, rotation: ca.SX) -> ca.SX:
 
 _TURN = Coordinate("angle", "angle", _turn)
 _LIFT = Coordinate("displacement", "length", _lift)
-_MESH_NUMBERS = ("teeth_a", "teeth_b", *(f"start_{side}_{i}{j}" for side in "ab" for j in "xyz" for i in "xyz"))
+_MESH_NUMBERS = (
+    "teeth_a",
+    "teeth_b",
+    *(f"start_{side}_{i}{j}" for side in "ab" for j in "xyz" for i in "xyz"),
+)
 
 FORMS: Mapping[str, JointForm] = {
     "revolute": JointForm(

@@ -1,6 +1,7 @@
 """Limits of joints: contacts without shapes, whose gap is how far the first coordinate is from its bound.
 
-An angle is counted on through whole turns: it is the contact's eta, which the pose corrects within half a turn.
+An angle is counted on through whole turns: it is the contact's eta, which the pose corrects within half a
+turn.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def _place(m: Meeting, value: ca.SX, sign: float, gap: ca.SX, eta: ca.SX) -> dic
         "eta_next": eta + wrapped if eta.numel() else ca.SX(0, 1),
         "d": gap,
         "residual": ca.vertcat(0, ca.fabs(wrapped)),
-        "margin": ca.vertcat(1, FAR),
+        "margin": ca.SX([1.0, FAR]),
         "normal": _axis(m, ca.SX(sign)),
         "point_o": m.a.position,
         "point_f": m.b.position,

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from modelgen.contact.kinds import contact_kernels, regular_forms
 from modelgen.derive import Derivation
+from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
 from modelgen.runtime.advice import hints
 
@@ -19,18 +20,18 @@ SHOWN = 3  # contacts named in a row; the rest is counted
 def check_facts(derivation: Derivation) -> dict[str, Any]:
     """The object that `check --json` prints."""
     model = derivation.model
-    body_kinds, contact_kinds = [k.name for k in model.body_kinds], [k.name for k in model.contact_kinds]
-    bodies, contacts = _bodies(model), _contacts(model)
+    bodies, contacts, joints = _bodies(model), _contacts(model), _joints(model)
     return {
         "scene": model.scene.name,
-        "kinds": [*body_kinds, *contact_kinds, *(k.name for k in model.load_kinds)],
+        "kinds": _kind_names(model),
         "instructions": {formula.name: formula.function.n_instructions() for formula in derivation.formulas},
         "bodies": bodies,
         "contacts": contacts,
+        "joints": joints,
         "left_out": list(model.left_out),
         "scales": asdict(model.scales),
         "states": {"q": model.n_q, "u": model.n_u, "eta": model.n_eta},
-        "hints": [*model.warnings, *hints(bodies, contacts)],
+        "hints": [*model.warnings, *hints(bodies, [*contacts, *joints])],
     }
 
 
@@ -41,12 +42,24 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     console.print(f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s")
     _print_table(console, "bodies", ("name", "kind", "motion"), facts["bodies"])
     _print_table(console, "contacts", ("kind", "form", "contacts", "why"), _by_kind(facts["contacts"]))
+    columns = ("name", "kind", "between", "rows", "coordinates", "limits")
+    _print_table(console, "joints", columns, [_joined_up(joint) for joint in facts["joints"]])
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
     _print_table(console, "functions", ("function", "instructions"), counts)
     for sentence in facts["left_out"]:
         console.print(f"left out: {sentence}", markup=False)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
+
+
+def _kind_names(model: Model) -> list[str]:
+    return [
+        *(kind.name for kind in model.body_kinds),
+        *(kind.name for kind in model.contact_kinds),
+        *(kind.name for kind in model.load_kinds),
+        *(kind.name for kind in model.joint_kinds),
+        *(kind.name for kind in model.limit_kinds),
+    ]
 
 
 def _bodies(model: Model) -> list[dict[str, Any]]:
@@ -69,6 +82,27 @@ def _contacts(model: Model) -> list[dict[str, Any]]:
         }
         for link in model.links
     ]
+
+
+def _joints(model: Model) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": entry.name,
+            "kind": model.joint_kinds[entry.kind].name,
+            "between": [model.bodies[entry.a].name, model.bodies[entry.b].name],
+            "rows": entry.rows,
+            "coordinates": [each.name for each in JOINTS[model.joint_kinds[entry.kind].kind].coordinates],
+            "limits": [limit.name for limit in model.limits if limit.joint == index],
+        }
+        for index, entry in enumerate(model.joints)
+    ]
+
+
+def _joined_up(joint: dict[str, Any]) -> dict[str, Any]:
+    """Lists as text."""
+    return {
+        key: ", ".join(value) or "-" if isinstance(value, list) else value for key, value in joint.items()
+    }
 
 
 def form_counts(kind: ContactKind) -> dict[str, int]:

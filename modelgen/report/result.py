@@ -45,6 +45,17 @@ _STATE = _object(
         "w": _numbers(3, "angular velocity, rad/s"),
     },
 )
+_JOINT = _object(
+    "a joint at t_end, world axes",
+    {
+        "force": _numbers(3, "on its second body, N"),
+        "torque": _numbers(3, "on its second body about the origin of the joint's frame in it, N m"),
+        "coordinates": _entry(
+            "object", "angles (rad, whole turns counted) and displacements (m) by name",
+            additionalProperties={"type": _NUMBER},
+        ),
+    },
+)  # fmt: skip
 _PROPERTIES = {
     "scene": _entry("string", "name of the scene"),
     "t_end": _entry(_NUMBER, "time that the run reached, s"),
@@ -66,6 +77,9 @@ _PROPERTIES = {
         "max |E - E0 - work| / max kinetic energy; if nothing moved, over the characteristic energy",
     ),
     "gap_max": _entry(_NUMBER, "largest |d| of a closed contact at an accepted step, m"),
+    "joint_error_max": _entry(
+        _NUMBER, "largest deviation from the equations of the joints at the start and at accepted steps, m"
+    ),
     "complementarity_max": _entry(
         _NUMBER,
         "largest |min(gap / L, force / (M L / T^2))| at an accepted step; L, M, T: model scales",
@@ -79,6 +93,7 @@ _PROPERTIES = {
         "each weighted by the square root of its diagonal entry of J M^-1 J^T",
     ),
     "events": _entry("array", "changes of mode in order of time", items=_EVENT),
+    "joints": _entry("object", "each joint at the last sample", additionalProperties=_JOINT),
     "final": _entry("object", "each body at the last sample", additionalProperties=_STATE),
     "kinds": _entry("array", "names of the kinds the model uses", items={"type": "string"}),
     "instructions": _entry(

@@ -23,7 +23,7 @@ from modelgen.model import (
     ShapeKind,
 )
 from modelgen.require.following import Following, confined, following
-from modelgen.require.joints import joined
+from modelgen.require.joints import Joined, joined
 from modelgen.require.links import Whole, links_of
 from modelgen.require.masses import (
     Mass,
@@ -73,6 +73,11 @@ class Touching:
     links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
 
+    @property
+    def n_eta(self) -> int:
+        """Entries of eta of all contacts."""
+        return sum(entry.room for entry in self.contacts)
+
 
 def require(scene: Scene) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
@@ -82,24 +87,20 @@ def require(scene: Scene) -> Model:
     """
     expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
-    names = contact_names(scene)
-    check_observed(scene, names)
+    check_observed(scene, contact_names(scene))
     body_kinds: Vocabulary[BodyKind] = Vocabulary()
     bodies = _body_entries(scene, pieces, body_kinds)
     shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
     contact_kinds: Vocabulary[ContactKind] = Vocabulary()
-    touching = _touching(scene, pieces, names, shape_kinds, contact_kinds)
-    load_kinds: Vocabulary[LoadKind] = Vocabulary()
+    touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
-    contact_eta = sum(entry.room for entry in touching.contacts)
-    joints = joined(scene, [piece.centre for piece in pieces], scales.length, contact_eta, load_kinds)
-    loads = (*_load_entries(scene, pieces, load_kinds), *joints.springs)
+    load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
         contact_kinds=contact_kinds.kinds,
-        load_kinds=load_kinds.kinds,
+        load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
         bodies=bodies,
@@ -111,7 +112,7 @@ def require(scene: Scene) -> Model:
         limits=joints.limits,
         n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
         n_u=sum(U_SIZE[piece.motion] for piece in pieces),
-        n_eta=contact_eta + sum(entry.room for entry in joints.limits),
+        n_eta=touching.n_eta + sum(entry.room for entry in joints.limits),
         scales=scales,
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
@@ -228,6 +229,16 @@ def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], wher
     shape = find_shape(piece.body, partner[1], where)
     owner = Owner(body, piece.motion, piece.body.pose.is_identity, piece.centre, scene.fold)
     return Whole(owner, shape)
+
+
+def _acting(
+    scene: Scene, pieces: Sequence[Piece], length: float, eta: int
+) -> tuple[tuple[LoadKind, ...], tuple[LoadEntry, ...], Joined]:
+    """Loads and joints; the springs of joints are loads."""
+    kinds: Vocabulary[LoadKind] = Vocabulary()
+    loads = _load_entries(scene, pieces, kinds)
+    joints = joined(scene, [piece.centre for piece in pieces], length, eta, kinds)
+    return kinds.kinds, (*loads, *joints.springs), joints
 
 
 def _load_entries(

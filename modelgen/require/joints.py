@@ -45,9 +45,7 @@ def joined(
         limits += _limits(joint, index, joints[-1], first, limit_kinds)
         if joint.is_sprung:
             spring = loads.index(LoadKind(f"{joint.kind}_spring", "joint_spring", (), joint=joint.kind))
-            springs.append(
-                LoadEntry(spring, (a, b), (*numbers, joint.stiffness, joint.damping, joint.rest))
-            )
+            springs.append(LoadEntry(spring, (a, b), (*numbers, joint.stiffness, joint.damping, joint.rest)))
     return Joined(kinds.kinds, limit_kinds.kinds, tuple(joints), tuple(limits), tuple(springs))
 
 

@@ -30,6 +30,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "event": 8,
         "residual": 64,
         "step_min": 8,
+        "singular": 512,
         "lost": 8,
         "apart": 4096,
         "border": 512,
@@ -68,6 +69,7 @@ class Accuracy:
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; steps to the event itself do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
+        singular: a row of a joint with less than this of its own counts as one of the others, as at a dead centre.
         depth: a contact that appears in a run may be below zero by depth L.
         scan: parts of a step in which the first event is sought.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
@@ -101,6 +103,7 @@ class Accuracy:
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10
+    singular: float = 1e-8
     depth: float = 0.02
     scan: int = 16
     lcp_iterations: int = 200

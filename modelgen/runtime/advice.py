@@ -10,10 +10,10 @@ from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
 
 
-def hints(bodies: Sequence[Mapping[str, Any]], contacts: Sequence[Any]) -> tuple[str, ...]:
-    """Of a scene whose bodies (`name`, `motion`) have no contact, how to add one."""
+def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
+    """Of a scene whose bodies (`name`, `motion`) have neither contact nor joint, how to add a contact."""
     moving = [body["name"] for body in bodies if body["motion"] in ("point", "free")]
-    if contacts or not moving or len(bodies) < 2:
+    if touching or not moving or len(bodies) < 2:
         return ()
     partner = next(body["name"] for body in bodies if body["name"] != moving[0])
     return (
@@ -25,7 +25,10 @@ def hints(bodies: Sequence[Mapping[str, Any]], contacts: Sequence[Any]) -> tuple
 def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     """What is remarkable about a run and its scene."""
     margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
-    found = [*session.sentence["warnings"], *hints(session.sentence["bodies"], session.contacts)]
+    found = [
+        *session.sentence["warnings"],
+        *hints(session.sentence["bodies"], [*session.contacts, *session.joints]),
+    ]
     if margin < accuracy.margin_warn:
         found.append(
             f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "

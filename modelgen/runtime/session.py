@@ -25,9 +25,12 @@ class Session:
     def __init__(self, library: Library, accuracy: Accuracy) -> None:
         self.library = library
         self.accuracy = accuracy
+        self.redundant_joints: list[str] = []
         self.sentence: Mapping[str, Any] = library.manifest.sentence
         self.tables = Tables(library.dtype)
         sentence = self.sentence
+        named = (str(link["name"]) for link in sentence["links"])
+        self.link_names = (*named, *("" for _ in sentence["limits"]))  # limits have no features
         self.contacts = [c["name"] for c in (*sentence["contacts"], *sentence["limits"])]
         self.joints = [joint["name"] for joint in sentence["joints"]]
         n_contact, n_body = len(self.contacts), len(sentence["bodies"])
@@ -114,8 +117,7 @@ class Session:
         ]
 
     def _features(self, link: int) -> str:
-        links = self.sentence["links"]
-        return str(links[link]["name"]) if 0 <= link < len(links) else ""
+        return self.link_names[link] if link >= 0 else ""
 
     def begin(self) -> None:
         """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""

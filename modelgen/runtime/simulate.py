@@ -17,6 +17,7 @@ from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
+GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
 
@@ -116,14 +117,13 @@ def _trajectory(
 ) -> Trajectory:
     run, manifest = session.run, session.library.manifest
     failed = run.failed_contact
-    groups = ("body", "contact", "load", "joint", "limit")
-    kinds = (kind["name"] for group in groups for kind in manifest.kinds[group])
+    kinds = (kind["name"] for group in GROUPS for kind in manifest.kinds[group])
     return Trajectory(
         scene=session.sentence["name"],
         **recording.columns(),
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
-        link_names=(*(e["name"] for e in session.sentence["links"]), *("" for _ in session.sentence["limits"])),
+        link_names=session.link_names,
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
         events=tuple(events),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
+from modelgen.runtime.limits import add_limits
 from modelgen.runtime.sides import Sides, append
 
 Array = np.ndarray[Any, Any]
@@ -32,7 +33,7 @@ SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_no
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
     *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
-    *("event", "residual", "leave", "polish", "dependent", "depth", "step_min"),
+    *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_refuse", "lost", "apart", "reach", "search", "flat", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
@@ -61,6 +62,7 @@ RECORD_ARRAYS = (
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
+PARAMETRISED = ("bodies", "links", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 64, 12
 METHODS = {"rk4": 0, "dop853": 1}
 SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
@@ -130,57 +132,67 @@ def address(array: Array) -> int:
 def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, list[Array]]:
     """The mg_system of a manifest's sentence, and the arrays that it points into, which must outlive it."""
     sentence = manifest.sentence
-    bodies, loads, joints, limits = (sentence[key] for key in ("bodies", "loads", "joints", "limits"))
-    links, contacts, pairs = sentence["links"], sentence["contacts"], sentence["pairs"]
     parameters: list[float] = []
-    of_bodies, of_links, of_loads, of_joints, of_limits = (
-        [append(parameters, entry["parameters"]) for entry in group]
-        for group in (bodies, links, loads, joints, limits)
-    )
-    sides = Sides(links, parameters, float(np.finfo(tables.dtype).max))
-    integers: dict[str, list[int]] = {
-        "body_kind": [b["kind"] for b in bodies],
-        "body_q": [b["q"] for b in bodies],
-        "body_u": [b["u"] for b in bodies],
-        "body_parameters": of_bodies,
-        **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
-        "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
-        "pair_link": [*(p["links"][0] for p in pairs), len(links)],
-        "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
-        **{f"link_{key}": [entry[key] for entry in links] for key in ("kind", "o", "f", "pair", "group")},
-        "link_parameters": of_links,
-        **sides.integers,
-        "load_kind": [entry["kind"] for entry in loads],
-        "load_a": [entry["bodies"][0] for entry in loads],
-        "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
-        "load_parameters": of_loads,
-        **{f"joint_{key}": [entry[key] for entry in joints] for key in ("kind", "a", "b", "row")},
-        "joint_parameters": of_joints,
+    starts = {
+        group: [append(parameters, entry["parameters"]) for entry in sentence[group]]
+        for group in PARAMETRISED
     }
-    _add_limits(integers, limits, of_limits)
-    reals = {
-        "mass_inverse": [value for b in bodies for value in b["mass_inverse"]],
-        "restitution": [
-            *(pairs[c["pair"]]["restitution"] for c in contacts),
-            *(limit["restitution"] for limit in limits),
-        ],
-        "parameters": parameters,
-        "numbers": sides.numbers,
-        "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
-    }
+    sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
+    integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
+    add_limits(integers, sentence["limits"], starts["limits"])
+    reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers}
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    n = len(limits)
-    sizes = (len(bodies), len(contacts) + n, len(loads), len(pairs) + n, len(links) + n)
+    sizes = [len(sentence[group]) for group in ("bodies", "contacts", "loads", "pairs", "links")]
+    for place in (1, 3, 4):
+        sizes[place] += len(sentence["limits"])
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    system = tables.System(*sizes, *states, _room(sentence), len(joints), row_count(manifest))
+    system = tables.System(*sizes, *states, _room(sentence), len(sentence["joints"]), _row_count(manifest))
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
     for name, value in sentence["scales"].items():
         setattr(system, name, value)
     return system, list(arrays.values())
+
+
+def _bodies_and_contacts(
+    sentence: Mapping[str, Any], starts: Mapping[str, list[int]]
+) -> dict[str, list[int]]:
+    bodies, links, contacts, pairs = (sentence[key] for key in ("bodies", "links", "contacts", "pairs"))
+    return {
+        **{f"body_{key}": [b[key] for b in bodies] for key in ("kind", "q", "u")},
+        "body_parameters": starts["bodies"],
+        **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
+        "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
+        "pair_link": [*(p["links"][0] for p in pairs), len(links)],
+        "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
+        **{f"link_{key}": [entry[key] for entry in links] for key in ("kind", "o", "f", "pair", "group")},
+        "link_parameters": starts["links"],
+    }
+
+
+def _loads_and_joints(sentence: Mapping[str, Any], starts: Mapping[str, list[int]]) -> dict[str, list[int]]:
+    loads, joints = sentence["loads"], sentence["joints"]
+    return {
+        "load_kind": [entry["kind"] for entry in loads],
+        "load_a": [entry["bodies"][0] for entry in loads],
+        "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
+        "load_parameters": starts["loads"],
+        **{f"joint_{key}": [entry[key] for entry in joints] for key in ("kind", "a", "b", "row")},
+        "joint_parameters": starts["joints"],
+    }
+
+
+def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
+    pairs, limits = sentence["pairs"], sentence["limits"]
+    of_contacts = [pairs[c["pair"]]["restitution"] for c in sentence["contacts"]]
+    return {
+        "mass_inverse": [value for b in sentence["bodies"] for value in b["mass_inverse"]],
+        "restitution": [*of_contacts, *(limit["restitution"] for limit in limits)],
+        "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
+    }
 
 
 def _room(sentence: Mapping[str, Any]) -> int:
@@ -190,29 +202,10 @@ def _room(sentence: Mapping[str, Any]) -> int:
     return min(many, max(ROOM, ROOM_PER_BODY * moving))
 
 
-def row_count(manifest: Manifest) -> int:
+def _row_count(manifest: Manifest) -> int:
     """Rows of all joints."""
     kinds = manifest.kinds["joint"]
     return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.sentence["joints"])
-
-
-def _add_limits(
-    integers: dict[str, list[int]], limits: Sequence[Mapping[str, Any]], parameters: list[int]
-) -> None:
-    """Each limit is a contact, with a pair and a link of its own behind those with shapes."""
-    for limit, start in zip(limits, parameters, strict=True):
-        pair, link = len(integers["pair_search"]), len(integers["link_kind"])
-        rows = {
-            **{"contact_pair": pair, "contact_eta": limit["eta"], "contact_link": link},
-            **{"pair_contact": len(integers["contact_pair"]) + 1, "pair_link": link + 1, "pair_search": 0},
-            **{"link_kind": limit["kind"], "link_o": limit["o"], "link_f": limit["f"], "link_pair": pair},
-            **{"link_group": -1, "link_parameters": start},
-            "link_condition": integers["link_condition"][-1],
-        }
-        for name, value in rows.items():
-            integers[name].append(value)
-        for name in ("side_shape", "side_parameters", "side_numbers"):
-            integers[name] += [0, 0]
 
 
 def fill_settings(tables: Tables, accuracy: Any) -> Any:

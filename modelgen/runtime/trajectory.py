@@ -142,26 +142,23 @@ class Trajectory:
                 for e in self.events
             ],
             "final": {
-                name: {
-                    "p": self.p[last, i].tolist(),
-                    "quaternion": self.quaternion[last, i].tolist(),
-                    "v": self.v[last, i].tolist(),
-                    "w": self.w[last, i].tolist(),
-                }
+                name: {key: getattr(self, key)[last, i].tolist() for key in ("p", "quaternion", "v", "w")}
                 for i, name in enumerate(self.body_names)
                 if last >= 0
             },
-            "joints": {
-                name: {
-                    "force": self.joint_force[last, i].tolist(),
-                    "torque": self.joint_torque[last, i].tolist(),
-                    "coordinates": self._coordinates_of(name, last),
-                }
-                for i, name in enumerate(self.joint_names)
-                if last >= 0
-            },
+            "joints": self._joints_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
+        }
+
+    def _joints_at(self, sample: int) -> dict[str, Any]:
+        return {
+            name: {
+                "force": self.joint_force[sample, i].tolist(),
+                "torque": self.joint_torque[sample, i].tolist(),
+                "coordinates": self._coordinates_of(name, sample),
+            }
+            for i, name in enumerate(self.joint_names)
         }
 
     def _coordinates_of(self, joint: str, sample: int) -> dict[str, float]:

@@ -174,20 +174,25 @@ FORCE = Table(
 
 TORQUE = Table((_LOADED, Field("torque", _formulas(_LOAD_DOC), "components, N m", required=True), _FRAME))
 
-_BETWEEN = Field("between", Sequence(NAME, 2), 'names of two bodies; "world" is a body at rest', required=True)
+_BETWEEN = Field(
+    "between", Sequence(NAME, 2), 'names of two bodies; "world" is a body at rest', required=True
+)
 _JOINT_FRAMES = (
     Field("name", NAME, "name of the joint, unique in the scene; its bodies' names and kind if absent"),
     _BETWEEN,
     *POSE_FIELDS,
     Field(
-        "frames", Sequence(Table(POSE_FIELDS, _ORIENTATION), 2),
+        "frames",
+        Sequence(Table(POSE_FIELDS, _ORIENTATION), 2),
         "the frame in each body, in its axes; without it, position and orientation give it in the world at t = 0",
     ),
 )
 _LIMITS = (
     Field(
-        "limits", Sequence(LIMIT, 2),
-        'least and largest coordinate, rad or m; "none" where there is no bound', default=(None, None),
+        "limits",
+        Sequence(LIMIT, 2),
+        'least and largest coordinate, rad or m; "none" where there is no bound',
+        default=(None, None),
     ),
     Field("restitution", Real(0.0, 1.0), "coefficient of restitution at the limits", default=0.0),
 )

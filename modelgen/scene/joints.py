@@ -15,6 +15,7 @@ from modelgen.scene.turns import conjugate, product, rows_of, turned
 from modelgen.scene.types import Body, Joint, Pose
 
 WORLD = "world"
+_OPTIONAL = ("limits", "restitution", "stiffness", "damping", "rest")
 Written = Iterable[tuple[Place, Mapping[str, Any]]]
 
 
@@ -65,17 +66,11 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
         values["between"],
         frames,
         _numbers(values, (first, second), frames, place),
-        *(values.get(key, default) for key, default in _OPTIONAL),
-        None if motion is None else place.key("motion").expression(motion, PATH_NAMES),
+        motion=None if motion is None else place.key("motion").expression(motion, PATH_NAMES),
+        **{key: values[key] for key in _OPTIONAL if key in values},
     )
     _check_limits(joint, place)
     return joint
-
-
-_OPTIONAL = (
-    *(("limits", (None, None)), ("restitution", 0.0)),
-    *(("stiffness", 0.0), ("damping", 0.0), ("rest", 0.0)),
-)
 
 
 def _frames(values: Mapping[str, Any], first: Pose, second: Pose, place: Place) -> tuple[Pose, Pose]:

@@ -13,7 +13,7 @@ STREET = (
     ("scene",),
     ("model",),
     ("geometry",),
-    ("contact", "dynamics"),
+    ("contact", "dynamics", "joint"),
     ("require",),
     ("derive",),
     ("codegen",),

@@ -3,6 +3,7 @@
 
 static const mg_body_kind mg_body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};
 static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0}};
+static const mg_joint_kind mg_joint_kinds[] = {{0, 0, 0, 0}};
 static const mg_shape_kind mg_shape_kinds[] = {{2}, {2}};
 
 static void mg_body_pose(int kind, const mg_real *q, mg_real *pose) { (void)kind, (void)q, (void)pose; }
@@ -31,6 +32,18 @@ static void mg_load_wrench(int kind, const mg_real *t, const mg_real *pose_a, co
                            mg_real *wrench_a, mg_real *wrench_b) {
   (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)wrench_a,
       (void)wrench_b;
+}
+
+static void mg_joint_rows(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
+                          const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters, mg_real *value,
+                          mg_real *J, mg_real *gamma, mg_real *bias) {
+  (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)value,
+      (void)J, (void)gamma, (void)bias;
+}
+
+static void mg_joint_coordinates(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
+                                 mg_real *coordinate) {
+  (void)kind, (void)pose_a, (void)pose_b, (void)parameters, (void)coordinate;
 }
 
 static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,

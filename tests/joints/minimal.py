@@ -39,7 +39,15 @@ def solved(slope, start, times, **options):
     """The states (n, 2 k) at the times."""
     end = float(times[-1])
     return solve_ivp(
-        slope, (float(times[0]), end), start, "DOP853", times, rtol=3e-14, atol=1e-14, max_step=0.01, **options
+        slope,
+        (float(times[0]), end),
+        start,
+        "DOP853",
+        times,
+        rtol=3e-14,
+        atol=1e-14,
+        max_step=0.01,
+        **options,
     )
 
 
@@ -91,7 +99,9 @@ def double_pendulum() -> tuple[Callable, Callable, Callable]:
     masses, inertias = (1.0, 0.6), (0.0838, 0.0324)
     bodies = [(m, i, c, q[k]) for k, (m, i, c) in enumerate(zip(masses, inertias, centres, strict=True))]
     J = [ca.jacobian(c, q) for c in centres]
-    M = ca.diag(ca.DM(inertias)) + sum((m * j.T @ j for m, j in zip(masses, J, strict=True)), ca.SX.zeros(2, 2))
+    M = ca.diag(ca.DM(inertias)) + sum(
+        (m * j.T @ j for m, j in zip(masses, J, strict=True)), ca.SX.zeros(2, 2)
+    )
     return (
         slope_of(q, bodies, ca.SX(0)),
         ca.Function("where", [q], [ca.horzcat(*centres).T]),

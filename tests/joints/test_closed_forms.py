@@ -17,7 +17,9 @@ G = 9.81
 CLOSE = 1e-11
 
 
-def block(name: str = "block", mass: float = 2.0, inertia: tuple[float, ...] = (0.1, 0.2, 0.3), **keys) -> Body:
+def block(
+    name: str = "block", mass: float = 2.0, inertia: tuple[float, ...] = (0.1, 0.2, 0.3), **keys
+) -> Body:
     return make.dynamic(name, mass=mass, inertia=list(inertia), **keys)
 
 
@@ -34,7 +36,9 @@ def coordinate(path: Trajectory, name: str) -> np.ndarray:
 
 def test_a_nut_falls_on_a_screw_with_the_inertia_of_its_turning() -> None:
     lead = 0.05
-    path = joined([block()], [{"name": "thread", "kind": "screw", "between": ["world", "block"], "lead": lead}])
+    path = joined(
+        [block()], [{"name": "thread", "kind": "screw", "between": ["world", "block"], "lead": lead}]
+    )
     fall = -G / (1 + 0.3 * (2 * np.pi / lead) ** 2 / 2.0) * path.t**2 / 2
     assert np.abs(coordinate(path, "thread.displacement") - fall).max() < CLOSE
     assert np.abs(coordinate(path, "thread.angle") - fall * 2 * np.pi / lead).max() < 1e-9
@@ -42,14 +46,25 @@ def test_a_nut_falls_on_a_screw_with_the_inertia_of_its_turning() -> None:
 
 
 def test_a_screw_turned_at_a_given_rate_carries_its_nut_through_many_turns() -> None:
-    thread = {"name": "thread", "kind": "screw", "between": ["world", "block"], "lead": 0.02, "motion": "0.1*t"}
-    path = joined([block(velocity=[0, 0, 0.1], angular_velocity=[0, 0, "10*pi"])], [thread], until=3.0, samples=60)
+    thread = {
+        "name": "thread",
+        "kind": "screw",
+        "between": ["world", "block"],
+        "lead": 0.02,
+        "motion": "0.1*t",
+    }
+    path = joined(
+        [block(velocity=[0, 0, 0.1], angular_velocity=[0, 0, "10*pi"])], [thread], until=3.0, samples=60
+    )
     assert np.abs(coordinate(path, "thread.angle") - 10 * np.pi * path.t).max() < 1e-9
     assert np.abs(path.work - 2.0 * G * 0.1 * path.t).max() < 1e-10
 
 
 def test_two_wheels_in_mesh_turn_as_their_teeth_say_with_the_reduced_inertia() -> None:
-    wheels = [block("small", inertia=(0.1, 0.1, 0.02)), block("large", inertia=(0.3, 0.3, 0.5), position=[1, 0, 0])]
+    wheels = [
+        block("small", inertia=(0.1, 0.1, 0.02)),
+        block("large", inertia=(0.3, 0.3, 0.5), position=[1, 0, 0]),
+    ]
     path = joined(
         wheels,
         [
@@ -75,7 +90,9 @@ def test_a_spring_on_a_hinge_is_an_oscillator(damping: float) -> None:
     decay = damping / (2 * 0.3)
     omega = np.sqrt(stiffness / 0.3 - decay**2)
     swing = np.cos(omega * path.t) + decay / omega * np.sin(omega * path.t)
-    assert np.abs(coordinate(path, "hinge.angle") - rest * (1 - np.exp(-decay * path.t) * swing)).max() < CLOSE
+    assert (
+        np.abs(coordinate(path, "hinge.angle") - rest * (1 - np.exp(-decay * path.t) * swing)).max() < CLOSE
+    )
 
 
 def test_a_given_motion_does_the_work_that_the_energy_gains() -> None:
@@ -134,7 +151,9 @@ def test_a_ball_joint_holds_a_heavy_top_whose_momenta_about_its_axes_stay() -> N
     p, v, w = path.p[:, body], path.v[:, body], path.w[:, body]
     axis = p / 0.5
     own = np.einsum("ni,ni->n", axis, w) * 0.1
-    angular = 2.0 * np.cross(p, v)[:, 2] + 0.3 * w[:, 2] + (own - 0.3 * np.einsum("ni,ni->n", axis, w)) * axis[:, 2]
+    angular = (
+        2.0 * np.cross(p, v)[:, 2] + 0.3 * w[:, 2] + (own - 0.3 * np.einsum("ni,ni->n", axis, w)) * axis[:, 2]
+    )
     assert np.ptp(own) < 1e-12 and np.ptp(angular) < 1e-12
     assert np.abs(np.linalg.norm(p, axis=1) - 0.5).max() < 1e-12
     assert path.energy_drift < 1e-12

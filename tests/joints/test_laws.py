@@ -48,9 +48,7 @@ def test_value_dot_is_J_u_plus_bias_and_value_ddot_is_J_a_plus_gamma(kind: Joint
         return evaluate(kernel, [t], pose_a, a.twist, pose_b, b.twist, given)[0]
 
     first, second = differences(value, a, b)
-    _, J, gamma, bias = (
-        x.full().ravel() for x in kernel(TIME, a.pose, a.twist, b.pose, b.twist, given)
-    )
+    _, J, gamma, bias = (x.full().ravel() for x in kernel(TIME, a.pose, a.twist, b.pose, b.twist, given))
     J = J.reshape(-1, 12)
     u, u_dot = np.concatenate([a.twist, b.twist]), np.concatenate([a.accel, b.accel])
     assert len(first) == len(gamma) == len(J) > 0
