@@ -25,13 +25,13 @@ static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sam
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
-  return 30 * b + 31 * r + 12L * s->n_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+  return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size();
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 4 * m + 10 * r + s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
+  return 4 * m + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -69,12 +69,13 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->settled = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
+  c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
   c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
   c->kind = mg_take_int(&iwork, r), c->parameters = mg_take_int(&iwork, m + 1);
   c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
-  c->kept = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
+  c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
   c->falling = mg_take_int(&iwork, m);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);

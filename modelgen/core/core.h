@@ -44,6 +44,7 @@ typedef struct {
   int bilateral, n_rows;                    /* rows: contacts, a spare, then those of the joints from `bilateral` on */
   mg_real *J, *MJ;                          /* per row 12: o then f; J and M^-1 J^T */
   mg_real *d, *gamma, *d_dot;               /* per row */
+  mg_real *part, *most;                     /* per row of a joint: its own part, 0..1; per joint: their product at most */
   mg_real *MJ_before;                       /* per row of a joint 12: M^-1 J^T after the step before */
   mg_real *bias;                            /* per row: what time alone makes of d_dot */
   mg_real *normal;                          /* per contact 3 */
@@ -55,7 +56,7 @@ typedef struct {
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
   int *bound;                               /* mask of the rows of joints among those assembled */
-  int *kept;                                /* per row of a joint: independent after the step before */
+  int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */

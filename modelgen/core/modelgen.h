@@ -109,7 +109,7 @@ typedef struct {
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
-  mg_real joint_margin_min, joint_margin_t; /* least part of its own that an independent row of a joint has, 0..1; when */
+  mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */

@@ -2,13 +2,12 @@
 #include "core.h"
 
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `singular` is passed over. Writes the independent rows of each joint into `rank` unless it is 0; the
-   least part that an independent row has of its own goes to *least, its joint to *which. Returns the rank. */
-static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) {
+   less than `singular` is passed over. Writes into c->part how much of its own each row has, 0..1, and the independent
+   rows of each joint into `rank` unless it is 0. Returns the rank. */
+static int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_list_joints(c, c->list, 0);
   int total = 0;
   mg_assemble(c, c->list, n);
-  *least = 1, *which = -1;
   for (int r = 0; r < n; r++) {
     const mg_real own = c->A[r + n * r];
     mg_real left = own;
@@ -20,13 +19,11 @@ static int mg_rank_joints(mg_context *c, int *rank, mg_real *least, int *which) 
       c->A[r + n * k] = entry / c->A[k + n * k];
       left -= c->A[r + n * k] * c->A[r + n * k];
     }
-    const int joint = mg_joint_of(c, c->list[r]);
-    c->bound[r] = own > 0 && left > c->set->singular * own;
+    c->part[r] = own > 0 && left > 0 ? left / own : 0;
+    c->bound[r] = c->part[r] > c->set->singular;
     total += c->bound[r];
-    if (rank) rank[joint] += c->bound[r];
-    if (!c->bound[r]) continue;
-    c->A[r + n * r] = sqrt(left);
-    if (left / own < *least) *least = left / own, *which = joint;
+    if (rank) rank[mg_joint_of(c, c->list[r])] += c->bound[r];
+    if (c->bound[r]) c->A[r + n * r] = sqrt(left);
   }
   return total;
 }
@@ -79,31 +76,48 @@ static int mg_passed_dead_centre(mg_context *c) {
   return same ? mg_is_negative(c->A, independent) : !first && lost > 0;
 }
 
+/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway. */
+static mg_real mg_left_of(const mg_context *c, int joint) {
+  const int first = c->sys->joint_row[joint];
+  mg_real product = 1;
+  for (int r = first; r < first + mg_joint_kinds[c->sys->joint_kind[joint]].n_rows; r++)
+    if (c->free[r]) product *= c->part[r];
+  return product;
+}
+
+/* The joint of which the joints before it leave least, against the most that they have left since the start. */
+static int mg_faintest(mg_context *c, mg_real *least) {
+  int faintest = -1;
+  *least = 1;
+  for (int r = 0; r < c->sys->n_row; r++) c->free[r] = c->bound[r] || (c->run->rank_min >= 0 && c->free[r]);
+  for (int j = 0; j < c->sys->n_joint; j++) {
+    const mg_real left = mg_left_of(c, j);
+    if (c->run->rank_min < 0 || left > c->most[j]) c->most[j] = left;
+    if (left < *least * c->most[j]) *least = left / c->most[j], faintest = j;
+  }
+  return faintest;
+}
+
 /* Needs the rows at run->x. */
 static void mg_watch_joints(mg_context *c) {
   mg_run *run = c->run;
-  mg_real least, off;
-  int which;
-  const int rank = mg_rank_joints(c, 0, &least, &which);
-  if (mg_passed_dead_centre(c)) {
-    if (!run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = which;
-  }
+  mg_real off, least;
+  const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);
+  if (mg_passed_dead_centre(c) && !run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = faintest;
   mg_worst_joint(c, c->d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;
   if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
   if (rank > run->rank_max) run->rank_max = rank;
   if (!(least < run->joint_margin_min)) return;
-  run->joint_margin_min = least, run->joint_margin = which, run->joint_margin_t = run->t;
+  run->joint_margin_min = least, run->joint_margin = faintest, run->joint_margin_t = run->t;
 }
 
 MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
                            int *iwork) {
   mg_context c;
-  mg_real least;
-  int which;
   mg_open(&c, system, settings, run, work, iwork);
   mg_poses(&c, run->t, run->x);
   mg_joint_rates(&c, run->t);
   for (int j = 0; j < system->n_joint; j++) rank[j] = 0;
-  mg_rank_joints(&c, rank, &least, &which);
+  mg_rank_joints(&c, rank);
 }

@@ -1,0 +1,147 @@
+"""Starts that joints refuse or mend, joints that repeat each other, and configurations where they are singular."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, simulate, simulate_batch
+from modelgen.errors import SceneError, SimulationError
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import build as make
+from tests.joints.test_closed_forms import block, coordinate, joined
+from tests.running import library_of, run
+
+FLAT = {"rotation": [[1, 0, 0], [0, 0, 1], [0, -1, 0]]}  # hinges about the world's y
+SPEED = 5.0
+
+
+def parallelogram(angle: float, until: float) -> Trajectory:
+    """Two cranks of 0.3 m, 1 m apart, under a bar of 1 m, turning at SPEED without any load."""
+    direction, across = np.array([np.cos(angle), 0, np.sin(angle)]), np.array([-np.sin(angle), 0, np.cos(angle)])
+    tip, v, right = 0.3 * direction, 0.3 * SPEED * across, np.array([1.0, 0.0, 0.0])
+    spin = {"velocity": list(v / 2), "angular_velocity": [0, -SPEED, 0], "inertia": (0.01, 0.01, 0.01)}
+    bodies = [
+        block("left", position=list(tip / 2), **spin),
+        block("bar", position=list(tip + right / 2), velocity=list(v)),
+        block("right", position=list(tip / 2 + right), **spin),
+    ]
+    hinge = {"kind": "revolute", **FLAT}
+    joints = [
+        {"name": "A", "between": ["world", "left"], **hinge},
+        {"name": "B", "between": ["left", "bar"], "position": list(tip), **hinge},
+        {"name": "C", "between": ["bar", "right"], "position": list(tip + right), **hinge},
+        {"name": "D", "between": ["right", "world"], "position": list(right), **hinge},
+    ]
+    return joined(bodies, joints, until=until, gravity=[0, 0, 0])
+
+
+@pytest.mark.parametrize(("angle", "passed"), [(np.pi / 2, 5), (1.2, 5), (0.0, 4)])
+def test_a_parallelogram_goes_on_through_its_dead_centres_which_are_named(angle: float, passed: int) -> None:
+    path = parallelogram(angle, 3.0)
+    assert np.abs(coordinate(path, "A.angle") + SPEED * path.t).max() < 1e-9
+    assert path.energy_drift < 1e-11 and path.joint_error_max < 1e-13
+    (named,) = [warning for warning in path.warnings if "were singular" in warning]
+    assert f"singular {passed} times" in named
+    assert "joint 'D' lost a row" in named
+
+
+def test_a_linkage_that_stays_away_from_its_dead_centres_names_none() -> None:
+    assert not [warning for warning in parallelogram(np.pi / 2, 0.2).warnings if "dead centre" in warning]
+    assert not [warning for warning in run("four_bar", Accuracy.tight()).warnings if "dead centre" in warning]
+
+
+def test_a_door_on_two_hinges_swings_as_on_one_and_says_that_the_second_is_redundant() -> None:
+    door = block("door", inertia=(0.4, 0.1, 0.5), position=[0.5, 0.0, 0.0])
+    lower, upper = ({"kind": "revolute", "between": ["world", "door"], **FLAT, "position": [0, y, 0], "name": name}
+                    for name, y in (("lower", -0.4), ("upper", 0.4)))  # fmt: skip
+    one, two = joined([door], [{**lower, "position": [0, 0, 0]}], 2.0), joined([door], [lower, upper], 2.0)
+    assert np.abs(one.p - two.p).max() < 1e-11
+    assert [w for w in two.warnings if w.startswith("joint 'upper' is redundant: 5 of its 5 rows")]
+    assert np.abs(two.joint_force.sum(axis=1) - one.joint_force[:, 0]).max() < 1e-9
+    assert np.abs(two.joint_force[:, 0] - two.joint_force[:, 1]).max() < 1e-9
+
+
+def test_bodies_that_a_joint_cannot_bring_together_are_refused_by_name() -> None:
+    apart = {"name": "pin", "kind": "revolute", "between": ["world", "block"]}
+    apart["frames"] = [{}, {"position": [0.0, 0.01, 0.0]}]
+    with pytest.raises(SimulationError, match=r"joint 'pin'.*do not fit together at the start by 0.01 m"):
+        joined([block()], [apart])
+
+
+def test_bodies_that_nearly_fit_are_brought_together() -> None:
+    near = {"name": "pin", "kind": "spherical", "between": ["world", "block"]}
+    near["frames"] = [{}, {"position": [0.3, 1e-7, 0.0]}]
+    path = joined([block(position=[-0.3, 0.0, 0.0])], [near])
+    assert np.abs(path.p[0, 0] - [-0.3, -1e-7, 0]).max() < 1.1e-7
+    assert path.energy_drift < 1e-12
+
+
+def test_velocities_that_do_not_fit_lose_what_an_impulse_of_the_joints_would_take() -> None:
+    pin = {"name": "pin", "kind": "revolute", "between": ["world", "block"], **FLAT}
+    bar = block(inertia=(0.1, 0.2, 0.3), position=[0.5, 0.0, 0.0], velocity=[3.0, 1.0, -2.0])
+    path = joined([bar], [pin], gravity=[0, 0, 0])
+    rate = 2.0 * 2.0 * 0.5 / (0.2 + 2.0 * 0.25)  # angular momentum about the pin over the moment about it
+    assert np.abs(coordinate(path, "pin.angle") - rate * path.t).max() < 1e-11
+    (warning,) = [warning for warning in path.warnings if "velocities at the start" in warning]
+    assert "'pin' by 3 m/s" in warning
+
+
+def test_a_start_past_a_limit_is_refused_by_name() -> None:
+    slide = {"name": "slide", "kind": "prismatic", "between": ["world", "block"], "limits": [0.1, "none"]}
+    with pytest.raises(SimulationError, match=r"joint 'slide'.*past its limit \(minimum\)"):
+        joined([block()], [slide])
+
+
+def test_a_batch_of_pendulums_is_as_many_single_runs() -> None:
+    pin = {"name": "pin", "kind": "revolute", "between": ["world", "block"], **FLAT}
+    library = library_of(make.scene("batched", [block(position=[0.5, 0.0, 0.0])], joint=[pin]))
+    rates = np.array([0.0, 1.0, -2.0])
+    q = np.tile(library.manifest.sentence["initial_q"], (3, 1))
+    u = np.stack([np.zeros(3), np.zeros(3), -0.5 * rates, np.zeros(3), rates, np.zeros(3)], axis=1)
+    batch = simulate_batch(library, q, u, until=1.0, accuracy="tight")
+    alone = simulate(library, until=1.0, accuracy="tight", samples=1)
+    assert np.abs(batch.q[0, :3] - alone.p[-1, 0]).max() < 1e-15
+    assert batch.energy_drift.max() < 1e-12
+    assert np.ptp(batch.u[:, 4]) > 0.1
+
+
+def test_a_chain_of_twenty_links_keeps_its_energy_and_its_joints_for_long() -> None:
+    links = [block(f"link{k}", mass=0.1, inertia=(0.001, 0.001, 0.0002), position=[0.1 * k + 0.05, 0, 0])
+             for k in range(20)]  # fmt: skip
+    names = ["world", *(f"link{k}" for k in range(20))]
+    joints = [{"kind": "spherical", "between": [a, b], "position": [0.1 * k, 0, 0]}
+              for k, (a, b) in enumerate(zip(names, names[1:], strict=False))]  # fmt: skip
+    scene = make.scene("chain", links, joint=joints)
+    path = simulate(library_of(scene), until=1.0, accuracy=Accuracy.balanced(), samples=10)
+    assert path.energy_drift < 1e-9
+    assert path.joint_error_max < 1e-13
+
+
+def test_a_four_bar_linkage_does_not_drift_over_a_hundred_turns() -> None:
+    path = run("four_bar", Accuracy.balanced(), until=70.0)
+    assert path.coordinates[-1, 0] > 200 * np.pi
+    assert path.energy_drift < 1e-9
+    assert path.joint_error_max < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("joint", "where", "said"),
+    [
+        ({"kind": "revolut"}, r"joint\[0\].kind", "revolute"),
+        ({"kind": "screw"}, r"joint\[0\]", "lead"),
+        ({"kind": "screw", "lead": 0.0}, r"joint\[0\].lead", "a lead of 0"),
+        ({"kind": "gear", "teeth": [0, 3]}, r"joint\[0\].teeth", "without teeth"),
+        ({"kind": "rope"}, r"joint\[0\].limits", "without limits"),
+        ({"kind": "revolute", "limits": [1.0, 0.0]}, r"joint\[0\].limits", "the first is the smaller"),
+        ({"kind": "revolute", "motion": "t", "stiffness": 1.0}, r"joint\[0\].motion", "remove one"),
+        ({"kind": "revolute", "motion": "x"}, r"joint\[0\].motion", "t"),
+        ({"kind": "weld", "limits": [0.0, 1.0]}, r"joint\[0\]", "belongs to"),
+        ({"kind": "weld", "between": ["world", "world"]}, r"joint\[0\].between", "itself"),
+        ({"kind": "weld", "between": ["world", "blok"]}, r"joint\[0\].between", "'block'"),
+        ({"kind": "weld", "position": [0, 0, 0], "frames": [{}, {}]}, r"joint\[0\]", "together"),
+    ],
+)
+def test_a_joint_that_cannot_be_is_refused_with_its_place(joint, where: str, said: str) -> None:
+    with pytest.raises(SceneError, match=rf"{where}.*{said}"):
+        make.scene("bad", [block()], joint=[{"between": ["world", "block"], **joint}])
