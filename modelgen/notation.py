@@ -122,6 +122,8 @@ _TABLE = (
              "rows", "", "(2.3)"),
     Notation("J", "\\Psi", "rows of the rate of a joint, each by body a then b", "1, m", "12 a row",
              "world, then body axes", "(2.6)"),
+    Notation("gamma1", "\\Gamma_1", "second derivative of a joint's rows without accelerations", "m/s^2", "rows",
+             "", "(2.6)"),
     Notation("bias", "", "rate of a joint's rows that its given motion makes", "m/s", "rows"),
     Notation("coordinate", "", "angles, within half a turn, and displacements of a joint", "rad or m",
              "by kind"),

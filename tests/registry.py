@@ -18,8 +18,9 @@ class Shipped:
     """What holds for one scene in every regular form.
 
     Attributes:
-        kinds: what `check` prints for the scene as it stands: bodies, then contacts in the chosen form.
-        forms: all that are regular for one of the scene's contacts.
+        kinds: what `check` prints for the scene as it stands: bodies, contacts in the chosen form, loads, joints,
+            limits.
+        forms: all that are regular for one of the scene's contacts; none without contacts.
         reference: the test that holds the scene against its reference, as `file::function` in tests.
         events: how often each kind of event happens at `balanced` and at `tight`; None: many.
         drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
@@ -57,6 +58,13 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("support", "curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
         reference="curves/test_scenes.py::test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point",
     ),
+    "double_pendulum": Shipped(
+        kinds=("free_diagonal", "fixed", "revolute", "revolute_min", "revolute_max"),
+        forms=(),
+        reference="joints/test_linkages.py::"
+        "test_a_double_pendulum_with_a_stop_follows_lagranges_equations_and_newtons_law",
+        events={"impact": 4},
+    ),
     "ellipsoid_in_cavity": Shipped(
         kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),
         forms=("implicit",),
@@ -81,10 +89,24 @@ REGISTRY: Mapping[str, Shipped] = {
         drift=(1e-6, 1e-9, 1e-9),
         apart=1e-9,
     ),
+    "four_bar": Shipped(
+        kinds=("free_diagonal", "fixed", "revolute"),
+        forms=(),
+        reference="joints/test_linkages.py::test_a_four_bar_linkage_follows_lagranges_equation_in_its_crank",
+    ),
     "linked_rings": Shipped(
         kinds=("fixed", "free_diagonal", "circle_circle_curves_block"),
         forms=("curves_block", "curves_differentiated"),
         reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
+    ),
+    "slider_crank": Shipped(
+        kinds=(
+            *("free_diagonal", "free_isotropic", "free_isotropic_loaded", "fixed"),
+            *("ellipsoid_circle_curve_implicit", "prismatic_spring", "revolute", "spherical", "prismatic"),
+        ),
+        forms=("curve_implicit",),
+        reference="joints/test_linkages.py::"
+        "test_a_slider_crank_with_a_cam_follower_follows_lagranges_equation_in_its_crank",
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),

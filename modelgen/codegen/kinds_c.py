@@ -72,7 +72,7 @@ DISPATCHERS = (
     ),
     Dispatcher(
         ("rows",), "mg_joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
-        ("value", "J", "gamma", "bias"),
+        ("value", "J", "gamma1", "bias"),
     ),
     Dispatcher(
         ("coordinates",), "mg_joint_coordinates", ("pose_a", "pose_b", "parameters"), ("coordinate",)

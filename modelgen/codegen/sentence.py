@@ -21,6 +21,7 @@ from modelgen.model import (
     JointEntry,
     JointKind,
     LimitEntry,
+    LimitKind,
     LinkEntry,
     LoadKind,
     Model,
@@ -50,7 +51,7 @@ def kinds_of(model: Model) -> dict[str, Any]:
         "load": [_load_kind(kind) for kind in model.load_kinds],
         "shape": [_shape_kind(kind) for kind in model.shape_kinds],
         "joint": [_joint_kind(kind) for kind in model.joint_kinds],
-        "limit": [asdict(kind) for kind in model.limit_kinds],
+        "limit": [_limit_kind(kind) for kind in model.limit_kinds],
     }
 
 
@@ -110,7 +111,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
 
 def _load_size(kind: LoadKind) -> int:
     if kind.joint:
-        return 2 * len(_POSE_NAMES) + 1 + len(FORMS_OF_JOINTS[kind.joint].numbers) + 3
+        return len(_joint_parameters(kind.joint)) + 3
     return 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0)
 
 
@@ -122,8 +123,17 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
         "rows": row_count(kind),
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
-        "parameters": [*(f"{side}.{name}" for side in "ab" for name in _POSE_NAMES), "length", *form.numbers],
+        "parameters": _joint_parameters(kind.kind),
     }
+
+
+def _limit_kind(kind: LimitKind) -> dict[str, Any]:
+    return asdict(kind) | {"parameters": [*_joint_parameters(kind.kind), "bound"]}
+
+
+def _joint_parameters(kind: str) -> list[str]:
+    placements = (f"{side}.{name}" for side in "ab" for name in _POSE_NAMES)
+    return [*placements, "length", *FORMS_OF_JOINTS[kind].numbers]
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:

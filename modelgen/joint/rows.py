@@ -38,15 +38,15 @@ def row_count(kind: JointKind) -> int:
 
 def rows_kernel(kind: JointKind) -> ca.Function:
     """`mg_<kind>_rows`: (t, pose_a, twist_a, pose_b, twist_b, parameters) ->
-    (value(k) m, J(12 k), gamma(k) m/s^2, bias(k) m/s); J row after row, a then b.
+    (value(k) m, J(12 k), gamma1(k) m/s^2, bias(k) m/s); J row after row, a then b.
 
-    value_dot = J u + bias and value_ddot = J u_dot + gamma.
+    value_dot = J u + bias and value_ddot = J u_dot + gamma1.
     """
     m, numbers = meeting(), numbers_of(kind.kind)
     value = values_of(kind, m, numbers)
     rate = m.rate(value)
     J = ca.horzcat(rate.J_a, rate.J_b)
-    outputs = {"value": value, "J": ca.vec(J.T), "gamma": rate.gamma, "bias": rate.bias}
+    outputs = {"value": value, "J": ca.vec(J.T), "gamma1": rate.gamma, "bias": rate.bias}
     inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers)}
     return kernel(f"mg_{kind.name}_rows", inputs, outputs)
 

@@ -15,6 +15,7 @@ from modelgen.codegen.manifest import Manifest
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
+from modelgen.joint.rows import rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report.symbolic import Line, definition, leading_to
@@ -29,6 +30,8 @@ GROUPS = {
     "surface": "shape",
     "curve": "shape",
     "point": "shape",
+    "rows": "joint",
+    "coordinates": "joint",
 }  # of the manifest's kinds, by the role of a formula
 OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # the roles that a pair of shapes decides
 
@@ -71,7 +74,7 @@ def _unknown(name: str, derivation: Derivation) -> ModelgenError:
 
 def _written_out(formula: Formula, model: Model) -> tuple[ca.Function, tuple[str, ...]]:
     """The function that is written, and those of its outputs that are steps on the way to the others."""
-    if formula.role != "rates":
+    if formula.role != "rates" or _is_limit(formula, model):
         return formula.function, ()
     function = contact_kernels(model.contact_kinds[formula.kind]).steps
     known = formula.function.name_out()
@@ -118,8 +121,10 @@ def _line(line: Line, style: Format) -> dict[str, str]:
 
 
 def _statement(formula: Formula, model: Model) -> str:
-    """What the form of a contact states, in the words of its own docstring."""
-    if formula.role not in ("rates", "place", "angle"):
+    """What a joint or the form of a contact states, in the words of its own docstring."""
+    if formula.role == "rows":
+        return inspect.getdoc(rows_kernel) or ""
+    if formula.role not in ("rates", "place", "angle") or _is_limit(formula, model):
         return ""
     form = FORMS[model.contact_kinds[formula.kind].form]
     return inspect.getdoc(form.angle if formula.role == "angle" else form.build) or ""
@@ -138,10 +143,18 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
         ]
         loads = sum(len(load.parameters) for load in model.loads)
         return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
-    group = GROUPS.get(formula.role)
-    return (
-        {} if group is None else {"parameters": list(map(_identifier, _listed(kinds[group][formula.kind])))}
-    )
+    if _is_limit(formula, model):
+        kind = kinds["limit"][formula.kind - len(model.contact_kinds)]
+    elif formula.role in GROUPS:
+        kind = kinds[GROUPS[formula.role]][formula.kind]
+    else:
+        return {}
+    return {"parameters": list(map(_identifier, _listed(kind)))}
+
+
+def _is_limit(formula: Formula, model: Model) -> bool:
+    """Whether it is of a limit of a joint, which counts among the contacts."""
+    return formula.role in ("rates", "place") and formula.kind >= len(model.contact_kinds)
 
 
 def _listed(kind: Mapping[str, Any]) -> list[str]:

@@ -56,6 +56,8 @@ def load(path: str | Path) -> Record:
                 pairs=stored["pairs"],
                 meshes={key[5:]: stored[key] for key in stored.files if key.startswith("mesh_")},
                 summary=json.loads(str(stored["summary"])),
+                joint_names=tuple(names["joints"]),
+                coordinate_names=tuple(names["coordinates"]),
             )
     except FileNotFoundError:
         raise ModelgenError(
@@ -71,7 +73,12 @@ def load(path: str | Path) -> Record:
 
 
 def _save_npz(record: Record, path: Path) -> None:
-    names = {"bodies": record.body_names, "contacts": record.contact_names}
+    names = {
+        "bodies": record.body_names,
+        "contacts": record.contact_names,
+        "joints": record.joint_names,
+        "coordinates": record.coordinate_names,
+    }
     meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
     texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
     arrays: dict[str, Array] = {**record.columns, **meshes, "pairs": record.pairs}
@@ -88,7 +95,8 @@ def _save_csv(record: Record, path: Path) -> None:
 
 
 def _table(record: Record) -> tuple[list[str], Array]:
-    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; energy, work."""
+    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; force, torque of each
+    joint, and coordinates; energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -99,5 +107,11 @@ def _table(record: Record) -> tuple[list[str], Array]:
     for k, contact in enumerate(record.contact_names):
         header += [f"{contact}.force", f"{contact}.gap"]
         parts += [columns["force"][:, k : k + 1], columns["gap"][:, k : k + 1]]
+    for k, joint in enumerate(record.joint_names):
+        for name in ("force", "torque"):
+            header += [f"{joint}.{name}_{axis}" for axis in "xyz"]
+            parts.append(columns[f"joint_{name}"][:, k])
+    header += record.coordinate_names
+    parts += [columns["coordinates"]] if record.coordinate_names else []
     parts += [columns["energy"][:, None], columns["work"][:, None]]
     return [*header, "energy", "work"], np.hstack(parts)

@@ -38,7 +38,8 @@ def draw(record: Record, path: str | Path) -> None:
     path = Path(path)
     check_suffix(path, FORMATS)
     figure_class = require_matplotlib()
-    curves = _contacts(record)[:CURVES] if len(record.columns["t"]) else []
+    shaped = [k for k in _contacts(record) if k < len(record.pairs)]
+    curves = shaped[:CURVES] if len(record.columns["t"]) else []
     panels = _panels(record)
     rows = len(panels) // 2
     heights = [1.0] * rows + [1.7] * len(curves)
@@ -57,9 +58,10 @@ def draw(record: Record, path: str | Path) -> None:
 
 
 def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
-    """What is drawn over time, two a row; force and gap where there are contacts."""
-    motion = (_position, _velocity, _rotation)
-    return (*motion, _force, _gap, _energy) if record.contact_names else (*motion, _energy)
+    """What is drawn over time, two a row; force and gap where there are contacts, likewise of joints."""
+    contacts = (_force, _gap) if record.contact_names else ()
+    joints = (_joint_force, _coordinates) if record.joint_names else ()
+    return (_position, _velocity, _rotation, *contacts, *joints, _energy)
 
 
 def _contacts(record: Record) -> list[int]:
@@ -117,6 +119,21 @@ def _per_contact(record: Record, axes: Any, column: str) -> None:
     for k in _contacts(record):
         values = record.columns[column][:, k]
         axes.plot(record.columns["t"], values, linewidth=1.0, label=record.contact_names[k])
+
+
+def _joint_force(record: Record, axes: Any) -> None:
+    axes.set_title("joint force")
+    axes.set_ylabel("|force| [N]")
+    sizes = np.linalg.norm(record.columns["joint_force"], axis=-1)
+    for k, name in enumerate(record.joint_names):
+        axes.plot(record.columns["t"], sizes[:, k], linewidth=1.0, label=name)
+
+
+def _coordinates(record: Record, axes: Any) -> None:
+    axes.set_title("joint coordinates")
+    axes.set_ylabel("[rad], [m]")
+    for k, name in enumerate(record.coordinate_names):
+        axes.plot(record.columns["t"], record.columns["coordinates"][:, k], linewidth=1.0, label=name)
 
 
 def _energy(record: Record, axes: Any) -> None:

@@ -17,6 +17,7 @@ Array = np.ndarray[Any, Any]
 COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
     *("points_o", "points_f", "normals", "energy", "work"),
+    *("joint_force", "joint_torque", "coordinates"),
 )
 
 
@@ -24,7 +25,8 @@ COLUMNS = (
 class Record:
     """What a run file holds; `save` writes it, `load` reads it and `draw` draws it.
 
-    `columns` as in Trajectory (SI, world axes); `pairs` (nc, 2) body indices (o, f) of each contact; `meshes`
+    `columns` as in Trajectory (SI, world axes); `pairs` body indices (o, f) of each contact with
+    shapes, which the limits of joints follow; `meshes`
     the touching surfaces of contact k as "k_o" and "k_f", (rows, columns, 3) m in axes of the body's centre
     of mass; `summary` what `simulate --json` prints, less the files written.
     """
@@ -35,6 +37,8 @@ class Record:
     pairs: Array
     meshes: dict[str, Array]
     summary: dict[str, Any]
+    joint_names: tuple[str, ...] = ()
+    coordinate_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """What it is of, how it ended and how much there is of it; no arrays."""
@@ -76,6 +80,8 @@ def record_of(trajectory: Trajectory, library: Library) -> Record:
         pairs=np.array([(link["o"], link["f"]) for link in links], dtype=int).reshape(-1, 2),
         meshes={},
         summary=trajectory.summary(),
+        joint_names=trajectory.joint_names,
+        coordinate_names=trajectory.coordinate_names,
     )
     bare.meshes.update(contact_meshes(library, bare.contact_curve))
     return bare

@@ -24,11 +24,17 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}",
         soft_wrap=True,
     )
+    if summary["joints"]:
+        console.print(f"joints hold within {summary['joint_error_max']:.2e} m")
     for warning in summary["warnings"]:
         console.print(f"warning: {warning}", markup=False)
     _print_events(summary["events"], console)
     for name, state in summary["final"].items():
         parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
+        console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+    for name, joint in summary["joints"].items():
+        parts = [f"{key} ({_vector(joint[key])})" for key in ("force", "torque")]
+        parts += [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
     for key in ("out", "plot"):
         if summary[key] is not None:

@@ -27,7 +27,7 @@ CASADI = (
     r"(_(alloc_mem|init_mem|free_mem|checkout|release|incref|decref|n_in|n_out|name_in|name_out|default_in|"
 )
 CASADI += r"sparsity_in|sparsity_out|work|work_bytes))?"
-FORCED = [(name, form) for name, shipped in REGISTRY.items() for form in shipped.forms]
+FORCED = [(name, form) for name, shipped in REGISTRY.items() for form in shipped.forms or ("auto",)]
 
 
 @cache
@@ -90,14 +90,17 @@ def test_all_forms_end_in_the_same_state(name: str) -> None:
 @pytest.mark.parametrize("name", REGISTRY)
 def test_a_scene_requires_these_kinds(name: str) -> None:
     model = require(read(SCENES / f"{name}.toml"))
-    groups = (model.body_kinds, model.contact_kinds, model.load_kinds)
+    groups = (
+        *(model.body_kinds, model.contact_kinds, model.load_kinds),
+        *(model.joint_kinds, model.limit_kinds),
+    )
     assert tuple(kind.name for group in groups for kind in group) == REGISTRY[name].kinds
 
 
 @pytest.mark.skipif(shutil.which("nm") is None, reason="nm is not installed")
 @pytest.mark.parametrize("name", REGISTRY)
 def test_a_library_exports_the_kernels_of_its_kinds_and_the_core_and_nothing_else(name: str) -> None:
-    library = forced(name, REGISTRY[name].forms[0])
+    library = forced(name, (*REGISTRY[name].forms, "auto")[0])
     command = ["nm", "--dynamic", "--defined-only", "--format=posix", str(library.path)]
     listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     exported = {line.split()[0] for line in listed.splitlines()}
