@@ -17,8 +17,9 @@ from modelgen.errors import expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points3d import is_point, point_kernel
 from modelgen.geometry.surface import surface_kernel
+from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
 from modelgen.joint.limits import CITATION, limit_kernels
-from modelgen.joint.rows import coordinates_kernel, rows_kernel
+from modelgen.joint.rows import coordinates_kernel, row_count, rows_kernel
 from modelgen.joint.springs import spring_kernel
 from modelgen.model import Model, ShapeKind
 
@@ -171,6 +172,8 @@ def _of_limits(model: Model) -> list[Formula]:
 def _of_joints(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.joint_kinds):
-        found.append(_formula(rows_kernel(kind), "rows", index, CITATIONS["rows"]))
-        found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
+        if row_count(kind):
+            found.append(_formula(rows_kernel(kind), "rows", index, CITATIONS["rows"]))
+        if FORMS_OF_JOINTS[kind.kind].coordinates:
+            found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
     return found

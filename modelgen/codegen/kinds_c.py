@@ -12,7 +12,8 @@ from modelgen.derive import Derivation, Formula
 from modelgen.geometry.extent import dimension_of
 from modelgen.joint.kinds import FORMS
 from modelgen.joint.limits import is_turn
-from modelgen.model import ContactKind, Model
+from modelgen.joint.rows import row_count
+from modelgen.model import ContactKind, JointKind, Model
 from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
 HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
@@ -121,7 +122,7 @@ def _tables(derivation: Derivation) -> list[str]:
     sizes = {
         (formula.role, formula.kind): int(formula.function.numel_in("parameters"))
         for formula in derivation.formulas
-        if formula.role in ("motion", "wrench", "rates", "rows")
+        if formula.role in ("motion", "wrench", "rates")
     }
     seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     bodies = [
@@ -138,13 +139,12 @@ def _tables(derivation: Derivation) -> list[str]:
     ]
     contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
     shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
+    joints = [_joint_sizes(kind) for kind in model.joint_kinds]
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 7)),
-        _table(
-            "mg_joint_kind", _joint_rows(derivation), [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"
-        ),
+        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
     ]
@@ -155,14 +155,9 @@ def _limit_turns(model: Model) -> list[int]:
     return [int(is_turn(kind.kind)) for kind in model.limit_kinds]
 
 
-def _joint_rows(derivation: Derivation) -> list[str]:
-    """Rows, coordinates, parameters and whether time moves it, of each kind of joint."""
-    kernels = {f.kind: f.function for f in derivation.formulas if f.role == "rows"}
-    found = []
-    for index, kind in enumerate(derivation.model.joint_kinds):
-        sizes = kernels[index].numel_out("value"), len(FORMS[kind.kind].coordinates)
-        found.append(_row(*sizes, kernels[index].numel_in("parameters"), int(kind.motion is not None)))
-    return found
+def _joint_sizes(kind: JointKind) -> str:
+    """Rows, coordinates, and whether time moves it."""
+    return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None))
 
 
 def _row(*numbers: int) -> str:

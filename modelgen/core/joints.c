@@ -20,6 +20,7 @@ static void mg_joint_rates(mg_context *c, mg_real t) {
   const mg_system *s = c->sys;
   for (int j = 0; j < s->n_joint; j++) {
     const int a = s->joint_a[j], b = s->joint_b[j], row = c->bilateral + s->joint_row[j];
+    if (!mg_joint_kinds[s->joint_kind[j]].n_rows) continue;
     mg_joint_rows(s->joint_kind[j], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
                   s->parameters + s->joint_parameters[j], c->d + row, c->J + 12 * row, c->gamma + row, c->bias + row);
   }

@@ -28,7 +28,7 @@ typedef struct {
 } mg_load_kind;
 
 typedef struct {
-  int n_rows, n_coordinates, n_parameters;
+  int n_rows, n_coordinates;
   int prescribed; /* its rows depend on time: it does work */
 } mg_joint_kind;
 

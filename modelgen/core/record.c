@@ -28,6 +28,7 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
   for (int i = first; i < first + mg_joint_kinds[kind].n_rows; i++)
     for (int j = 0; j < 6; j++) wrench[j] += c->force[i] * c->J[12 * i + 6 + j];
   for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
+  if (!mg_joint_kinds[kind].n_coordinates) return;
   mg_joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
                        s->parameters + s->joint_parameters[joint], coordinate);
 }

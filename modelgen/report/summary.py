@@ -33,9 +33,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
     for name, joint in summary["joints"].items():
-        parts = [f"{key} ({_vector(joint[key])})" for key in ("force", "torque")]
-        parts += [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
-        console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+        acting = [f"{key} ({_vector(joint[key])})" for key in ("force", "torque")]
+        standing = [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
+        console.print(f"{name}: {', '.join(acting + standing)}", markup=False, soft_wrap=True)
     for key in ("out", "plot"):
         if summary[key] is not None:
             console.print(f"written: {summary[key]}", markup=False, highlight=False, soft_wrap=True)

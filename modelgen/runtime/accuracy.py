@@ -30,7 +30,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "event": 8,
         "residual": 64,
         "step_min": 8,
-        "singular": 512,
+        "singular": 4096,
         "lost": 8,
         "apart": 4096,
         "border": 512,

@@ -78,7 +78,7 @@ def stopped(times: np.ndarray) -> tuple[np.ndarray, list[float]]:
         angles[done] = found.y[:2, np.isin(found.t, times)].T
         if found.status != 1:
             break
-        hit = [k for k in range(2) if len(found.t_events[k])][0]
+        hit = next(k for k in range(2) if len(found.t_events[k]))
         t, state = float(found.t_events[hit][0]), found.y_events[hit][0].copy()
         impacts.append(t)
         W = np.array([-1.0, 1.0])

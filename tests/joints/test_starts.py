@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,10 @@ SPEED = 5.0
 
 def parallelogram(angle: float, until: float) -> Trajectory:
     """Two cranks of 0.3 m, 1 m apart, under a bar of 1 m, turning at SPEED without any load."""
-    direction, across = np.array([np.cos(angle), 0, np.sin(angle)]), np.array([-np.sin(angle), 0, np.cos(angle)])
+    direction, across = (
+        np.array([np.cos(angle), 0, np.sin(angle)]),
+        np.array([-np.sin(angle), 0, np.cos(angle)]),
+    )
     tip, v, right = 0.3 * direction, 0.3 * SPEED * across, np.array([1.0, 0.0, 0.0])
     spin = {"velocity": list(v / 2), "angular_velocity": [0, -SPEED, 0], "inertia": (0.01, 0.01, 0.01)}
     bodies = [
@@ -111,7 +116,7 @@ def test_a_chain_of_twenty_links_keeps_its_energy_and_its_joints_for_long() -> N
              for k in range(20)]  # fmt: skip
     names = ["world", *(f"link{k}" for k in range(20))]
     joints = [{"kind": "spherical", "between": [a, b], "position": [0.1 * k, 0, 0]}
-              for k, (a, b) in enumerate(zip(names, names[1:], strict=False))]  # fmt: skip
+              for k, (a, b) in enumerate(pairwise(names))]  # fmt: skip
     scene = make.scene("chain", links, joint=joints)
     path = simulate(library_of(scene), until=1.0, accuracy=Accuracy.balanced(), samples=10)
     assert path.energy_drift < 1e-9
