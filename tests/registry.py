@@ -34,6 +34,7 @@ class Shipped:
     apart: float = 1e-12
 
 
+CURVE_ON_SURFACE = ("curve_implicit", "curve_block", "curve_paper", "curve_differentiated")
 REGISTRY: Mapping[str, Shipped] = {
     "ball_in_bowl": Shipped(
         kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
@@ -52,9 +53,29 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
         events={"impact": 43, "touch-down": 1},
     ),
+    "box_dropped": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_point_explicit"),
+        forms=("explicit", "support"),
+        reference="oracles/test_dropped.py::test_a_shipped_box_falls_on_the_corner_that_is_lowest",
+        events={"touch-down": None, "lift-off": None},
+        drift=(1e-7, 1e-9, 1e-9),
+        apart=1e-9,
+    ),
+    "coin_in_bowl": Shipped(
+        kinds=("fixed", "free_diagonal", "paraboloid_circle_curve_implicit"),
+        forms=CURVE_ON_SURFACE,
+        reference="oracles/test_second_formulations.py::test_a_coin_in_a_bowl_follows_a_second_formulation",
+    ),
+    "cylinder_dropped": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_circle_support", "plane_point_explicit"),
+        forms=("support", "explicit", *CURVE_ON_SURFACE),
+        reference="oracles/test_dropped.py::test_a_shipped_cylinder_topples_from_one_rim_onto_both",
+        events={"touch-down": 2},
+        drift=(1e-5, 1e-9, 1e-11),
+    ),
     "disc_on_rim": Shipped(
         kinds=("fixed", "free_diagonal", "plane_circle_support"),
-        forms=("support", "curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+        forms=("support", *CURVE_ON_SURFACE),
         reference="curves/test_scenes.py::test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point",
     ),
     "ellipsoid_in_cavity": Shipped(
@@ -81,10 +102,25 @@ REGISTRY: Mapping[str, Shipped] = {
         drift=(1e-6, 1e-9, 1e-9),
         apart=1e-9,
     ),
+    "helix_on_cylinder": Shipped(
+        kinds=("fixed", "free_diagonal", "cylinder_helix_curve_block"),
+        forms=CURVE_ON_SURFACE,
+        reference="oracles/test_second_formulations.py::test_a_helix_on_a_cylinder_follows_a_second_formulation",
+    ),
     "linked_rings": Shipped(
         kinds=("fixed", "free_diagonal", "circle_circle_curves_block"),
         forms=("curves_block", "curves_differentiated"),
         reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
+    ),
+    "peg_in_hole": Shipped(
+        kinds=(
+            "fixed",
+            "free_diagonal",
+            "cylinder_cylinder_cavity_implicit",
+            "cylinder_cavity_circle_curve_block",
+        ),
+        forms=("implicit", "block", "mixed", "paper", "differentiated", *CURVE_ON_SURFACE),
+        reference="oracles/test_second_formulations.py::test_a_peg_in_a_hole_follows_a_second_formulation",
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),

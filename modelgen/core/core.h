@@ -93,6 +93,7 @@ static int mg_side_body(const mg_context *c, int link, int side);
 static int mg_carrier(const mg_context *c, int link, int side);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
 
 /* sample.c */

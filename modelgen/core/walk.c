@@ -61,6 +61,7 @@ static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *
 static void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_set_link(c, contact, -1, none);
+  c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
   mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
@@ -86,7 +87,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->place[k];
     link = to;
   }
-  if (found.link < 0 || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
+  if (found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
   }
@@ -116,7 +117,6 @@ static int mg_leave_folds(mg_context *c, mg_events *events) {
     if (!mg_present(c, i) || c->run->closed[i] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) continue;
     if (c->run->margin[i] >= c->set->margin_refuse) continue;
     mg_leave(c, events, i);
-    c->run->moved[pair] = MG_MAX;
     count++;
   }
   return count;

@@ -121,16 +121,29 @@ def address(array: Array) -> int:
 
 def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tuple[Any, list[Array]]:
     """The mg_system of a sentence, and the arrays that it points into, which must outlive it."""
+    counts = [len(sentence[group]) for group in ("bodies", "contacts", "loads", "pairs", "links")]
+    states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
+    system = tables.System(*counts, *states, _room(sentence))
+    arrays = {**_arrays(tables, sentence), "scale": scale}
+    for name, array in arrays.items():
+        setattr(system, name, address(array))
+    system.gravity = (tables.real * 3)(*sentence["gravity"])
+    for name, value in sentence["scales"].items():
+        setattr(system, name, value)
+    return system, list(arrays.values())
+
+
+def _arrays(tables: Tables, sentence: Mapping[str, Any]) -> dict[str, Array]:
+    """The arrays of mg_system by name, but for `scale`."""
     bodies, links, loads = sentence["bodies"], sentence["links"], sentence["loads"]
     contacts, pairs = sentence["contacts"], sentence["pairs"]
     parameters: list[float] = []
-    starts = [append(parameters, entry["parameters"]) for entry in (*bodies, *links, *loads)]
-    of_bodies, of_links = starts[: len(bodies)], starts[len(bodies) : len(bodies) + len(links)]
+    of_bodies, of_links, of_loads = (
+        [append(parameters, entry["parameters"]) for entry in group] for group in (bodies, links, loads)
+    )
     sides = Sides(links, parameters, float(np.finfo(tables.dtype).max))
     integers: dict[str, list[int]] = {
-        "body_kind": [b["kind"] for b in bodies],
-        "body_q": [b["q"] for b in bodies],
-        "body_u": [b["u"] for b in bodies],
+        **{f"body_{key}": [body[key] for body in bodies] for key in ("kind", "q", "u")},
         "body_parameters": of_bodies,
         **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
         "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
@@ -142,7 +155,7 @@ def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tu
         "load_kind": [entry["kind"] for entry in loads],
         "load_a": [entry["bodies"][0] for entry in loads],
         "load_b": [entry["bodies"][1] if len(entry["bodies"]) > 1 else -1 for entry in loads],
-        "load_parameters": starts[len(bodies) + len(links) :],
+        "load_parameters": of_loads,
     }
     reals = {
         "mass_inverse": [value for b in bodies for value in b["mass_inverse"]],
@@ -151,18 +164,10 @@ def fill_system(tables: Tables, sentence: Mapping[str, Any], scale: Array) -> tu
         "numbers": sides.numbers,
         "pair_normal": [value for p in pairs for value in p["normal"] or (0.0, 0.0, 0.0)],
     }
-    arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
-    arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
-    arrays["scale"] = scale
-    sizes = (len(bodies), len(contacts), len(loads), len(pairs), len(links))
-    states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    system = tables.System(*sizes, *states, _room(sentence))
-    for name, array in arrays.items():
-        setattr(system, name, address(array))
-    system.gravity = (tables.real * 3)(*sentence["gravity"])
-    for name, value in sentence["scales"].items():
-        setattr(system, name, value)
-    return system, list(arrays.values())
+    return {
+        **{name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()},
+        **{name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()},
+    }
 
 
 def _room(sentence: Mapping[str, Any]) -> int:
