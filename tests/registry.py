@@ -41,11 +41,23 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("explicit", "implicit", "centre_surface"),
         reference="oracles/test_closed_forms.py::test_a_ball_in_a_bowl_is_a_pendulum",
     ),
+    "ball_in_torus": Shipped(
+        kinds=("fixed", "point", "sphere_torus_cavity_centre_surface"),
+        forms=("centre_surface", "implicit", "mixed"),
+        reference="oracles/test_surface_routes.py::test_a_ball_in_a_torus_is_a_particle_on_a_torus",
+        apart=1e-11,
+    ),
     "ball_leaves_sphere": Shipped(
         kinds=("fixed", "point", "sphere_sphere_explicit"),
         forms=("explicit", "implicit", "centre_surface"),
         reference="oracles/test_closed_forms.py::test_a_ball_leaves_a_fixed_sphere_at_two_thirds_of_its_height",
         events={"lift-off": 1},
+    ),
+    "bean_with_poles": Shipped(
+        kinds=("fixed", "free_full", "plane_chart_block", "plane_cap_block"),
+        forms=("block", "paper", "differentiated", "mixed"),
+        reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
+        events={"walk": 2},
     ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
@@ -77,6 +89,12 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_circle_support"),
         forms=("support", *CURVE_ON_SURFACE),
         reference="curves/test_scenes.py::test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point",
+    ),
+    "egg_on_spline": Shipped(
+        kinds=("fixed", "free_diagonal", "ellipsoid_bezier_mixed"),
+        forms=("mixed",),
+        reference="oracles/test_surface_routes.py::test_an_egg_that_crosses_knots_follows_a_second_route",
+        events={"walk": 12},
     ),
     "ellipsoid_in_cavity": Shipped(
         kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),

@@ -50,7 +50,7 @@ INNER_LOOP = (
     *("lone.c", "rhs.c", "rk4.c", "step.c"),
 )
 
-SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a kind is sought by its separation function
+SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a separation function is sought
 
 PER_STEP = (
     *("conditions.c", "sample.c", "starts.c"),

@@ -30,7 +30,7 @@ GROUPS = {
     "curve": "shape",
     "point": "shape",
 }  # of the manifest's kinds, by the role of a formula
-OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # the roles that a pair of shapes decides
+OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
 
 
 def formula_facts(

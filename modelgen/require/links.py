@@ -14,8 +14,8 @@ from modelgen.errors import SceneError, nearest
 from modelgen.geometry.features import features_of
 from modelgen.geometry.poses import compose, rotation_of, to_outer
 from modelgen.model import ContactKind, LinkCondition, LinkEntry, ShapeKind
-from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
+from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape
 
@@ -130,8 +130,7 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
 
 
 def _place(whole: Whole, feature: Feature, shapes: Vocabulary[ShapeKind]) -> tuple[Feature, Partner]:
-    """The feature in the place of the whole shape. A vertex brings its place among its coordinates, in the axes
-    of the body, and so its directions."""
+    """The feature in the place of the whole shape; a vertex with its coordinates in the body's axes."""
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
     shape = replace(feature.shape, pose=pose, name=whole.shape.name)
     if shape.kind == "point":
@@ -195,7 +194,7 @@ def _conditions(
 
 
 def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:
-    """Beyond it the features touch a plane along a line, or everywhere: this link goes on to hold them apart."""
+    """Beyond it a plane is touched along a line, or everywhere: this link goes on to hold them apart."""
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 

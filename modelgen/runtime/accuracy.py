@@ -32,6 +32,8 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "lost": 8,
         "apart": 4096,
         "border": 512,
+        "flat": 2048,
+        "dependent": 4096,
     }
 )
 
@@ -64,7 +66,7 @@ class Accuracy:
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
-        polish: the interpolant finds an event to this part of the step; steps to the event itself do the rest.
+        polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
         depth: a contact that appears in a run may be below zero by depth L.
         scan: parts of a step in which the first event is sought.

@@ -1,7 +1,7 @@
-"""A rigid body that slides on fixed surfaces, with contact points by coordinates of their own: a second formulation.
+"""A second formulation of a body that slides on fixed surfaces, with coordinates for the contact points.
 
-Each contact is a set of equations G(q, s) = 0 with one more equation than coordinates s: two points coincide, and
-the tangents of the body are perpendicular to the normal. Differentiated twice,
+Each contact is a set of equations G(q, s) = 0 with one more equation than coordinates s: two points coincide,
+and the tangents of the body are perpendicular to the normal. Differentiated twice,
 
     G_q B u' + G_s s'' + (G_q B u + G_s s')' at fixed u, s' = 0,
 
@@ -51,7 +51,10 @@ class Slider:
             second = ca.jtimes(change, q, velocity) + ca.jtimes(change, s, rate)
             by_u, by_s = ca.jacobian(change, u), ca.jacobian(value, s)
             found.append(
-                (ca.Function("value", [q, s], [value]), ca.Function("rows", [q, u, s, rate], [by_u, by_s, second]))
+                (
+                    ca.Function("value", [q, s], [value]),
+                    ca.Function("rows", [q, u, s, rate], [by_u, by_s, second]),
+                )
             )
         return found
 
@@ -60,9 +63,8 @@ class Slider:
         functions = self._functions()
         q = np.concatenate([p, quaternion])
         places = [
-            least_squares(lambda s, f=value: np.array(f(q, s)).ravel(), start, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
-            for (value, _), (_, start) in zip(functions, self.contacts, strict=True)
-        ]  # fmt: skip
+            _solved(value, q, start) for (value, _), (_, start) in zip(functions, self.contacts, strict=True)
+        ]
         apart = max(np.abs(np.array(f(q, s))).max() for (f, _), s in zip(functions, places, strict=True))
         cuts = np.cumsum([13, *map(len, places)])[:-1]
 
@@ -108,3 +110,9 @@ class Slid:
     quaternion: np.ndarray
     force: np.ndarray  # (n, m) N, without sign
     apart: float  # m, how far the start is from touching
+
+
+def _solved(value: ca.Function, q: np.ndarray, start: Sequence[float]) -> np.ndarray:
+    """The coordinates s at which the equations of one contact hold."""
+    tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
+    return np.asarray(least_squares(lambda s: np.array(value(q, s)).ravel(), start, **tight).x)

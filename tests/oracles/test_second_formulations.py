@@ -1,4 +1,4 @@
-"""A peg in a hole, a coin in a bowl and a helix on a cylinder against a formulation that knows no contact kernel."""
+"""A peg in a hole, a coin in a bowl, a helix on a cylinder: each against one that knows no contact kernel."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SIZE = {"peg_in_hole": 0.2, "coin_in_bowl": 0.05, "helix_on_cylinder": 0.1}  # m
 
 
 def rim(height: float) -> Equations:
-    """A rim of the peg inside the hole about x: |rim point|^2 in yz is the hole's and stationary along the rim."""
+    """A rim of the peg in the hole about x: |point|^2 in yz is the hole's, and stationary along the rim."""
 
     def equations(p: ca.SX, R: ca.SX, s: ca.SX) -> ca.SX:
         point = p + R @ ca.vertcat(0.04 * ca.cos(s), 0.04 * ca.sin(s), height)
@@ -35,9 +35,7 @@ def coin(p: ca.SX, R: ca.SX, s: ca.SX) -> ca.SX:
     x, y, t = ca.vertsplit(s)
     point = p + 0.05 * R @ ca.vertcat(ca.cos(t), ca.sin(t), 0)
     tangent, normal = R @ ca.vertcat(-ca.sin(t), ca.cos(t), 0), ca.vertcat(-x / 0.3, -y / 0.25, 1)
-    return ca.vertcat(
-        point - ca.vertcat(x, y, x * x / 0.6 + y * y / 0.5), 0.05 * ca.dot(normal, tangent)
-    )
+    return ca.vertcat(point - ca.vertcat(x, y, x * x / 0.6 + y * y / 0.5), 0.05 * ca.dot(normal, tangent))
 
 
 def helix(p: ca.SX, R: ca.SX, s: ca.SX) -> ca.SX:
@@ -49,9 +47,10 @@ def helix(p: ca.SX, R: ca.SX, s: ca.SX) -> ca.SX:
     return ca.vertcat(point - 0.05 * normal - ca.vertcat(0, y, 0), 0.1 * ca.dot(normal, tangent))
 
 
+ACROSS, ALONG = (3 * 0.04**2 + 0.2**2) / 12, 0.04**2 / 2  # moments of the peg by its mass, m^2
 SLIDERS = {
     "peg_in_hole": Slider(
-        PEG, PEG * np.array([(3 * 0.04**2 + 0.2**2) / 12] * 2 + [0.04**2 / 2]), [(rim(0.1), [0.3]), (rim(-0.1), [-0.3])]
+        PEG, [PEG * ACROSS, PEG * ACROSS, PEG * ALONG], [(rim(0.1), [0.3]), (rim(-0.1), [-0.3])]
     ),
     "coin_in_bowl": Slider(0.1, [6.25e-5, 6.25e-5, 1.25e-4], [(coin, [0.0, 0.0, -np.pi / 2])]),
     "helix_on_cylinder": Slider(0.3, [0.002, 0.004, 0.004], [(helix, [0.0, 0.0, 0.0])]),
