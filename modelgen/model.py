@@ -105,7 +105,7 @@ class LinkEntry:
     parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
     swapped: bool  # the user named f first
     shapes: tuple[Shape, Shape]  # of o and f; poses in the body axes as written
-    group: int = -1  # of links of one vertex with the faces of one solid
+    group: int = -1  # of links of one flat face with the other of two convex solids
     conditions: tuple[LinkCondition, ...] = ()
 
 

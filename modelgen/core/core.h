@@ -115,7 +115,9 @@ static int mg_has_signs(const mg_context *c, int link);
 static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
 static void mg_note_place(const mg_context *c, mg_found *found);
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
-static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept);
+static mg_real mg_parting(mg_context *c, int pair);
+static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
+static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
 static int mg_first_contact(const mg_context *c, int pair);
 static int mg_start_pairs(mg_context *c);
@@ -177,6 +179,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 
 /* reach.c */
 static mg_real mg_reach(const mg_context *c);
+static mg_real mg_sight(const mg_context *c);
 static void mg_mark_falling(mg_context *c);
 static int mg_dips(mg_context *c, mg_real h);
 

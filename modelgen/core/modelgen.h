@@ -31,7 +31,7 @@ typedef struct {
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
   const int *link_kind, *link_o, *link_f, *link_parameters;
-  const int *link_pair, *link_group;                    /* links of one vertex with the planes of one solid, else -1 */
+  const int *link_pair, *link_group;                    /* links of one flat face of two convex solids, else -1 */
   const int *link_condition;                            /* first condition (n_link + 1) */
   const int *side_shape, *side_parameters, *side_numbers; /* two a link: kind of shape, its parameters, numbers */
   const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, or -1 */

@@ -142,10 +142,11 @@ static int mg_is_taken(const mg_context *c, int pair, int link) {
 
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
+  const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
   mg_founds found = {0};
   int count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, &found);
+    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
     if (each->undecided || each->d > c->set->reach * s->length || each->d < -c->set->depth * s->length) continue;
@@ -165,6 +166,47 @@ static mg_real mg_pair_speed(const mg_context *c, int pair) {
   const mg_real *a = c->twist + 6 * c->sys->link_o[link], *b = c->twist + 6 * c->sys->link_f[link];
   const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
   return sqrt(mg_dot3(v, v)) + c->sys->length * (sqrt(mg_dot3(a + 3, a + 3)) + sqrt(mg_dot3(b + 3, b + 3)));
+}
+
+/* No contact of the pair is on a link: nothing else keeps steps from passing through. */
+static int mg_is_unwatched(const mg_context *c, int pair) {
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    if (mg_present(c, i)) return 0;
+  return 1;
+}
+
+/* How fast the relative speed of the bodies' centres may grow. */
+static mg_real mg_pair_pull(const mg_context *c, int pair) {
+  const int link = c->sys->pair_link[pair];
+  const mg_real *a = c->accel + 6 * c->sys->link_o[link], *b = c->accel + 6 * c->sys->link_f[link];
+  const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return sqrt(mg_dot3(v, v));
+}
+
+/* What is at least between the shapes of a pair. */
+static mg_real mg_pair_clearance(const mg_context *c, int pair) {
+  mg_real clear = MG_MAX;
+  for (int link = c->sys->pair_link[pair]; link < c->sys->pair_link[pair + 1]; link++) {
+    const mg_real each = mg_clearance(c, link);
+    if (each < clear) clear = each;
+  }
+  return clear > 0 ? clear : 0;
+}
+
+/* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
+   its own, those that are there do for the others. */
+static mg_real mg_sight(const mg_context *c) {
+  const mg_system *s = c->sys;
+  mg_real sight = MG_MAX;
+  for (int pair = 0; pair < s->n_pair; pair++) {
+    const int unwatched = mg_is_unwatched(c, pair), own = s->contact_link[mg_first_contact(c, pair)] >= 0;
+    if (s->pair_search[pair] == MG_SEARCH_NEVER || (own && !unwatched)) continue;
+    const mg_real way = c->set->reach * s->length / 2 + mg_pair_clearance(c, pair);
+    const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
+    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
+    if (mean * sight > way) sight = way / mean;
+  }
+  return sight;
 }
 
 /* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */

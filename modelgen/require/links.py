@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.contact.kinds import regular_forms
+from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
-from modelgen.geometry.features import features_of
+from modelgen.geometry.features import features_of, is_convex
 from modelgen.geometry.poses import compose, rotation_of, to_outer
 from modelgen.model import ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
@@ -43,6 +43,7 @@ class Candidate:
 
 
 Candidates = Mapping[tuple[str, str], Candidate]
+Face = tuple[int, str]  # of the first or second shape; its name
 
 
 def links_of(
@@ -58,10 +59,26 @@ def links_of(
     """The links of a pair; the first has the number `first`. Raises SceneError if there is none."""
     found = _candidates(a, b, pair, where, shapes)
     numbers = {names: first + k for k, names in enumerate(found)}
-    groups: dict[tuple[int, str], int] = {}
+    known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
+    groups = _parting_faces(found) if known else {}
     return tuple(
         _entry(candidate, names, numbers, kinds, index, groups) for names, candidate in found.items()
     )
+
+
+def _parting_faces(found: Candidates) -> dict[Face, int]:
+    """Flat faces from which every feature of the other solid has a gap without contact parameters, numbered."""
+    faces: dict[Face, bool] = {}
+    for names, candidate in found.items():
+        face = _flat_face(names, candidate)
+        if face is not None:
+            faces[face] = faces.get(face, True) and eta_layout(candidate.kind) == ("none", "none")
+    return {face: k for k, face in enumerate(face for face, explicit in faces.items() if explicit)}
+
+
+def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
+    side = 1 if candidate.swapped else 0
+    return (side, names[side]) if candidate.partners[side].shape.kind == "plane" else None
 
 
 def _candidates(
@@ -152,13 +169,11 @@ def _entry(
     numbers: Mapping[tuple[str, str], int],
     kinds: Vocabulary[ContactKind],
     pair: int,
-    groups: dict[tuple[int, str], int],
+    groups: Mapping[Face, int],
 ) -> LinkEntry:
     order = (1, 0) if candidate.swapped else (0, 1)
     o, f = (candidate.partners[k] for k in order)
-    group = -1
-    if o.shape.kind == "plane" and f.shape.kind == "point":
-        group = groups.setdefault((f.owner.body, names[order[1]]), len(groups))
+    face = _flat_face(names, candidate)
     return LinkEntry(
         name="-".join(filter(None, names)),
         kind=kinds.index(candidate.kind),
@@ -168,7 +183,7 @@ def _entry(
         parameters=o.parameters + f.parameters,
         swapped=candidate.swapped,
         shapes=(o.shape, f.shape),
-        group=group,
+        group=-1 if face is None else groups.get(face, -1),
         conditions=_conditions(candidate, names, numbers, order),
     )
 
