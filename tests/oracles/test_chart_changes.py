@@ -22,7 +22,7 @@ from tests.oracles.plain_rows import PlainScene, Rows
 from tests.running import library_of, scene_of
 
 LONG = 200.0  # s
-WALKS = {"bean_with_poles": 100, "ball_in_torus": 0, "egg_on_spline": 800}  # at least, in so long
+WALKS = {"bean_with_poles": 50, "ball_in_torus": 0, "egg_on_spline": 800}  # at least, in so long
 TRACE = 1e-12
 
 
@@ -46,7 +46,7 @@ def test_two_hundred_seconds_keep_energy_and_contact(name: str) -> None:
 @pytest.mark.slow
 def test_the_pebble_passes_both_poles() -> None:
     seen = Counter(event.features for event in long_run("bean_with_poles").events)
-    assert min(seen["pole_v_min"], seen["pole_v_max"]) > 20
+    assert min(seen["pole_v_min"], seen["pole_v_max"]) > 5
 
 
 @pytest.mark.slow
