@@ -89,6 +89,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real reach = mg_reach(c);
   const mg_real sight = mg_sight(c), longest = sight < reach ? sight : reach;
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
+  c->left.count = 0;
   mg_mark_falling(c);
   int outcome = mg_accurate_step(c, &h), event = 0;
   if (outcome) return outcome;

@@ -26,7 +26,7 @@ typedef struct { /* where Newton's method starts on one link, the likeliest firs
 
 typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
   int link, undecided;
-  mg_real d, point[3], normal[3], eta[6];
+  mg_real d, margin, point[3], normal[3], eta[6];
 } mg_found;
 
 typedef struct {
@@ -59,6 +59,7 @@ typedef struct {
   mg_real *merit;                           /* of the samples of o with their best mate */
   int *mate;
   mg_starts starts;
+  mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;

@@ -23,7 +23,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
     if (mg_held(c, i))
       c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
     else if (c->run->closed[i])
-      c->fired[i] = c->force[i] < 0;
+      c->fired[i] = c->force[i] < -mg_slack(c) * c->sys->mass;
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
     if (mg_leaves(c, i, x)) c->fired[i] = MG_WALKS;

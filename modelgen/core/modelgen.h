@@ -68,6 +68,7 @@ typedef struct {
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
+  mg_real margin_appear;  /* a contact without a link of its own appears in a run only with more margin */
   mg_real lost;           /* closest points with less margin are not kept by a search */
   mg_real apart;          /* closest points nearer than apart * length are one */
   mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */

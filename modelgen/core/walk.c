@@ -60,6 +60,13 @@ static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *
 
 static void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
+  mg_real next[6];
+  if (c->left.count < MG_FOUNDS) {
+    mg_found *left = c->left.list + c->left.count++;
+    mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
+    left->link = c->run->link[contact];
+    mg_note_place(c, left);
+  }
   mg_set_link(c, contact, -1, none);
   c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
   mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
@@ -133,6 +140,20 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   return slot;
 }
 
+static int mg_was_left(const mg_context *c, const mg_found *found) {
+  for (int k = 0; k < c->left.count; k++)
+    if (c->left.list[k].link == found->link && mg_same_contact(c, c->left.list + k, found)) return 1;
+  return 0;
+}
+
+/* What a search during a run takes up: within reach, not below the depth, not about to end. */
+static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
+  const mg_real length = c->sys->length;
+  if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
+  const int own = c->sys->contact_link[mg_first_contact(c, c->sys->link_pair[found->link])] >= 0;
+  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear) && !mg_was_left(c, found);
+}
+
 /* The link has a contact of its own, which is on it. */
 static int mg_is_taken(const mg_context *c, int pair, int link) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
@@ -149,7 +170,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (each->undecided || each->d > c->set->reach * s->length || each->d < -c->set->depth * s->length) continue;
+    if (!mg_is_taken_up(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
@@ -201,7 +222,7 @@ static mg_real mg_sight(const mg_context *c) {
   for (int pair = 0; pair < s->n_pair; pair++) {
     const int unwatched = mg_is_unwatched(c, pair), own = s->contact_link[mg_first_contact(c, pair)] >= 0;
     if (s->pair_search[pair] == MG_SEARCH_NEVER || (own && !unwatched)) continue;
-    const mg_real way = c->set->reach * s->length / 2 + mg_pair_clearance(c, pair);
+    const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
     if (mean * sight > way) sight = way / mean;
