@@ -83,6 +83,9 @@ class BodyEntry:
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
 
 
+ENDS, WATCHED = -1, -2  # beyond a condition: the contact ends; it stays, but others may begin
+
+
 @dataclass(frozen=True, slots=True)
 class LinkCondition:
     """An inequality that holds while a contact stays on a link (`scene.types.Condition`)."""
@@ -90,7 +93,7 @@ class LinkCondition:
     kind: str
     side: int  # 0: of o, 1: of f
     numbers: tuple[float, ...]
-    next: int  # the link beyond; -1: the contact ends
+    next: int  # the link beyond; ENDS or WATCHED
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ MG_API long mg_work_size(const mg_system *s) {
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
-  return 14L * s->n_contact + 4 + MG_SAMPLES + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
+  return 15L * s->n_contact + 4 + MG_SAMPLES + s->n_closed + mg_lcp_iwork_size(s->n_closed) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -60,7 +60,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, m), c->amount = mg_take(&work, m);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
-  c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
+  c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->upright = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
   c->kind = mg_take_int(&iwork, m + 1), c->parameters = mg_take_int(&iwork, m + 1);
   c->o = mg_take_int(&iwork, m + 1), c->f = mg_take_int(&iwork, m + 1);
   c->list = mg_take_int(&iwork, m), c->mask = mg_take_int(&iwork, m), c->fired = mg_take_int(&iwork, m);

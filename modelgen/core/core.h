@@ -11,6 +11,7 @@
 #define MG_STARTS 8     /* of Newton's method on one link */
 #define MG_FOUNDS 24    /* closest points of one pair */
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
+#define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
@@ -49,6 +50,7 @@ typedef struct {
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
+  int *upright;                             /* per contact: it had passed no watched border at the start of the step */
   int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
   int *column;                              /* per contact: its place in A while assembled, else -1 */
@@ -95,6 +97,7 @@ static int mg_carrier(const mg_context *c, int link, int side);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
 static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
+static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
 
 /* sample.c */
@@ -182,6 +185,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 static mg_real mg_reach(const mg_context *c);
 static mg_real mg_sight(const mg_context *c);
 static void mg_mark_falling(mg_context *c);
+static void mg_mark_upright(mg_context *c);
 static int mg_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */

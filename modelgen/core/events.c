@@ -5,13 +5,31 @@ static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
 
-/* True if the contact leaves its link at the state x; which condition says so is in c->way. */
+/* Whether the contact leaves its link at the state x (MG_WALKS), or passes a watched border (MG_TIPS); which
+   condition says so is in c->way. */
 static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
   if (link < 0 || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
-  return mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border;
+  if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
+  if (!c->upright[contact]) return 0;
+  return mg_least_condition(c, link, eta, 1, c->way + contact) < -c->set->border ? MG_TIPS : 0;
+}
+
+/* Notes which closed contacts have not passed a watched border; beyond it other contacts may begin at any time.
+   Needs the poses of run->x. */
+static void mg_mark_upright(mg_context *c) {
+  int which;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int link = c->run->link[i];
+    c->upright[i] = 0;
+    if (!c->run->closed[i] || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) continue;
+    const mg_real *eta = mg_eta_of(c, c->run->x, i);
+    mg_place(c, i, eta, c->place + 32);
+    c->upright[i] = mg_least_condition(c, link, eta, 1, &which) >= 0;
+    if (!c->upright[i]) c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+  }
 }
 
 /* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
@@ -26,7 +44,8 @@ static int mg_fired(mg_context *c, mg_real *x) {
       c->fired[i] = c->force[i] < -mg_slack(c) * c->sys->mass;
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
-    if (mg_leaves(c, i, x)) c->fired[i] = MG_WALKS;
+    const int leaves = mg_leaves(c, i, x);
+    if (leaves) c->fired[i] = leaves;
     count += c->fired[i] != 0;
   }
   return count;
@@ -121,7 +140,7 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_fired_at(c, h, high);
   const int first = mg_first_fired(c);
   if (first < 0) return 0;
-  const int walks = c->fired[first] == MG_WALKS;
+  const int walks = c->fired[first] == MG_WALKS || c->fired[first] == MG_TIPS;
   const mg_real slope = mg_held(c, first) && !walks ? 0 : mg_event_slope(c, first, walks, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, walks, high * h, slope, h);

@@ -77,6 +77,7 @@ static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
   found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
   if (!(mg_margin_of(c) > c->set->lost)) return 0;
   if (mg_worst_condition(c, link, eta, &which) < -c->set->border) return 0;
+  if (mg_least_condition(c, link, eta, 1, &which) < -c->set->lean) return 0;
   found->link = link, found->margin = mg_margin_of(c);
   mg_note_place(c, found);
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];

@@ -102,14 +102,16 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
 }
 
-/* Walks for all contacts marked MG_WALKS in c->fired. Returns how many changed. */
+/* Walks for all contacts marked MG_WALKS in c->fired, and sees to the marks MG_TIPS. Returns how many changed. */
 static int mg_walk_all(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->fired[i] != MG_WALKS) continue;
+    const int cause = c->fired[i];
+    if (cause != MG_WALKS && cause != MG_TIPS) continue;
     c->fired[i] = 0;
-    mg_walk(c, events, i);
-    count++;
+    if (cause == MG_WALKS) mg_walk(c, events, i);
+    else c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    count += cause == MG_WALKS;
   }
   return count;
 }

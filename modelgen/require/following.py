@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from modelgen.geometry.features import features_of, is_composite
 from modelgen.geometry.roundness import touches_once
-from modelgen.model import LinkEntry, Search
+from modelgen.model import ENDS, WATCHED, LinkEntry, Search
 from modelgen.scene.types import ContactPair, Shape
 
 SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
@@ -66,5 +66,9 @@ def _is_plane(shape: Shape) -> bool:
 def confined(links: Sequence[LinkEntry]) -> tuple[LinkEntry, ...]:
     """Links that each have a contact of their own: where one ends, its contact does."""
     return tuple(
-        replace(link, conditions=tuple(replace(each, next=-1) for each in link.conditions)) for link in links
+        replace(
+            link,
+            conditions=tuple(replace(each, next=ENDS) for each in link.conditions if each.next != WATCHED),
+        )
+        for link in links
     )

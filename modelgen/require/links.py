@@ -13,7 +13,7 @@ from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.geometry.poses import compose, rotation_of, to_outer
-from modelgen.model import ContactKind, LinkCondition, LinkEntry, ShapeKind
+from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
 from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
@@ -67,7 +67,7 @@ def links_of(
 
 
 def _parting_faces(found: Candidates) -> dict[Face, int]:
-    """Flat faces from which every feature of the other solid has a gap without contact parameters, numbered."""
+    """Flat faces, numbered, whose gaps to all features of the other solid need no contact parameters."""
     faces: dict[Face, bool] = {}
     for names, candidate in found.items():
         face = _flat_face(names, candidate)
@@ -201,9 +201,9 @@ def _conditions(
         for condition in candidate.features[mine].conditions:
             beyond = [*names]
             beyond[mine] = condition.next or ""
-            to = numbers.get((beyond[0], beyond[1]), -1) if condition.next else -1
+            to = numbers.get((beyond[0], beyond[1]), ENDS) if condition.next else ENDS
             if to < 0 and _is_moot(condition, other, faces):
-                continue
+                to = WATCHED
             found.append(LinkCondition(condition.kind, side, condition.numbers, to))
     return tuple(found)
 

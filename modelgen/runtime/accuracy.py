@@ -71,6 +71,7 @@ class Accuracy:
         depth: a contact that appears in a run may be below zero by depth L.
         scan: parts of a step in which the first event is sought.
         margin_appear: a contact appears in a run only with more margin than this.
+        lean: a vertex or edge over a face is taken up while its own edges and faces lean out less (a sine).
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once: transitions at one time before the run gives up.
         lost: a search for the closest points keeps a start only if its margin exceeds this.
@@ -98,7 +99,8 @@ class Accuracy:
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
-    margin_appear: float = 1e-3
+    margin_appear: float = 1e-4
+    lean: float = 0.5
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10
