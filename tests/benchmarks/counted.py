@@ -1,8 +1,8 @@
 """One thing many times: `python -m tests.benchmarks.counted core|hand|free|loaded FOLDER N`.
 
 core and hand take N RK4 steps of ellipsoid_on_plane; free and loaded take N of bodies in a bowl, without
-forces and with every body on the bowl. FOLDER holds manifest.json, library.json, the model's library (named in the
-latter) and, for hand, hand_written.so.
+forces and with every body on the bowl. FOLDER holds manifest.json, library.json, the model's library (named
+in the latter) and, for hand, hand_written.so.
 """
 
 from __future__ import annotations
