@@ -44,13 +44,14 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
   return mg_worst_condition(c, to, eta, which);
 }
 
-/* True if a contact of the pair other than this one is there already. */
+/* True if a contact of the pair other than this one is there already, or will be once its eta has settled. */
 static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
-  mg_real next[6];
+  mg_real eta[6];
   mg_found other;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     if (i == contact || !mg_present(c, i)) continue;
-    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_eta_of(c, c->run->x, i)[k];
+    mg_settle_in(c, i, eta);
     other.link = c->run->link[i];
     mg_note_place(c, &other);
     if (mg_same_contact(c, &other, found)) return 1;

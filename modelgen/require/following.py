@@ -27,7 +27,8 @@ def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry],
     """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex
-    shapes, one of them round, touch once; others in several points, searched for as the bodies move.
+    shapes, one of them round, touch once; others in several points, searched for as the bodies move, after every step where edges come
+    down on faces all along.
     """
     leading = any(condition.next >= 0 for link in links for condition in link.conditions)
     if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
@@ -38,8 +39,9 @@ def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry],
         return Following(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):
         return Following(1, False, "never")
-    count = pair.points or (SMOOTH if is_smooth(a) and is_smooth(b) else PIECEWISE)
-    return Following(count, False, "always" if explicit else "moved")
+    smooth = is_smooth(a) and is_smooth(b)
+    count = pair.points or (SMOOTH if smooth else PIECEWISE)
+    return Following(count, False, "moved" if smooth and not explicit else "always")
 
 
 def runs_on(shape: Shape) -> bool:

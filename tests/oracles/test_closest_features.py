@@ -1,4 +1,4 @@
-"""The contacts at the start of a run are the closest points, found by geometry that knows no features."""
+"""Contacts at the start of a run are the closest points of the shapes, found by geometry without features."""
 
 from __future__ import annotations
 
