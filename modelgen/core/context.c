@@ -79,7 +79,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * sys->n_contact); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, sys->n_contact);
-  c->n_live = c->n_x - sys->n_eta;
+  c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
   mg_incidence(c);
   mg_set_fixed(c);

@@ -66,6 +66,7 @@ static void mg_leave(mg_context *c, mg_events *events, int contact) {
     mg_found *left = c->left.list + c->left.count++;
     mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
     left->link = c->run->link[contact];
+    for (int k = 0; k < 6; k++) left->eta[k] = k < c->n_eta[contact] ? mg_eta_of(c, c->run->x, contact)[k] : 0;
     mg_note_place(c, left);
   }
   mg_set_link(c, contact, -1, none);
@@ -143,18 +144,12 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   return slot;
 }
 
-static int mg_was_left(const mg_context *c, const mg_found *found) {
-  for (int k = 0; k < c->left.count; k++)
-    if (c->left.list[k].link == found->link && mg_same_contact(c, c->left.list + k, found)) return 1;
-  return 0;
-}
-
 /* What a search during a run takes up: within reach, not below the depth, not about to end. */
 static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
   if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
   const int own = c->sys->contact_link[mg_first_contact(c, c->sys->link_pair[found->link])] >= 0;
-  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear) && !mg_was_left(c, found);
+  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear);
 }
 
 /* The link has a contact of its own, which is on it. */

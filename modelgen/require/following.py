@@ -27,8 +27,8 @@ def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry],
     """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex
-    shapes, one of them round, touch once; others in several points, searched for as the bodies move; where edges
-    come down on faces all along, after every step.
+    shapes, one of them round, touch once; others in several points, searched for as the bodies move, or after
+    every step where there are edges, which come down on faces all along.
     """
     leading = any(condition.next >= 0 for link in links for condition in link.conditions)
     if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
