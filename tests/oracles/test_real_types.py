@@ -45,7 +45,7 @@ def test_float_follows_double(form: str, accuracy: Accuracy) -> None:
 
 
 def lively(events: tuple[Event, ...]) -> list[tuple[str, str]]:
-    """Kinds and contacts up to the first strike below a twentieth of the fastest: float rests earlier from there."""
+    """Kinds and contacts up to the first strike below a twentieth of the fastest: float rests from there."""
     strikes = [event.speed for event in events]
     slow = (k for k, speed in enumerate(strikes) if 0 < speed < max(strikes) / 20)
     return [(event.kind, event.contact) for event in events[: next(slow, len(events))]]
