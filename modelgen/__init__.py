@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
+    from modelgen.report.linear import linearise as linearise
     from modelgen.report.plot import draw as draw
     from modelgen.report.record import record_of as record_of
     from modelgen.require import require as require
@@ -37,6 +38,7 @@ __all__ = [
     "derive",
     "draw",
     "emit",
+    "linearise",
     "load",
     "read",
     "record_of",
@@ -55,6 +57,7 @@ _HOMES = {
     "simulate": "modelgen.runtime.simulate",
     "closest_points": "modelgen.runtime.nearest",
     "simulate_batch": "modelgen.runtime.batch",
+    "linearise": "modelgen.report.linear",
     "record_of": "modelgen.report.record",
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",

@@ -103,6 +103,9 @@ class BodyEntry:
     com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
 
 
+ENDS, WATCHED = -1, -2  # beyond a condition: the contact ends; it stays, but others may begin
+
+
 @dataclass(frozen=True, slots=True)
 class LinkCondition:
     """An inequality that holds while a contact stays on a link (`scene.types.Condition`)."""
@@ -110,7 +113,7 @@ class LinkCondition:
     kind: str
     side: int  # 0: of o, 1: of f
     numbers: tuple[float, ...]
-    next: int  # the link beyond; -1: the contact ends
+    next: int  # the link beyond; ENDS or WATCHED
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +128,7 @@ class LinkEntry:
     parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
     swapped: bool  # the user named f first
     shapes: tuple[Shape, Shape]  # of o and f; poses in the body axes as written
-    group: int = -1  # of links of one vertex with the faces of one solid
+    group: int = -1  # of links of one flat face with the other of two convex solids
     conditions: tuple[LinkCondition, ...] = ()
 
 

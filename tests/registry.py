@@ -35,11 +35,18 @@ class Shipped:
     apart: float = 1e-12
 
 
+CURVE_ON_SURFACE = ("curve_implicit", "curve_block", "curve_paper", "curve_differentiated")
 REGISTRY: Mapping[str, Shipped] = {
     "ball_in_bowl": Shipped(
         kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
         forms=("explicit", "implicit", "centre_surface"),
         reference="oracles/test_closed_forms.py::test_a_ball_in_a_bowl_is_a_pendulum",
+    ),
+    "ball_in_torus": Shipped(
+        kinds=("fixed", "point", "sphere_torus_cavity_centre_surface"),
+        forms=("centre_surface", "implicit", "mixed"),
+        reference="oracles/test_surface_routes.py::test_a_ball_in_a_torus_is_a_particle_on_a_torus",
+        apart=1e-11,
     ),
     "ball_leaves_sphere": Shipped(
         kinds=("fixed", "point", "sphere_sphere_explicit"),
@@ -47,15 +54,41 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_closed_forms.py::test_a_ball_leaves_a_fixed_sphere_at_two_thirds_of_its_height",
         events={"lift-off": 1},
     ),
+    "bean_with_poles": Shipped(
+        kinds=("fixed", "free_full", "plane_chart_block", "plane_cap_block"),
+        forms=("block", "paper", "differentiated", "mixed"),
+        reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
+        events={"walk": 2},
+    ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),
         reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
         events={"impact": 43, "touch-down": 1},
     ),
+    "box_dropped": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_point_explicit"),
+        forms=("explicit", "support"),
+        reference="oracles/test_dropped.py::test_a_shipped_box_falls_on_the_corner_that_is_lowest",
+        events={"touch-down": None, "lift-off": None},
+        drift=(1e-7, 1e-9, 1e-9),
+        apart=1e-9,
+    ),
+    "coin_in_bowl": Shipped(
+        kinds=("fixed", "free_diagonal", "paraboloid_circle_curve_implicit"),
+        forms=CURVE_ON_SURFACE,
+        reference="oracles/test_second_formulations.py::test_a_coin_in_a_bowl_follows_a_second_formulation",
+    ),
+    "cylinder_dropped": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_circle_support", "plane_point_explicit"),
+        forms=("support", "explicit", *CURVE_ON_SURFACE),
+        reference="oracles/test_dropped.py::test_a_shipped_cylinder_topples_from_one_rim_onto_both",
+        events={"touch-down": 2},
+        drift=(1e-5, 1e-9, 1e-11),
+    ),
     "disc_on_rim": Shipped(
         kinds=("fixed", "free_diagonal", "plane_circle_support"),
-        forms=("support", "curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+        forms=("support", *CURVE_ON_SURFACE),
         reference="curves/test_scenes.py::test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point",
     ),
     "double_pendulum": Shipped(
@@ -64,6 +97,12 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="joints/test_linkages.py::"
         "test_a_double_pendulum_with_a_stop_follows_lagranges_equations_and_newtons_law",
         events={"impact": 4},
+    ),
+    "egg_on_spline": Shipped(
+        kinds=("fixed", "free_diagonal", "ellipsoid_bezier_mixed"),
+        forms=("mixed",),
+        reference="oracles/test_surface_routes.py::test_an_egg_that_crosses_knots_follows_a_second_route",
+        events={"walk": 12},
     ),
     "ellipsoid_in_cavity": Shipped(
         kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),
@@ -94,6 +133,11 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=(),
         reference="joints/test_linkages.py::test_a_four_bar_linkage_follows_lagranges_equation_in_its_crank",
     ),
+    "helix_on_cylinder": Shipped(
+        kinds=("fixed", "free_diagonal", "cylinder_helix_curve_block"),
+        forms=CURVE_ON_SURFACE,
+        reference="oracles/test_second_formulations.py::test_a_helix_on_a_cylinder_follows_a_second_formulation",
+    ),
     "linked_rings": Shipped(
         kinds=("fixed", "free_diagonal", "circle_circle_curves_block"),
         forms=("curves_block", "curves_differentiated"),
@@ -107,6 +151,16 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("curve_implicit",),
         reference="joints/test_linkages.py::"
         "test_a_slider_crank_with_a_cam_follower_follows_lagranges_equation_in_its_crank",
+    ),
+    "peg_in_hole": Shipped(
+        kinds=(
+            "fixed",
+            "free_diagonal",
+            "cylinder_cylinder_cavity_implicit",
+            "cylinder_cavity_circle_curve_block",
+        ),
+        forms=("implicit", "block", "mixed", "paper", "differentiated", *CURVE_ON_SURFACE),
+        reference="oracles/test_second_formulations.py::test_a_peg_in_a_hole_follows_a_second_formulation",
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),

@@ -25,7 +25,15 @@ from modelgen.cli.options import (
     read_option,
 )
 from modelgen.cli.output import check_outputs, exit_with, guarded, print_facts, write_run
-from modelgen.cli.street import build_scene, derive_scene, folder_of, read_scene, run_scene, run_settings
+from modelgen.cli.street import (
+    build_scene,
+    derive_scene,
+    folder_of,
+    linearise_scene,
+    read_scene,
+    run_scene,
+    run_settings,
+)
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -105,6 +113,16 @@ def simulate(
 
 @app.command()
 @guarded
+def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
+    """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
+    from modelgen.report.modes import mode_facts, print_modes
+
+    facts = mode_facts(linearise_scene(scene, form))
+    print_facts(facts, as_json, lambda: print_modes(facts, Console()))
+
+
+@app.command()
+@guarded
 def plot(
     source: Annotated[Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first")],
     out: Annotated[Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE")],
@@ -154,10 +172,11 @@ def inspect(
 @app.command()
 @guarded
 def schema(as_json: AsJson = False) -> None:
-    """Print the JSON Schema of scene files; `$defs.result` is that of what `simulate --json` prints."""
-    from modelgen.report.result import result_schema
+    """Print the JSON Schema of scene files; `$defs` has those of what `simulate` and `linearise` print."""
+    from modelgen.report.result import linearised_schema, result_schema
     from modelgen.scene.schema import scene_schema
 
     document = scene_schema()
-    document["$defs"] = {**document.get("$defs", {}), "result": result_schema()}
+    results = {"result": result_schema(), "linearised": linearised_schema()}
+    document["$defs"] = {**document.get("$defs", {}), **results}
     typer.echo(json.dumps(document, indent=None if as_json else 2, allow_nan=False))

@@ -19,6 +19,7 @@ from modelgen.errors import ModelgenError
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.derive import Derivation
+    from modelgen.report.linear import Linearised
     from modelgen.runtime.trajectory import Trajectory
     from modelgen.scene.types import Scene
 
@@ -42,7 +43,10 @@ def folder_of(scene: Scene, form: str | None) -> Path:
 
 
 def build_scene(scene: Scene, folder: Path, real: str = "double") -> Library:
-    derivation = derive_scene(scene)
+    return build_derivation(derive_scene(scene), folder, real)
+
+
+def build_derivation(derivation: Derivation, folder: Path, real: str = "double") -> Library:
     with progress("compiling"):
         return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
 
@@ -55,6 +59,16 @@ def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[T
         with progress("simulating") as report:
             trajectory = modelgen.simulate(library, on_progress=report, **settings)
     return trajectory, library
+
+
+def linearise_scene(path: Path, form: str | None) -> Linearised:
+    """The small motions of a scene; one without an equilibrium leaves no new folder behind."""
+    scene = read_scene(path, form)
+    with _removed_if_refused(folder_of(scene, form)) as folder:
+        derivation = derive_scene(scene)
+        library = build_derivation(derivation, folder)
+        with progress("linearising"):
+            return modelgen.linearise(derivation, library)
 
 
 @contextmanager

@@ -50,11 +50,7 @@ INNER_LOOP = (
     *("lone.c", "rhs.c", "rk4.c", "step.c"),
 )
 
-SEEKING = (
-    "closest.c",
-    "safeguard.c",
-    "seek.c",
-)  # inner loops where a kind is sought by its separation function
+SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a separation function is sought
 
 JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where there are joints
 

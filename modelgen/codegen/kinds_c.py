@@ -53,7 +53,9 @@ ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  #
 
 DISPATCHERS = (
     Dispatcher(("pose",), "mg_body_pose", ("q",), ("pose",)),
-    Dispatcher(("motion",), "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")),
+    Dispatcher(
+        ("motion",), "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")
+    ),
     Dispatcher(
         ("energy",), "mg_body_energy", ("q", "u", "gravity", "parameters"),
         ("kinetic", "potential", "momentum", "spin"),
@@ -93,14 +95,10 @@ DISPATCHERS = (
 
 def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
-    lone = any(
-        kind.o.motion == "fixed" and kind.f.motion == "free" for kind in derivation.model.contact_kinds
-    )
-    parts = [
-        HEAD,
-        f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n",
-        *_tables(derivation),
-    ]
+    kinds = derivation.model.contact_kinds
+    lone = any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in kinds)
+    note = f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n"
+    parts = [HEAD, note, *_tables(derivation)]
     for dispatcher in DISPATCHERS:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))

@@ -87,8 +87,11 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real reach = mg_reach(c);
-  if (c->set->method == MG_DOP853 && h > reach) h = reach;
+  const mg_real sight = mg_sight(c), longest = sight < reach ? sight : reach;
+  if (c->set->method == MG_DOP853 && h > longest) h = longest;
+  c->left.count = 0;
   mg_mark_falling(c);
+  mg_mark_upright(c);
   int outcome = mg_accurate_step(c, &h), event = 0;
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);

@@ -87,13 +87,19 @@ static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real 
   }
 }
 
-/* The least of the conditions of a link at eta, and which it is; needs mg_place there. */
-static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
+/* The least of the conditions of a link at eta, and which it is, among those that are watched only or among the
+   others; needs mg_place there. */
+static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which) {
   mg_real least = MG_MAX;
   *which = -1;
   for (int k = c->sys->link_condition[link]; k < c->sys->link_condition[link + 1]; k++) {
+    if ((c->sys->condition_next[k] == MG_WATCHED) != watched) continue;
     const mg_real value = mg_condition(c, link, k, eta);
     if (value < least) least = value, *which = k;
   }
   return least;
+}
+
+static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
+  return mg_least_condition(c, link, eta, 0, which);
 }

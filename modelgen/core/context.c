@@ -31,7 +31,7 @@ MG_API long mg_work_size(const mg_system *s) {
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 4 * m + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
+  return 5 * m + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -71,7 +71,8 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
   c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
-  c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->n_eta = mg_take_int(&iwork, m);
+  c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->upright = mg_take_int(&iwork, m);
+  c->n_eta = mg_take_int(&iwork, m);
   c->kind = mg_take_int(&iwork, r), c->parameters = mg_take_int(&iwork, m + 1);
   c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
@@ -93,7 +94,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->J, 24L * c->n_rows); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, c->n_rows);
   mg_zero(c->bias, c->n_rows);
-  c->n_live = c->n_x - sys->n_eta;
+  c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
   mg_open_joints(c);
   mg_incidence(c);

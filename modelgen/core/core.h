@@ -12,6 +12,7 @@
 #define MG_STARTS 8     /* of Newton's method on one link */
 #define MG_FOUNDS 24    /* closest points of one pair */
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
+#define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
@@ -27,7 +28,7 @@ typedef struct { /* where Newton's method starts on one link, the likeliest firs
 
 typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
   int link, undecided;
-  mg_real d, point[3], normal[3], eta[6];
+  mg_real d, margin, point[3], normal[3], eta[6];
 } mg_found;
 
 typedef struct {
@@ -58,6 +59,7 @@ typedef struct {
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
+  int *upright;                             /* per contact: it had passed no watched border at the start of the step */
   int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
   int *column;                              /* per row: its place in A while assembled, else -1 */
@@ -68,6 +70,7 @@ typedef struct {
   mg_real *merit;                           /* of the samples of o with their best mate */
   int *mate;
   mg_starts starts;
+  mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
   int suspect;                              /* an event function changed sign at a stage */
@@ -103,6 +106,8 @@ static int mg_side_body(const mg_context *c, int link, int side);
 static int mg_carrier(const mg_context *c, int link, int side);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
+static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
 
 /* sample.c */
@@ -124,7 +129,9 @@ static int mg_has_signs(const mg_context *c, int link);
 static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
 static void mg_note_place(const mg_context *c, mg_found *found);
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
-static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept);
+static mg_real mg_parting(mg_context *c, int pair);
+static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
+static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
 static int mg_first_contact(const mg_context *c, int pair);
 static int mg_start_pairs(mg_context *c);
@@ -195,7 +202,9 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 
 /* reach.c */
 static mg_real mg_reach(const mg_context *c);
+static mg_real mg_sight(const mg_context *c);
 static void mg_mark_falling(mg_context *c);
+static void mg_mark_upright(mg_context *c);
 static int mg_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */

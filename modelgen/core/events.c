@@ -5,13 +5,31 @@ static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
 
-/* True if the contact leaves its link at the state x; which condition says so is in c->way. */
+/* Whether the contact leaves its link at the state x (MG_WALKS), or passes a watched border (MG_TIPS); which
+   condition says so is in c->way. */
 static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
   if (link < 0 || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
-  return mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border;
+  if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
+  if (!c->upright[contact]) return 0;
+  return mg_least_condition(c, link, eta, 1, c->way + contact) < -c->set->border ? MG_TIPS : 0;
+}
+
+/* Notes which closed contacts have not passed a watched border; beyond it other contacts may begin at any time.
+   Needs the poses of run->x. */
+static void mg_mark_upright(mg_context *c) {
+  int which;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int link = c->run->link[i];
+    c->upright[i] = 0;
+    if (!c->run->closed[i] || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) continue;
+    const mg_real *eta = mg_eta_of(c, c->run->x, i);
+    mg_place(c, i, eta, c->place + 32);
+    c->upright[i] = mg_least_condition(c, link, eta, 1, &which) >= 0;
+    if (!c->upright[i]) c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+  }
 }
 
 /* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
@@ -23,10 +41,11 @@ static int mg_fired(mg_context *c, mg_real *x) {
     if (mg_held(c, i))
       c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
     else if (c->run->closed[i])
-      c->fired[i] = c->force[i] < 0;
+      c->fired[i] = c->force[i] < -mg_slack(c) * c->sys->mass;
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
-    if (mg_leaves(c, i, x)) c->fired[i] = MG_WALKS;
+    const int leaves = mg_leaves(c, i, x);
+    if (leaves) c->fired[i] = leaves;
     count += c->fired[i] != 0;
   }
   return count;
@@ -45,27 +64,39 @@ static int mg_first_fired(const mg_context *c) {
   return -1;
 }
 
-static mg_real mg_event_value(const mg_context *c, int contact) {
+/* The condition that a walking contact passed, with eta of the state x on the extremum. */
+static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
+  mg_real next[6], beyond[6];
+  mg_place(c, contact, x + (mg_eta_of(c, c->run->x, contact) - c->run->x), next);
+  mg_place(c, contact, next, beyond);
+  return mg_condition(c, c->run->link[contact], c->way[contact], next);
+}
+
+static mg_real mg_event_value(mg_context *c, int contact, int walks, const mg_real *x) {
+  if (walks) return mg_border_value(c, contact, x);
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
 }
 
 /* The rate of the event function at theta; needs the rows there. */
-static mg_real mg_event_slope(mg_context *c, int contact, mg_real h, mg_real theta) {
-  if (!c->run->closed[contact]) return c->d_dot[contact];
-  const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2, value = mg_event_value(c, contact);
+static mg_real mg_event_slope(mg_context *c, int contact, int walks, mg_real h, mg_real theta) {
+  if (!c->run->closed[contact] && !walks) return c->d_dot[contact];
+  const int way = c->way[contact];
+  const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
+  const mg_real value = mg_event_value(c, contact, walks, c->x_stage);
   mg_fired_at(c, h, theta - step);
-  return (value - mg_event_value(c, contact)) / (step * h);
+  c->way[contact] = way;
+  return (value - mg_event_value(c, contact, walks, c->x_stage)) / (step * h);
 }
 
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
    far as the interpolant may err. */
-static mg_real mg_polish(mg_context *c, int contact, mg_real h, mg_real slope, mg_real tried) {
+static mg_real mg_polish(mg_context *c, int contact, int walks, mg_real h, mg_real slope, mg_real tried) {
   const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0;
   for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);
-    const mg_real change = slope != 0 ? -mg_event_value(c, contact) / slope : 0;
+    const mg_real change = slope != 0 ? -mg_event_value(c, contact, walks, c->x_next) / slope : 0;
     moved += change;
     if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
     if (h + change <= 0 || h + change > tried) return h;
@@ -109,7 +140,8 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_fired_at(c, h, high);
   const int first = mg_first_fired(c);
   if (first < 0) return 0;
-  const mg_real slope = mg_held(c, first) || c->fired[first] == MG_WALKS ? 0 : mg_event_slope(c, first, h, high);
+  const int walks = c->fired[first] == MG_WALKS || c->fired[first] == MG_TIPS;
+  const mg_real slope = mg_held(c, first) && !walks ? 0 : mg_event_slope(c, first, walks, h, high);
   mg_fired_at(c, h, high);
-  return mg_polish(c, first, high * h, slope, h);
+  return mg_polish(c, first, walks, high * h, slope, h);
 }

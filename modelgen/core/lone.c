@@ -36,6 +36,7 @@ MG_FLATTEN static void mg_rhs_lone(mg_context *c, int body, const mg_real *x, mg
   const mg_real force = -(mg_dot6(J, accel) + gamma) / mg_dot6(J, MJ);
   mg_real *u_dot = x_dot + s->n_q + s->body_u[body];
   for (int k = 0; k < 6; k++) u_dot[k] = accel[k] + MJ[k] * force;
+  for (int k = c->n_eta[0]; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = 0;
   x_dot[c->work_index] = 0;
   c->d[0] = d, c->force[0] = force;
   c->run->rhs_evals++;

@@ -20,6 +20,7 @@
    link of its pair where a condition of its own ends. */
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
+enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
 enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
    body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */
@@ -33,10 +34,10 @@ typedef struct {
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
   const int *link_kind, *link_o, *link_f, *link_parameters;
-  const int *link_pair, *link_group;                    /* links of one vertex with the planes of one solid, else -1 */
+  const int *link_pair, *link_group;                    /* links of one flat face of two convex solids, else -1 */
   const int *link_condition;                            /* first condition (n_link + 1) */
   const int *side_shape, *side_parameters, *side_numbers; /* two a link: kind of shape, its parameters, numbers */
-  const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, or -1 */
+  const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, MG_ENDS, MG_WATCHED */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
   const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
@@ -74,6 +75,8 @@ typedef struct {
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
+  mg_real margin_appear;  /* a contact without a link of its own appears in a run only with more margin */
+  mg_real lean;           /* a vertex or edge over a face is taken up while no edge or face beside it leans further out */
   mg_real lost;           /* closest points with less margin are not kept by a search */
   mg_real apart;          /* closest points nearer than apart * length are one */
   mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */

@@ -60,6 +60,7 @@ static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_foun
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
   const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_is_bare(c, a->link));
+  apart += (a->d - b->d) * (a->d - b->d);
   return sqrt(apart) < c->set->apart * c->sys->length && (!sided || sqrt(turned) < c->set->apart);
 }
 
@@ -76,7 +77,8 @@ static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
   found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
   if (!(mg_margin_of(c) > c->set->lost)) return 0;
   if (mg_worst_condition(c, link, eta, &which) < -c->set->border) return 0;
-  found->link = link;
+  if (mg_least_condition(c, link, eta, 1, &which) < -c->set->lean) return 0;
+  found->link = link, found->margin = mg_margin_of(c);
   mg_note_place(c, found);
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
@@ -92,20 +94,37 @@ static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found)
   if (at < MG_FOUNDS) kept->list[at] = *found;
 }
 
-/* A vertex beneath one plane of a convex solid lies outside if it is above another: what counts is the highest. */
-static int mg_is_outdone(mg_context *c, int link, mg_real d) {
+/* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
+   the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
+static mg_real mg_parting(mg_context *c, int pair) {
   const mg_system *s = c->sys;
-  mg_real eta[6] = {0}, next[6];
-  if (s->link_group[link] < 0 || d >= 0) return 0;
-  for (int l = s->pair_link[s->link_pair[link]]; l < s->pair_link[s->link_pair[link] + 1]; l++) {
-    if (l == link || s->link_group[l] != s->link_group[link]) continue;
-    mg_place(c, mg_probe(c, l), eta, next);
-    if (c->place[0] > d) return 1;
+  mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
+  for (int k = 0; k < MG_SAMPLES; k++) c->merit[k] = MG_MAX;
+  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++) {
+    const int group = s->link_group[link];
+    if (group < 0 || group >= MG_SAMPLES) continue;
+    mg_place(c, mg_probe(c, link), eta, next);
+    if (c->place[0] < c->merit[group]) c->merit[group] = c->place[0];
+  }
+  for (int k = 0; k < MG_SAMPLES; k++)
+    if (c->merit[k] < MG_MAX && c->merit[k] > parting) parting = c->merit[k];
+  return parting;
+}
+
+/* It was left in this step, the same place in the same coordinates: a closed curve comes back at its other end. */
+static int mg_was_left(const mg_context *c, const mg_found *found) {
+  const int n = mg_contact_kinds[c->sys->link_kind[found->link]].n_eta;
+  for (int k = 0; k < c->left.count; k++) {
+    const mg_found *left = c->left.list + k;
+    mg_real moved = 0;
+    for (int i = 0; i < n; i++) moved += fabs(left->eta[i] - found->eta[i]);
+    if (left->link == found->link && mg_same_contact(c, left, found) && moved < c->set->search) return 1;
   }
   return 0;
 }
 
-static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds *kept) {
+/* Adds to what is kept the extrema of a link that are above `least`. */
+static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept) {
   const int n_eta = mg_contact_kinds[c->sys->link_kind[link]].n_eta;
   const int turn = mg_carrier(c, link, 0) == MG_TURN;
   const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || mg_contact_kinds[c->sys->link_kind[link]].seeks;
@@ -116,13 +135,14 @@ static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_founds 
   if (!known) mg_find_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
     if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;
-    if (mg_judge(c, link, starts->eta[i], &found) && !mg_is_outdone(c, link, found.d)) mg_keep(c, kept, &found);
+    if (!mg_judge(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
+    mg_keep(c, kept, &found);
   }
 }
 
-/* Bounding spheres farther apart than the reach. */
-static int mg_is_far(const mg_context *c, int link) {
-  mg_real arm[3], centre[2][3], reach = c->set->reach * c->sys->length;
+/* Between the bounding spheres of a link; 0 where a shape has none. */
+static mg_real mg_clearance(const mg_context *c, int link) {
+  mg_real arm[3], centre[2][3], reach = 0;
   for (int side = 0; side < 2; side++) {
     const mg_real *at = mg_side(c, link, side);
     if (at[MG_BOUND] >= MG_MAX / 2) return 0;
@@ -131,7 +151,11 @@ static int mg_is_far(const mg_context *c, int link) {
     reach += at[MG_BOUND];
   }
   const mg_real span[3] = {centre[1][0] - centre[0][0], centre[1][1] - centre[0][1], centre[1][2] - centre[0][2]};
-  return mg_dot3(span, span) > reach * reach;
+  return sqrt(mg_dot3(span, span)) - reach;
+}
+
+static int mg_is_far(const mg_context *c, int link) {
+  return mg_clearance(c, link) > c->set->reach * c->sys->length;
 }
 
 /* ---- the start ---- */
@@ -146,7 +170,7 @@ static int mg_start_each(mg_context *c, int pair) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     const int link = s->contact_link[i];
     mg_founds found = {0};
-    mg_search_link(c, link, MG_GRID, 2, &found);
+    mg_search_link(c, link, MG_GRID, 2, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (!found.count && s->link_condition[link] == s->link_condition[link + 1]) return MG_NO_EXTREMUM;
     if (found.count && found.list[0].undecided) return MG_NO_SIDE;
@@ -159,9 +183,10 @@ static int mg_start_each(mg_context *c, int pair) {
 static int mg_start_shared(mg_context *c, int pair) {
   const mg_system *s = c->sys;
   const int first = mg_first_contact(c, pair), end = mg_first_contact(c, pair + 1);
+  const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
   mg_founds found = {0};
   for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
-    mg_search_link(c, each, MG_GRID, 2, &found);
+    mg_search_link(c, each, MG_GRID, 2, least, &found);
   c->run->failed_contact = first;
   const int link = s->pair_link[pair], endless = s->link_condition[link] == s->link_condition[link + 1];
   if (!found.count && endless && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;

@@ -134,12 +134,12 @@ static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_
 /* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
 static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
   const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
-  const int across = mg_dimension(c, link, row) == 2 ? n : 1;
+  const int across = mg_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};
   kept->count = 0;
   for (int side = 0; side < 2; side++) mg_window(c, link, side, mg_reach_of(c, link), window[side]);
   for (int level = 0; level <= zooms; level++) {
-    const int rows = mg_match_sides(c, link, row, feet, n, window);
+    const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
     int best = 0;
     for (int i = 0; i < rows; i++) {
       const mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];

@@ -44,13 +44,14 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
   return mg_worst_condition(c, to, eta, which);
 }
 
-/* True if a contact of the pair other than this one is there already. */
+/* True if a contact of the pair other than this one is there already, or will be once its eta has settled. */
 static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
-  mg_real next[6];
+  mg_real eta[6];
   mg_found other;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     if (i == contact || !mg_present(c, i)) continue;
-    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_eta_of(c, c->run->x, i)[k];
+    mg_settle_in(c, i, eta);
     other.link = c->run->link[i];
     mg_note_place(c, &other);
     if (mg_same_contact(c, &other, found)) return 1;
@@ -60,7 +61,16 @@ static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *
 
 static void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
+  mg_real next[6];
+  if (c->left.count < MG_FOUNDS) {
+    mg_found *left = c->left.list + c->left.count++;
+    mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
+    left->link = c->run->link[contact];
+    for (int k = 0; k < 6; k++) left->eta[k] = k < c->n_eta[contact] ? mg_eta_of(c, c->run->x, contact)[k] : 0;
+    mg_note_place(c, left);
+  }
   mg_set_link(c, contact, -1, none);
+  c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
   mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
@@ -86,7 +96,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->place[k];
     link = to;
   }
-  if (found.link < 0 || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
+  if (found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
   }
@@ -94,14 +104,16 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
 }
 
-/* Walks for all contacts marked MG_WALKS in c->fired. Returns how many changed. */
+/* Walks for all contacts marked MG_WALKS in c->fired, and sees to the marks MG_TIPS. Returns how many changed. */
 static int mg_walk_all(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->fired[i] != MG_WALKS) continue;
+    const int cause = c->fired[i];
+    if (cause != MG_WALKS && cause != MG_TIPS) continue;
     c->fired[i] = 0;
-    mg_walk(c, events, i);
-    count++;
+    if (cause == MG_WALKS) mg_walk(c, events, i);
+    else c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    count += cause == MG_WALKS;
   }
   return count;
 }
@@ -116,7 +128,6 @@ static int mg_leave_folds(mg_context *c, mg_events *events) {
     if (!mg_present(c, i) || c->run->closed[i] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) continue;
     if (c->run->margin[i] >= c->set->margin_refuse) continue;
     mg_leave(c, events, i);
-    c->run->moved[pair] = MG_MAX;
     count++;
   }
   return count;
@@ -133,6 +144,14 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   return slot;
 }
 
+/* What a search during a run takes up: within reach, not below the depth, not about to end. */
+static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
+  const mg_real length = c->sys->length;
+  if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
+  const int own = c->sys->contact_link[mg_first_contact(c, c->sys->link_pair[found->link])] >= 0;
+  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear);
+}
+
 /* The link has a contact of its own, which is on it. */
 static int mg_is_taken(const mg_context *c, int pair, int link) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
@@ -142,13 +161,14 @@ static int mg_is_taken(const mg_context *c, int pair, int link) {
 
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
+  const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
   mg_founds found = {0};
   int count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, &found);
+    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (each->undecided || each->d > c->set->reach * s->length || each->d < -c->set->depth * s->length) continue;
+    if (!mg_is_taken_up(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
@@ -165,6 +185,47 @@ static mg_real mg_pair_speed(const mg_context *c, int pair) {
   const mg_real *a = c->twist + 6 * c->sys->link_o[link], *b = c->twist + 6 * c->sys->link_f[link];
   const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
   return sqrt(mg_dot3(v, v)) + c->sys->length * (sqrt(mg_dot3(a + 3, a + 3)) + sqrt(mg_dot3(b + 3, b + 3)));
+}
+
+/* No contact of the pair is on a link: nothing else keeps steps from passing through. */
+static int mg_is_unwatched(const mg_context *c, int pair) {
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    if (mg_present(c, i)) return 0;
+  return 1;
+}
+
+/* How fast the relative speed of the bodies' centres may grow. */
+static mg_real mg_pair_pull(const mg_context *c, int pair) {
+  const int link = c->sys->pair_link[pair];
+  const mg_real *a = c->accel + 6 * c->sys->link_o[link], *b = c->accel + 6 * c->sys->link_f[link];
+  const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return sqrt(mg_dot3(v, v));
+}
+
+/* What is at least between the shapes of a pair. */
+static mg_real mg_pair_clearance(const mg_context *c, int pair) {
+  mg_real clear = MG_MAX;
+  for (int link = c->sys->pair_link[pair]; link < c->sys->pair_link[pair + 1]; link++) {
+    const mg_real each = mg_clearance(c, link);
+    if (each < clear) clear = each;
+  }
+  return clear > 0 ? clear : 0;
+}
+
+/* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
+   its own, those that are there do for the others. */
+static mg_real mg_sight(const mg_context *c) {
+  const mg_system *s = c->sys;
+  mg_real sight = MG_MAX;
+  for (int pair = 0; pair < s->n_pair; pair++) {
+    const int unwatched = mg_is_unwatched(c, pair), own = s->contact_link[mg_first_contact(c, pair)] >= 0;
+    if (s->pair_search[pair] == MG_SEARCH_NEVER || (own && !unwatched)) continue;
+    const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
+    const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
+    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
+    if (mean * sight > way) sight = way / mean;
+  }
+  return sight;
 }
 
 /* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */

@@ -63,7 +63,8 @@ def features_of(shape: Shape) -> Composite:
     """
     if not is_composite(shape):
         dimension = 0 if shape.kind == "point" else 1 if shape.kind in CURVES else 2
-        return Composite((Feature("", dimension, replace(shape, pose=Pose()), _ends(shape)),), is_convex(shape))
+        alone = Feature("", dimension, replace(shape, pose=Pose()), _ends(shape))
+        return Composite((alone,), is_convex(shape))
     composite = BUILDERS[shape.kind](shape)
     return _hollow(composite) if shape.cavity else composite
 

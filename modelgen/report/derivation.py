@@ -33,7 +33,7 @@ GROUPS = {
     "rows": "joint",
     "coordinates": "joint",
 }  # of the manifest's kinds, by the role of a formula
-OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # the roles that a pair of shapes decides
+OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
 
 
 def formula_facts(

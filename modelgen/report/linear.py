@@ -1,7 +1,7 @@
 """The equilibrium near the start of a scene, and its small motions: frequencies and modes.
 
-Source: M xi'' + C xi' + K xi = 0 on the motions that keep the touching contacts closed, from the exact derivatives
-of the right-hand side (Section 3) about a place at rest.
+Source: M xi'' + C xi' + K xi = 0 on the motions that keep the touching contacts closed, from the exact
+derivatives of the right-hand side (Section 3) about a place at rest.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
 
     Raises:
         ModelgenError: what is given is something else.
-        SimulationError: a body is driven, there is no equilibrium near, or a contact would have to pull there.
+        SimulationError: a body is driven, no equilibrium is near, or a contact would have to pull there.
     """
     expect("linearise", derivation, Derivation)
     expect("linearise", library, Library)
@@ -89,16 +89,18 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
     return Linearised(
         scene=touching.model.scene.name,
         p={body.name: place.q[body.q : body.q + 3] for body in bodies},
-        quaternion={body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies},
-        force=force,
-        coordinates={
-            body.name: slice(body.u, body.u + _size(touching.model, body.kind)) for body in bodies
+        quaternion={
+            body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies
         },
+        force=force,
+        coordinates={body.name: slice(body.u, body.u + _size(touching.model, body.kind)) for body in bodies},
         mass=place.mass,
         motions=place.motions,
         stiffness=place.stiffness,
         damping=place.damping,
-        modes=tuple(sorted(_modes(place, touching.model.scales), key=lambda mode: (mode.frequency, mode.growth))),
+        modes=tuple(
+            sorted(_modes(place, touching.model.scales), key=lambda mode: (mode.frequency, mode.growth))
+        ),
     )
 
 
@@ -109,7 +111,9 @@ def equilibrium(touching: Touching) -> Place:
     for _ in range(STEPS):
         place = touching.at(q, etas)
         if _unrest(place, scales) < AT_REST:
-            return place
+            if touching.stands(place.q):
+                return place
+            break
         q, etas = _nearer(place, touching.model), place.etas
     raise SimulationError(
         f"{touching.model.scene.name}: linearise",

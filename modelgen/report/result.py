@@ -1,4 +1,4 @@
-"""The JSON Schema of what `simulate --json` prints: meaning and unit of every entry."""
+"""The JSON Schemas of what `simulate` and `linearise` print with `--json`: every entry's meaning and unit."""
 
 from __future__ import annotations
 
@@ -31,9 +31,14 @@ _EVENT = _object(
     "a change of mode",
     {
         "t": _entry(_NUMBER, "s"),
-        "kind": _entry("string", "impact, touch-down, lift-off or margin (too near a singularity)"),
+        "kind": _entry(
+            "string",
+            "impact, touch-down, lift-off, margin (too near a singularity), walk (to other features), "
+            "appear or vanish",
+        ),
         "contact": _entry("string", "name of the contact"),
         "speed": _entry(_NUMBER, "approach speed, m/s; 0 where it has no meaning"),
+        "features": _entry("string", "that touch after the event, where the shapes have several"),
     },
 )
 _STATE = _object(
@@ -56,6 +61,39 @@ _JOINT = _object(
         ),
     },
 )  # fmt: skip
+_SHAPE = _entry(
+    "object",
+    "each dynamic body's part, the largest entry 1",
+    additionalProperties=_object(
+        "of a body", {"v": _numbers(3, "world axes"), "w": _numbers(3, "body axes, rad")}
+    ),
+)
+_LINEARISED = {
+    "scene": _entry("string", "name of the scene"),
+    "bodies": _entry(
+        "object",
+        "each dynamic body at rest",
+        additionalProperties=_object(
+            "at rest", {key: _STATE["properties"][key] for key in ("p", "quaternion")}
+        ),
+    ),
+    "force": _entry("object", "of each contact that touches, N", additionalProperties={"type": _NUMBER}),
+    "modes": _entry(
+        "array",
+        "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)), by frequency",
+        items=_object(
+            "a small motion",
+            {
+                "kind": _entry("string", "oscillation, growth, decay, or neutral (it may be moved along)"),
+                "frequency": _entry(_NUMBER, "rad/s"),
+                "hertz": _entry(_NUMBER, "frequency / 2 pi, Hz"),
+                "growth": _entry(_NUMBER, "1/s; negative where it dies out"),
+                "shape": _SHAPE,
+                "quadrature": _SHAPE,
+            },
+        ),
+    ),
+}
 _PROPERTIES = {
     "scene": _entry("string", "name of the scene"),
     "t_end": _entry(_NUMBER, "time that the run reached, s"),
@@ -107,3 +145,8 @@ _PROPERTIES = {
 def result_schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the object that `simulate --json` prints."""
     return _object("The object that `modelgen simulate --json` prints. SI units, world axes.", _PROPERTIES)
+
+
+def linearised_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `linearise --json` prints."""
+    return _object("The object that `modelgen linearise --json` prints. SI units, world axes.", _LINEARISED)

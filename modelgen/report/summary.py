@@ -44,9 +44,15 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:
     for event in events[:EVENTS]:
         speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
-        console.print(f"{event['t']:.9f} s  {event['kind']} of {event['contact']}{speed}", markup=False)
+        console.print(f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}", markup=False)
     if len(events) > EVENTS:
         console.print(f"and {len(events) - EVENTS} events more")
+
+
+def _contact(event: dict[str, Any]) -> str:
+    """Its name, with the features that it is between where the name does not say."""
+    name, features = event["contact"], event["features"]
+    return name if name.endswith(features) else f"{name} ({features})"
 
 
 def _vector(values: list[float]) -> str:

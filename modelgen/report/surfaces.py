@@ -35,8 +35,8 @@ def contact_meshes(library: Library, curve: Callable[[int, str], Array]) -> dict
 def link_of(sentence: Mapping[str, Any], contact: int) -> Mapping[str, Any]:
     """The link that a contact has for its own, or the first of its pair."""
     entry = sentence["contacts"][contact]
-    own = int(entry["link"])
-    found: Mapping[str, Any] = sentence["links"][own if own >= 0 else sentence["pairs"][entry["pair"]]["links"][0]]
+    own, first = int(entry["link"]), sentence["pairs"][entry["pair"]]["links"][0]
+    found: Mapping[str, Any] = sentence["links"][own if own >= 0 else first]
     return found
 
 

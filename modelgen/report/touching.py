@@ -1,8 +1,8 @@
-"""A scene with the contacts that touch at its start held closed, and its motion linearised at a place at rest.
+"""A scene with the contacts that touch at its start held closed, and its motion linearised at rest.
 
-The right-hand side gives qdot = B u, eta_dot = E u and udot. A small motion xi along u moves the contact points
-with it, so that at u = 0 it changes udot by D xi, D = udot_q B + udot_eta E; derivatives are exact. The
-contacts stay closed under the motions with J xi = 0.
+The right-hand side gives qdot = B u, eta_dot = E u and udot. A small motion xi along u moves the contact
+points with it, so that at u = 0 it changes udot by D xi, D = udot_q B + udot_eta E; derivatives are exact.
+The contacts stay closed under the motions with J xi = 0.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NEWTON = 20  # corrections of the contact points
 
 @dataclass(frozen=True)
 class Place:
-    """The motion linearised at one configuration. Coordinates: of each body v in world, then w in body axes."""
+    """The motion linearised at one place; coordinates: of each body v in world, then w in body axes."""
 
     q: Array  # (n_q,)
     etas: tuple[Array, ...]  # of each contact
@@ -96,8 +96,10 @@ class Touching:
         self.model = model = derivation.model
         self.functions = {formula.name: formula.function for formula in derivation.formulas}
         _refuse_driven(model)
-        self.contacts = self._at_start(library)
+        self.library = library
+        self.contacts = self._at_start()
         self.mass_inverse = _mass_inverse(model)
+        self.mass: Array = np.asarray(np.linalg.inv(self.mass_inverse), dtype=float)
         q = np.array(model.initial_q)
         J = self._rows(q, tuple(contact.eta for contact in self.contacts))
         self.held = _independent(J)
@@ -116,13 +118,26 @@ class Touching:
         free = self.unheld(q, still, [])[3]
         return Place(
             q, etas, gaps, J, np.array(B), np.array(C), np.array(D), np.array(udot).ravel(),
-            np.array(free).ravel(), np.linalg.inv(self.mass_inverse), _motions(J, self.mass_inverse),
+            np.array(free).ravel(), self.mass, _motions(J, self.mass_inverse),
         )  # fmt: skip
 
-    def _at_start(self, library: Library) -> tuple[Contact, ...]:
-        model, session = self.model, Session(library, Accuracy.tight())
-        session.x[model.n_q : model.n_q + model.n_u] = 0.0
+    def stands(self, q: Array) -> bool:
+        """Whether as many contacts as at the start touch at q, and nothing interpenetrates."""
+        try:
+            session = self._at_rest(q)
+        except SimulationError:
+            return False
+        return int(session.closed[: session.n_contact].sum()) == len(self.contacts)
+
+    def _at_rest(self, q: Array) -> Session:
+        session = Session(self.library, Accuracy.tight())
+        session.x[: len(q)] = q
+        session.x[len(q) : len(q) + self.model.n_u] = 0.0
         session.begin()
+        return session
+
+    def _at_start(self) -> tuple[Contact, ...]:
+        model, session = self.model, self._at_rest(np.array(self.model.initial_q))
         found = []
         for k, entry in enumerate(model.contacts):
             if not session.closed[k]:
@@ -130,8 +145,9 @@ class Touching:
             link = model.links[int(session.link[k])]
             size = sum(ETA_SIZE[carrier] for carrier in session.layout(k))
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
-            kernels = (self._kernel(link, role) for role in ("rates", "place"))
-            found.append(Contact(entry.name, link, *kernels, eta))
+            found.append(
+                Contact(entry.name, link, self._kernel(link, "rates"), self._kernel(link, "place"), eta)
+            )
         return tuple(found)
 
     def _kernel(self, link: LinkEntry, role: str) -> ca.Function:

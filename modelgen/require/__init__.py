@@ -14,8 +14,8 @@ from modelgen.model import (
     BodyMotion,
     ContactEntry,
     ContactKind,
-    LoadEntry,
     LinkEntry,
+    LoadEntry,
     LoadKind,
     Model,
     PairEntry,
@@ -181,13 +181,14 @@ def _touching(
         room = max(eta_size(kinds.kinds[link.kind]) for link in links)
         explicit = all(eta_layout(kinds.kinds[link.kind])[1] == "none" and room < 2 for link in links)
         way = following(a.shape, b.shape, pair, links, explicit)
+        links = confined(links) if way.own else links
         contacts = _contacts(name, index, links, way, touching, room, kinds)
         normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
         entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal)
         touching = Touching(
             (*touching.pairs, entry),
-            (*touching.links, *(confined(links) if way.own else links)),
+            (*touching.links, *links),
             (*touching.contacts, *contacts),
         )
     return touching

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from modelgen.geometry.features import features_of, is_composite
 from modelgen.geometry.roundness import touches_once
-from modelgen.model import LinkEntry, Search
+from modelgen.model import ENDS, WATCHED, LinkEntry, Search
 from modelgen.scene.types import ContactPair, Shape
 
 SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
@@ -23,13 +23,12 @@ class Following:
     search: Search
 
 
-def following(
-    a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry], explicit: bool
-) -> Following:
+def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry], explicit: bool) -> Following:
     """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
 
-    A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex shapes, one of them round, touch
-    once; others in several points, which are searched for as the bodies move.
+    A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex
+    shapes, one of them round, touch once; others in several points, searched for as the bodies move, or after
+    every step where there are edges, which come down on faces all along.
     """
     leading = any(condition.next >= 0 for link in links for condition in link.conditions)
     if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
@@ -40,8 +39,9 @@ def following(
         return Following(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):
         return Following(1, False, "never")
-    count = pair.points or (SMOOTH if is_smooth(a) and is_smooth(b) else PIECEWISE)
-    return Following(count, False, "always" if explicit else "moved")
+    smooth = is_smooth(a) and is_smooth(b)
+    count = pair.points or (SMOOTH if smooth else PIECEWISE)
+    return Following(count, False, "moved" if smooth and not explicit else "always")
 
 
 def runs_on(shape: Shape) -> bool:
@@ -68,5 +68,9 @@ def _is_plane(shape: Shape) -> bool:
 def confined(links: Sequence[LinkEntry]) -> tuple[LinkEntry, ...]:
     """Links that each have a contact of their own: where one ends, its contact does."""
     return tuple(
-        replace(link, conditions=tuple(replace(each, next=-1) for each in link.conditions)) for link in links
+        replace(
+            link,
+            conditions=tuple(replace(each, next=ENDS) for each in link.conditions if each.next != WATCHED),
+        )
+        for link in links
     )

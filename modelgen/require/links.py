@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.contact.kinds import regular_forms
+from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
-from modelgen.geometry.features import features_of
+from modelgen.geometry.features import features_of, is_convex
 from modelgen.geometry.poses import compose, rotation_of, to_outer
-from modelgen.model import ContactKind, LinkCondition, LinkEntry, ShapeKind
-from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
+from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
+from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape
 
@@ -43,6 +43,7 @@ class Candidate:
 
 
 Candidates = Mapping[tuple[str, str], Candidate]
+Face = tuple[int, str]  # of the first or second shape; its name
 
 
 def links_of(
@@ -58,10 +59,26 @@ def links_of(
     """The links of a pair; the first has the number `first`. Raises SceneError if there is none."""
     found = _candidates(a, b, pair, where, shapes)
     numbers = {names: first + k for k, names in enumerate(found)}
-    groups: dict[tuple[int, str], int] = {}
+    known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
+    groups = _parting_faces(found) if known else {}
     return tuple(
         _entry(candidate, names, numbers, kinds, index, groups) for names, candidate in found.items()
     )
+
+
+def _parting_faces(found: Candidates) -> dict[Face, int]:
+    """Flat faces, numbered, whose gaps to all features of the other solid need no contact parameters."""
+    faces: dict[Face, bool] = {}
+    for names, candidate in found.items():
+        face = _flat_face(names, candidate)
+        if face is not None:
+            faces[face] = faces.get(face, True) and eta_layout(candidate.kind) == ("none", "none")
+    return {face: k for k, face in enumerate(face for face, explicit in faces.items() if explicit)}
+
+
+def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
+    side = 1 if candidate.swapped else 0
+    return (side, names[side]) if candidate.partners[side].shape.kind == "plane" else None
 
 
 def _candidates(
@@ -130,8 +147,7 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
 
 
 def _place(whole: Whole, feature: Feature, shapes: Vocabulary[ShapeKind]) -> tuple[Feature, Partner]:
-    """The feature in the place of the whole shape. A vertex brings its place among its coordinates, in the axes
-    of the body, and so its directions."""
+    """The feature in the place of the whole shape; a vertex with its coordinates in the body's axes."""
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
     shape = replace(feature.shape, pose=pose, name=whole.shape.name)
     if shape.kind == "point":
@@ -153,13 +169,11 @@ def _entry(
     numbers: Mapping[tuple[str, str], int],
     kinds: Vocabulary[ContactKind],
     pair: int,
-    groups: dict[tuple[int, str], int],
+    groups: Mapping[Face, int],
 ) -> LinkEntry:
     order = (1, 0) if candidate.swapped else (0, 1)
     o, f = (candidate.partners[k] for k in order)
-    group = -1
-    if o.shape.kind == "plane" and f.shape.kind == "point":
-        group = groups.setdefault((f.owner.body, names[order[1]]), len(groups))
+    face = _flat_face(names, candidate)
     return LinkEntry(
         name="-".join(filter(None, names)),
         kind=kinds.index(candidate.kind),
@@ -169,7 +183,7 @@ def _entry(
         parameters=o.parameters + f.parameters,
         swapped=candidate.swapped,
         shapes=(o.shape, f.shape),
-        group=group,
+        group=-1 if face is None else groups.get(face, -1),
         conditions=_conditions(candidate, names, numbers, order),
     )
 
@@ -187,15 +201,15 @@ def _conditions(
         for condition in candidate.features[mine].conditions:
             beyond = [*names]
             beyond[mine] = condition.next or ""
-            to = numbers.get((beyond[0], beyond[1]), -1) if condition.next else -1
+            to = numbers.get((beyond[0], beyond[1]), ENDS) if condition.next else ENDS
             if to < 0 and _is_moot(condition, other, faces):
-                continue
+                to = WATCHED
             found.append(LinkCondition(condition.kind, side, condition.numbers, to))
     return tuple(found)
 
 
 def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:
-    """Beyond it the features touch a plane along a line, or everywhere: this link goes on to hold them apart."""
+    """Beyond it a plane is touched along a line, or everywhere: this link goes on to hold them apart."""
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 

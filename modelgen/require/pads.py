@@ -1,4 +1,4 @@
-"""Rims that come to lie flat on a plane, where their lowest point is not one: three points of the rim hold it then."""
+"""Rims that come to lie flat on a plane and have no lowest point there: three points of the rim hold them."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from modelgen.scene.types import Scene
 
 
 def soundness(scene: Scene) -> tuple[str, ...]:
-    """Warnings on the shapes of the contact pairs, each named `body/shape`; SceneError where none could run."""
+    """Warnings on the shapes that may touch, each named `body/shape`; SceneError where none could run."""
     touching = {partner for pair in scene.contacts for partner in pair.between}
     return tuple(
         f"{body.name}/{shape.name}: {text}"

@@ -34,6 +34,8 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "lost": 8,
         "apart": 4096,
         "border": 512,
+        "flat": 2048,
+        "dependent": 4096,
     }
 )
 
@@ -67,11 +69,13 @@ class Accuracy:
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
-        polish: the interpolant finds an event to this part of the step; steps to the event itself do the rest.
+        polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
         singular: a row of a joint with less than this of its own counts as one of the others, as at a dead centre.
         depth: a contact that appears in a run may be below zero by depth L.
         scan: parts of a step in which the first event is sought.
+        margin_appear: a contact appears in a run only with more margin than this.
+        lean: a vertex or edge over a face is taken up while its own edges and faces lean out less (a sine).
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once: transitions at one time before the run gives up.
         lost: a search for the closest points keeps a start only if its margin exceeds this.
@@ -100,6 +104,8 @@ class Accuracy:
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
+    margin_appear: float = 1e-4
+    lean: float = 0.5
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10

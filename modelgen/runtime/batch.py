@@ -88,7 +88,9 @@ def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], d
     return runs, columns
 
 
-def _refuse(session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure], kept: dict[str, Array]) -> None:
+def _refuse(
+    session: Session, codes: Array, runs: ctypes.Array[ctypes.Structure], kept: dict[str, Array]
+) -> None:
     for index, (code, run) in enumerate(zip(codes.tolist(), runs, strict=True)):
         if code in REFUSED:
             session.x[:], session.link[:-1] = kept["x"][index], kept["link"][index][:-1]

@@ -45,4 +45,5 @@ def _side_numbers(side: Mapping[str, Any], endless: float) -> list[float]:
         for interval in bounds
         for bound, end in zip(interval, (-endless, endless), strict=True)
     ]
-    return [*side["placement"], *low_high, endless if side["bounding"] is None else side["bounding"], *side["centre"]]
+    radius = endless if side["bounding"] is None else side["bounding"]
+    return [*side["placement"], *low_high, radius, *side["centre"]]

@@ -150,7 +150,7 @@ CONTACT = Table(
         ),
         Field(
             "features", Sequence(_FEATURE, None),
-            "faces, edges and vertices that may touch, those of both shapes; without it all of them", default=(),
+            "faces, edges and vertices that may touch, those of both shapes; without it all", default=(),
         ),
         Field(
             "points", Whole(1, 64),

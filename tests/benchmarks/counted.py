@@ -1,6 +1,8 @@
-"""A number of RK4 steps and nothing else: `python -m tests.benchmarks.counted core|hand FOLDER N`.
+"""One thing many times: `python -m tests.benchmarks.counted core|hand|free|loaded FOLDER N`.
 
-FOLDER holds manifest.json, library.json, the model's library (named in the latter) and hand_written.so.
+core and hand take N RK4 steps of ellipsoid_on_plane; free and loaded take N of bodies in a bowl, without
+forces and with every body on the bowl. FOLDER holds manifest.json, library.json, the model's library (named
+in the latter) and, for hand, hand_written.so.
 """
 
 from __future__ import annotations
@@ -48,7 +50,17 @@ def state_of(session: Session) -> np.ndarray:
     return np.concatenate([session.x[q : q + 7], session.x[u : u + 6]]).copy()
 
 
+def bowl_steps(library: Library, loaded: bool, n: int) -> None:
+    session = Session(library, Accuracy.balanced().fixed_step(1e-9))
+    session.begin()
+    session.active[: len(session.sentence["bodies"]) - 1] = loaded
+    session.smooth(n)
+
+
 def main(which: str, folder: Path, n: int) -> None:
+    if which in ("free", "loaded"):
+        bowl_steps(Library.load(folder), which == "loaded", n)
+        return
     session = start(Library.load(folder))
     if which == "core":
         core_steps(session, n)

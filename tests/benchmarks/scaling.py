@@ -2,12 +2,15 @@
 
 Run with `python -m tests.benchmarks.scaling`. Every body touches the bowl; neighbours are watched as well.
 The kernels' time is that of a right-hand side without forces; with all bodies on the bowl, each an island of
-its own, assembly and forces come on top. The solver grows with the cube of an island, so it is listed apart.
+its own, assembly and forces come on top. Instructions are counted by callgrind where valgrind is installed:
+unlike times they do not know the size of the caches. The solver grows with the cube of an island, so it is
+listed apart.
 """
 
 from __future__ import annotations
 
 import ctypes
+import shutil
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
@@ -17,12 +20,20 @@ from time import perf_counter
 import numpy as np
 
 from modelgen import Accuracy, build, derive, emit, require
+from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import address
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
+from tests.benchmarks.counting import callgrind, countable
 
 CALLS = 2000
+TITLES = (
+    *("bodies", "contacts", "generated C (bytes)", "build (s)", "kernels (us)", "kernels per contact (ns)"),
+    *("the same (instructions)", "assembly and forces per closed contact (ns)", "the same (instructions)"),
+    "solver, were all in one island (us)",
+)
+STAGES = 4  # right-hand sides of an RK4 step
 
 
 def scene_of(bodies: int) -> Scene:
@@ -89,18 +100,38 @@ def row(bodies: int, folder: Path) -> str:
     session.begin()
     contacts = session.n_contact
     free, loaded = evaluation_us(session, 0), evaluation_us(session, bodies)
-    return (
-        f"| {bodies} | {contacts} | {size} | {built:.2f} | {free:.1f} | {free / contacts * 1e3:.0f} | "
-        f"{(loaded - free) / bodies * 1e3:.0f} | {solver_us(session, bodies):.1f} |"
+    counts = instructions(library, folder, contacts, bodies) if shutil.which("valgrind") else ("", "")
+    forces = (loaded - free) / bodies
+    columns = (
+        *(
+            f"{bodies}",
+            f"{contacts}",
+            f"{size}",
+            f"{built:.2f}",
+            f"{free:.1f}",
+            f"{free / contacts * 1e3:.0f}",
+        ),
+        *(counts[0], f"{forces * 1e3:.0f}", counts[1], f"{solver_us(session, bodies):.1f}"),
     )
+    return f"| {' | '.join(columns)} |"
+
+
+def instructions(library: Library, folder: Path, contacts: int, bodies: int) -> tuple[str, str]:
+    """Of a right-hand side: per contact without forces, and what forces add per closed contact."""
+    counted = folder / "counted"
+    counted.mkdir()
+    countable(library, counted)
+    per_call = {}
+    for which in ("free", "loaded"):
+        few, many = (callgrind("tests.benchmarks.counted", which, counted, n) for n in (5, 1005))
+        per_call[which] = (many - few) / 1000 / STAGES
+    forces = (per_call["loaded"] - per_call["free"]) / bodies
+    return f"{per_call['free'] / contacts:.0f}", f"{forces:.0f}"
 
 
 def main() -> None:
-    print(
-        "| bodies | contacts | generated C (bytes) | build (s) | kernels (us) | kernels per contact (ns) | "
-        "assembly and forces per closed contact (ns) | solver, were all in one island (us) |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
+    print(f"| {' | '.join(TITLES)} |")
+    print("|---" * len(TITLES) + "|")
     with TemporaryDirectory() as name:
         for bodies in (10, 40, 160):
             print(row(bodies, Path(name) / str(bodies)))

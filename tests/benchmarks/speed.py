@@ -7,10 +7,8 @@ counted by callgrind where valgrind is installed; and `simulate` against the bar
 from __future__ import annotations
 
 import ctypes
-import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
@@ -22,12 +20,12 @@ import numpy as np
 from modelgen import Accuracy, simulate
 from modelgen.codegen.compiler import find_compiler
 from tests.benchmarks.counted import STEP, core_steps, hand_steps, start, state_of
+from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable
 from tests.running import scene_of
 
 HERE = Path(__file__).parent
 STEPS = 200_000
 FLAGS = ("-O3", "-fno-math-errno", "-shared", "-fPIC")
-COUNTED_CPU = "-march=haswell"  # callgrind knows no newer vector instructions
 
 
 def hand_written(folder: Path, cpu: str) -> Path:
@@ -70,26 +68,10 @@ def instructions() -> None:
     with TemporaryDirectory() as name:
         folder = Path(name)
         hand_written(folder, COUNTED_CPU)
-        (folder / "manifest.json").write_text(library.manifest.to_json())
-        (folder / "library.json").write_text(library.record.to_json())
-        compiler = find_compiler()
-        flags = [COUNTED_CPU if flag == "-march=native" else flag for flag in compiler.flags("double")]
-        source, target = library.path.parent / "model.c", folder / library.path.name
-        define = f'-DMG_HASH="{library.record.hash}"'
-        subprocess.run([*compiler.command, *flags, define, str(source), "-o", str(target), "-lm"], check=True)
+        countable(library, folder)
         for which in ("core", "hand"):
-            few, many = (callgrind(which, folder, n) for n in (1000, 1001000))
+            few, many = (callgrind("tests.benchmarks.counted", which, folder, n) for n in (1000, 1001000))
             print(f"instructions of an RK4 step, {which}: {(many - few) / 1000000:.0f}")
-
-
-def callgrind(which: str, folder: Path, n: int) -> int:
-    """Instructions of the whole process that takes n steps."""
-    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-    command = [*tool, sys.executable, "-m", "tests.benchmarks.counted", which, str(folder), str(n)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    found = re.search(r"Collected : (\d+)", done.stderr)
-    assert found, done.stderr
-    return int(found[1])
 
 
 def loop_and_simulate() -> None:

@@ -2,21 +2,22 @@
 #include <stdio.h>
 
 #define COUNT 200
+#define SIDE (MG_CENTRE + 3)
 
 int main(void) {
   const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, link_parameters[] = {13};
-  const int ends[] = {0, 1}, sides[] = {0, 1}, side_parameters[] = {13, 13}, side_numbers[] = {0, MG_SIDE_NUMBERS};
+  const int ends[] = {0, 1}, sides[] = {0, 1}, side_parameters[] = {13, 13}, side_numbers[] = {0, SIDE};
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0};
-  mg_real numbers[2 * MG_SIDE_NUMBERS] = {0}, moved[1];
+  mg_real numbers[2 * SIDE] = {0}, moved[1];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
   int closed[1], active[1], on[] = {-1}, kind[COUNT], contact[COUNT], link[COUNT], iwork[1000];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
   for (int side = 0; side < 2; side++) {
-    mg_real *of = numbers + side * MG_SIDE_NUMBERS;
+    mg_real *of = numbers + side * SIDE;
     of[MG_PLACEMENT + 3] = of[MG_PLACEMENT + 7] = of[MG_PLACEMENT + 11] = 1;
     for (int k = 0; k < 4; k++) of[MG_DOMAIN + k] = k % 2 ? MG_MAX : -MG_MAX;
     of[MG_BOUND] = MG_MAX;
@@ -37,6 +38,8 @@ int main(void) {
                           .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
                           .lost = (mg_real)1e-9, .apart = (mg_real)1e-6, .reach = (mg_real)0.2,
                           .search = (mg_real)0.05, .border = (mg_real)1e-9,
+                          .leave = 100, .polish = (mg_real)1e-3, .dependent = (mg_real)1e-10,
+                          .depth = (mg_real)0.02, .scan = 16,
                           .lcp_iterations = 100, .events_at_once = 100};
   mg_run run = {.x = x, .link = on, .moved = moved, .closed = closed, .active = active, .force = force, .margin = margin};
   mg_events events = {COUNT, 0, t, kind, contact, link, speed};

@@ -89,3 +89,10 @@ def touching(path: Trajectory, sample: int, within: float) -> set[str]:
 
 def run_until(library: Library, until: float, samples: int) -> Trajectory:
     return simulate(library, until=until, samples=samples, accuracy=TIGHT)
+
+
+def heights_when(solid: Solid, library: Library, t: float) -> Heights:
+    """The heights at one time, well before the end of a run, so that its steps are those of a longer one."""
+    path = run_until(library, 2 * t, 2)
+    assert path.t[1] == t
+    return solid.at(path, 1)

@@ -43,6 +43,7 @@ class Rows:
     free: np.ndarray  # u' without contact forces
     eta_dot: np.ndarray
     load_power: float  # W
+    normal: np.ndarray  # (contacts, 3), from the first to the second body of a contact's kind
 
 
 @dataclass
@@ -159,7 +160,7 @@ class PlainScene:
                 qdot[q : q + len(rates[0])], free[u : u + len(rates[1])] = rates
         n = len(self.contacts)
         J, eta_dot = np.zeros((n, self.n_u)), np.zeros(self.sentence["n_eta"])
-        rows = Rows(*np.zeros((3, n)), J, np.zeros(n), qdot, free, eta_dot, power)
+        rows = Rows(*np.zeros((3, n)), J, np.zeros(n), qdot, free, eta_dot, power, np.zeros((n, 3)))
         for index, contact in enumerate(self.contacts):
             self._row(rows, index, contact, x, bodies)
         return rows
@@ -168,7 +169,7 @@ class PlainScene:
         o, f = contact["o"], contact["f"]
         sides = bodies.pose[o], bodies.twist[o], bodies.pose[f], bodies.twist[f]
         name = self.kind("contact", contact)["name"]
-        d, J_o, J_f, gamma, eta_dot, _ = self._call(
+        d, J_o, J_f, gamma, eta_dot, rows.normal[index] = self._call(
             f"{name}_rates", *sides, x[self.eta_of(contact)], contact["parameters"]
         )
         rows.d[index], rows.bias[index] = d[0], gamma[0]

@@ -1,7 +1,7 @@
 """Frictionless motion of one free body whose gap is a stationary value over two numbers: a second route.
 
-It has no contact points, no surface normals, no curvatures and no contact parameters of the program. Derivatives
-are CasADi's; the integrator is SciPy's.
+It has no contact points, no surface normals, no curvatures and no contact parameters of the program.
+Derivatives are CasADi's; the integrator is SciPy's.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def rotation(e: ca.SX) -> ca.SX:
 
 
 class StationaryRoute:
-    """State s = [p, quaternion (w x y z), v, w (body), numbers (2)]; `closed_form`: the gap needs no numbers."""
+    """State s = [p, quaternion (w x y z), v, w (body), numbers (2)]; `closed_form`: without the numbers."""
 
     def __init__(self, gap: Gap, mass: float, inertia: Array, g: float = 9.81, closed_form: bool = False):
         self.closed_form = closed_form

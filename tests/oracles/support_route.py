@@ -5,8 +5,8 @@ The gap is the stationary value over unit directions n of
     outside:  n.(p_f - p_o) - h_o(n) - h_f(-n)          (maximum)
     cavity:   h_o(n) - h_f(n) - n.(p_f - p_o)           (minimum)
 
-with the support functions h(n) = |diag(a, b, c) R^T n|; n is charted by two angles about a chosen axis. Body o
-is fixed at the world frame.
+with the support functions h(n) = |diag(a, b, c) R^T n|; n is charted by two angles about a chosen axis.
+Body o is fixed at the world frame.
 """
 
 from __future__ import annotations

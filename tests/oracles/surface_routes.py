@@ -1,4 +1,4 @@
-"""Second routes to motion on surfaces of the shipped scenes, each told without the program's charts or cells."""
+"""Second routes to motion on surfaces of shipped scenes, told without the program's charts or cells."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.oracles.stationary_route import Array, Gap, rotation
 
 
 def pebble_on_plane(lengths: Mapping[str, float], centre: Array) -> Gap:
-    """The height of the lowest point of the pebble of `bean_with_poles` over z = 0; its centre of mass is at p.
+    """The height over z = 0 of the lowest point of the pebble of `bean_with_poles`, its centre of mass at p.
 
     The surface is an image of the unit sphere, which here has its poles on the x axis.
     """
@@ -29,16 +29,14 @@ def pebble_on_plane(lengths: Mapping[str, float], centre: Array) -> Gap:
 
 
 def ellipsoid_on_patch(axes: Array, net: Net) -> Gap:
-    """The stationary value over (u, v) of the distance from the patch's tangent plane there to an ellipsoid."""
+    """The stationary value over (u, v) of the distance of an ellipsoid from the patch's tangent plane."""
     points = np.array(net.points)
     knots = [np.array(each) for each in net.knots]
     to_powers = [_to_powers(each, net.degree) for each in knots]
     powers = np.einsum("iu,jv,uvk->ijk", *to_powers, points)
 
     def gap(p: ca.SX, e: ca.SX, at: ca.SX) -> ca.SX:
-        rows, columns = (
-            _powers(at[axis], each, net.degree) for axis, each in enumerate(knots)
-        )
+        rows, columns = (_powers(at[axis], each, net.degree) for axis, each in enumerate(knots))
         x = ca.vertcat(*(rows.T @ ca.DM(powers[:, :, k]) @ columns for k in range(3)))
         along = ca.jacobian(x, at)
         across = ca.cross(along[:, 0], along[:, 1])

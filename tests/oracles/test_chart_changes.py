@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from tests.oracles.plain_rows import PlainScene, Rows
 from tests.running import library_of, scene_of
 
 LONG = 200.0  # s
-WALKS = {"bean_with_poles": 100, "ball_in_torus": 0, "egg_on_spline": 800}  # at least, in so long
+WALKS = {"bean_with_poles": 50, "ball_in_torus": 0, "egg_on_spline": 800}  # at least, in so long
 TRACE = 1e-12
 
 
@@ -45,7 +46,7 @@ def test_two_hundred_seconds_keep_energy_and_contact(name: str) -> None:
 @pytest.mark.slow
 def test_the_pebble_passes_both_poles() -> None:
     seen = Counter(event.features for event in long_run("bean_with_poles").events)
-    assert min(seen["pole_v_min"], seen["pole_v_max"]) > 20
+    assert min(seen["pole_v_min"], seen["pole_v_max"]) > 5
 
 
 @pytest.mark.slow
@@ -74,53 +75,124 @@ class Change:
     links: tuple[str, str]
     before: Rows
     after: Rows
-    normals: tuple[np.ndarray, np.ndarray]
 
 
+def told(session: Session, links: np.ndarray, eta: np.ndarray) -> Rows:
+    """The contacts' rows on these links at the session's state, from a guess of eta."""
+    scene, x, t = PlainScene(session.library, links[:-1]), session.x.copy(), float(session.run.t)
+    x[-1 - len(eta) : -1] = eta
+    return scene.rows(t, scene.corrected(t, x))
+
+
+@cache
 def changes(library: Library, until: float) -> list[Change]:
     """The walks of contact 0 in a run of single steps."""
     session = Session(library, Accuracy.balanced())
     session.begin()
-    record, code, found = Recording(session, np.array([2 * until])).record, CONTINUE, []
+    recording, code, found = Recording(session, np.array([2 * until])), CONTINUE, []
     while code in (CONTINUE, FULL):
         link, eta = session.link.copy(), session.eta.copy()
-        code = session.advance(until, 1, record)
+        code = session.advance(until, 1, recording.record)
         for event in session.drain_events():
             if event.kind == "walk" and event.contact == session.contacts[0]:
-                found.append(told_twice(session, event, link, eta))
+                one, other = told(session, link, eta), told(session, session.link, session.eta)
+                names = [session.sentence["links"][each[0]]["name"] for each in (link, session.link)]
+                found.append(Change(event, (names[0], names[1]), one, other))
     assert code == 0
     return found
 
 
-def told_twice(session: Session, event: Event, link: np.ndarray, eta: np.ndarray) -> Change:
-    rows, normals = [], []
-    for links, start in ((link, eta), (session.link, session.eta)):
-        scene, x = PlainScene(session.library, links[:-1]), session.x.copy()
-        x[-1 - len(eta) : -1] = start
-        x = scene.corrected(float(session.run.t), x)
-        rows.append(scene.rows(float(session.run.t), x))
-        contact = scene.contacts[0]
-        pose = scene.states(float(session.run.t), x).pose
-        name = scene.kind("contact", contact)["name"]
-        sides = pose[contact["o"]], pose[contact["f"]]
-        normals.append(scene._call(f"{name}_place", *sides, x[scene.eta_of(contact)], contact["parameters"])[4])
-    names = [session.sentence["links"][each[0]]["name"] for each in (link, session.link)]
-    return Change(event, (names[0], names[1]), rows[0], rows[1], (normals[0], normals[1]))
-
-
-@cache
-def changes_of(name: str) -> list[Change]:
-    return changes(scene_of(name), 10.0)
-
-
 @pytest.mark.parametrize("name", ["bean_with_poles", "egg_on_spline"])
 def test_a_change_leaves_no_trace(name: str) -> None:
-    length = scene_of(name).manifest.sentence["scales"]["length"]
-    found = changes_of(name)
+    library = scene_of(name)
+    found = changes(library, 10.0)
     bias = max(abs(change.after.bias[0]) for change in found)
     assert len(found) >= 5
     for change in found:
-        assert abs(change.after.d[0] - change.before.d[0]) < TRACE * length
-        assert np.abs(change.normals[1] - change.normals[0]).max() < TRACE
-        assert np.abs(change.after.J - change.before.J).max() < TRACE
-        assert abs(change.after.bias[0] - change.before.bias[0]) < TRACE * bias
+        one, other = change.before, change.after
+        assert abs(one.d - other.d)[0] < TRACE * library.manifest.sentence["scales"]["length"]
+        assert np.abs(one.normal - other.normal).max() < TRACE
+        assert np.abs(one.J - other.J).max() < TRACE
+        assert abs(one.bias - other.bias)[0] < TRACE * bias
+
+
+@pytest.mark.parametrize("name", ["bean_with_poles", "egg_on_spline"])
+def test_events_name_the_features_before_and_after(name: str) -> None:
+    found = changes(scene_of(name), 10.0)
+    for change in found:
+        assert change.event.features == change.links[1]
+        assert are_neighbours(*change.links)
+    for one, other in pairwise(found):
+        assert one.links[1] == other.links[0]
+
+
+def are_neighbours(one: str, other: str) -> bool:
+    """A cell of a patch and the next, or a chart and a cap."""
+    if "cell" not in one:
+        return "sheet" in {one, other} and one != other
+    apart = [abs(int(a) - int(b)) for a, b in zip(one.split("_")[1:], other.split("_")[1:], strict=True)]
+    return max(apart) == 1
+
+
+# ---- one surface in two descriptions ----
+
+PARTS = {"a": 0.06, "c": 0.045}
+SPHEROID = make.revolution("a*cos(t)", "c*sin(t)", domain=["-pi/2", "pi/2"], parameters=PARTS)
+HOLLOW = {"a": 0.5, "b": 0.45, "c": 0.4}
+CAVE = make.chart(
+    "a*cos(v)*cos(u)", "b*cos(v)*sin(u)", "c*sin(v)",
+    domain=[["-pi", "pi"], ["-pi/2", "pi/2"]], periodic=[True, False], poles=["v_min", "v_max"],
+    parameters=HOLLOW, cavity=True,
+)  # fmt: skip
+TUBE = make.chart(
+    "(M + m*cos(v))*cos(u)", "(M + m*cos(v))*sin(u)", "m*sin(v)",
+    domain=[["-pi", "pi"]] * 2, periodic=[True, True], parameters={"M": 0.3, "m": 0.1}, cavity=True,
+)  # fmt: skip
+GRID = [-0.4, -0.22, -0.1, -0.03, 0.04, 0.15, 0.25, 0.4]
+BOWL = make.height_field(GRID, GRID, [[x * x / 0.8 + y * y / 1.2 for y in GRID] for x in GRID])
+EGG = (0.06, 0.05, 0.045)
+
+
+def tumbler(shape: Shape) -> Body:
+    return make.dynamic(
+        "stone", shape, density=1000.0, position=[0.0, 0.0, 0.06], angular_velocity=[9.0, 4.0, 1.0]
+    )
+
+
+def slider(position: list[float], velocity: list[float]) -> Body:
+    return solid("stone", EGG, position=position, velocity=velocity, angular_velocity=[1.0, 2.0, 3.0])
+
+
+PAIRS = {
+    "an ellipsoid on a table": (
+        [(make.plane(), tumbler(shape)) for shape in (make.ellipsoid(0.06, 0.06, 0.045), SPHEROID)], 4,
+    ),
+    "an ellipsoidal cavity": (
+        [(shape, slider([0.05, 0.02, -0.35], [1.5, 0.8, 0.0]))
+         for shape in (make.ellipsoid(0.5, 0.45, 0.4, cavity=True), CAVE)], 2,
+    ),
+    "a hollow torus": (
+        [(shape, slider([0.335, 0.0, 0.0], [0.0, 0.5, 2.5]))
+         for shape in (make.torus(0.3, 0.1, cavity=True), TUBE)], 0,
+    ),
+    "a paraboloid": (
+        [(shape, slider([0.15, 0.1, 0.1], [0.0, 0.3, 0.0]))
+         for shape in (make.paraboloid(0.4, 0.6), BOWL)], 4,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_the_motion_does_not_depend_on_how_a_surface_is_told(name: str) -> None:
+    told, least = PAIRS[name]
+    one, other = (fallen(base, stone) for base, stone in told)
+    assert sum(event.kind == "walk" for event in other.events) >= least
+    assert np.abs(one.p - other.p).max() < 1e-9
+    assert np.abs(rotations(one, 1) - rotations(other, 1)).max() < 1e-8
+    assert {event.kind for event in one.events} <= {"touch-down"}
+
+
+def fallen(base: Shape, stone: Body) -> Trajectory:
+    """The stone let go above the base, a second of it, tight."""
+    scene = make.scene("told", [make.fixed("base", base), stone], contact=[{"between": ["stone", "base"]}])
+    return simulate(library_of(scene), until=1.0, accuracy=Accuracy.tight(), samples=100)

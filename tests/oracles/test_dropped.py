@@ -1,8 +1,8 @@
-"""A box and a cylinder dropped on a face, an edge, a vertex, the rim and the side, exactly and tilted a little.
+"""A box and a cylinder dropped on a face, an edge, a vertex, the rim and the side, exact or tilted a little.
 
 Which features touch is known from the pose alone. All forces are vertical: the centre of mass stays above one
-point, and the angular momentum about the vertical stays zero. A solid that hits without bouncing ends at rest on
-a face that carries it.
+point, and the angular momentum about the vertical stays zero. A solid that hits without bouncing ends at rest
+on a face that carries it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,19 @@ import pytest
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
-from tests.oracles.dropped import BOX, CAN, DROP, HALF, LENGTH, RADIUS, TIGHT, Solid, run_until, touching
+from tests.oracles.dropped import (
+    BOX,
+    CAN,
+    DROP,
+    HALF,
+    LENGTH,
+    RADIUS,
+    TIGHT,
+    Solid,
+    heights_when,
+    run_until,
+    touching,
+)
 from tests.oracles.pieces import G, rotations
 from tests.running import run
 
@@ -78,7 +90,7 @@ def test_what_carries_the_solid_at_the_end_are_the_features_of_a_face(start: str
     assert touching(path, -1, NEAR) == (points or beneath)
     assert len(points or beneath) == (4 if solid is BOX else 3 if points else 2)
     weight = path.energy[0] / path.p[0, 1, 2]
-    assert path.force[-1].min() >= 0
+    assert path.force[-1].min() >= -1e-13 * weight
     assert path.force[-1].sum() == pytest.approx(weight, rel=1e-9)
 
 
@@ -89,7 +101,7 @@ def test_the_first_to_touch_are_the_lowest_features(start: str, tilt: float) -> 
     first = path.events[0]
     assert first.t == pytest.approx(np.sqrt(2 * DROP / G), abs=1e-11 + slack(start))
     named = {event.features for event in path.events if event.t == first.t and event.kind == "touch-down"}
-    heights = solid.at(run_until(library, first.t, 1), -1)
+    heights = heights_when(solid, library, first.t)
     candidates = {name: z for name, z in heights.items() if "." in name} or heights
     assert named <= lowest(candidates, NEAR)
     assert named >= lowest(candidates, NEAR / 100)
@@ -100,7 +112,7 @@ def test_the_first_to_touch_are_the_lowest_features(start: str, tilt: float) -> 
 def test_at_every_event_the_named_feature_is_on_the_table_and_none_below(start: str, tilt: float) -> None:
     solid, library, path = dropped(start, tilt)
     for t in sorted({event.t for event in path.events}):
-        heights = solid.at(run_until(library, t, 1), -1)
+        heights = heights_when(solid, library, t)
         assert min(heights.values()) > -1e-11 - slack(start)
         for event in path.events:
             if event.t == t and event.kind in TOUCHES:
@@ -130,9 +142,8 @@ def test_vertical_forces_neither_push_aside_nor_spin_about_the_vertical(start: s
 @EVERY_START
 def test_what_impacts_take_is_booked(start: str, tilt: float) -> None:
     _, _, path = dropped(start, tilt)
-    weight = path.energy[0] / path.p[0, 1, 2]
-    assert np.ptp(path.energy - path.work) < 1e-9 * path.energy[0] + weight * slack(start)
-    assert path.energy_drift < 1e-9 + slack(start) / DROP
+    assert np.ptp(path.energy - path.work) < 1e-9 * path.energy[0]
+    assert path.energy_drift < 1e-8
 
 
 @pytest.mark.parametrize("tilt", TILTS)
@@ -146,10 +157,9 @@ def test_the_ends_of_a_level_edge_share_the_load(tilt: float) -> None:
 
 
 def test_an_edge_tilts_to_the_side_it_is_tilted_to() -> None:
-    ends = {tilt: dropped("box on an edge", tilt)[2] for tilt in (1e-6, 1e-2)}
-    ends |= {-tilt: run_until(BOX.above_the_table((1.0, 0.0, 0.0), STARTS["box on an edge"][2] - tilt), 6.0, 2)
-             for tilt in (1e-6, 1e-2)}  # fmt: skip
-    for tilt, path in ends.items():
+    _, axis, balanced, until = STARTS["box on an edge"]
+    for tilt in (-1e-2, -1e-6, 1e-6, 1e-2):
+        path = run_until(BOX.above_the_table(axis, balanced + tilt), until, 2)
         assert path.p[-1, 1, 2] == pytest.approx(HALF[1] if tilt > 0 else HALF[2], abs=1e-12)
 
 
@@ -162,7 +172,7 @@ def test_a_shipped_box_falls_on_the_corner_that_is_lowest() -> None:
 
 
 def test_a_shipped_cylinder_topples_from_one_rim_onto_both() -> None:
-    """Between the touches it turns in a plane above a sliding point: energy gives the rate at the second touch."""
+    """Between the touches it turns in a plane over a sliding point: energy gives the speed at the second."""
     path = run("cylinder_dropped", TIGHT)
     first, second = (event for event in path.events if event.kind == "touch-down")
     heights = CAN.at(path, 0)

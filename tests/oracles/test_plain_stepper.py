@@ -26,10 +26,10 @@ def core_run(library: Library, until: float) -> tuple[PlainStepper, np.ndarray, 
     session = Session(library, Accuracy.tight())
     session.begin()
     plain = PlainStepper(library, session.link[:-1], session.eta)
-    record = Recording(session, np.array([2 * until])).record
+    recording = Recording(session, np.array([2 * until]))
     events, code = session.drain_events(), CONTINUE
     while code in (CONTINUE, FULL):
-        code = session.advance(until, 100, record)
+        code = session.advance(until, 100, recording.record)
         events += session.drain_events()
     assert code == 0
     return plain, session.x.copy(), events

@@ -18,6 +18,9 @@ PAIRS = {
     **dict.fromkeys(("implicit", "mixed", "block", "paper", "differentiated"), "ellipsoid-torus"),
     **{form: "ellipsoid-ellipse_curve" for form in FORMS if form.startswith("curve_")},
     **{form: "circle-helix" for form in FORMS if form.startswith("curves_")},
+    "centre_surface": "sphere-ellipsoid",
+    "centre_curve": "sphere-circle",
+    "edge_edge": "line-segment",
 }
 COMMANDS = {
     *(

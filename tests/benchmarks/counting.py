@@ -1,0 +1,36 @@
+"""Instructions by callgrind: what a process takes, and a library that callgrind can run."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from modelgen.codegen.compiler import find_compiler
+from modelgen.codegen.library import Library
+
+COUNTED_CPU = "-march=haswell"  # callgrind knows no newer vector instructions
+
+
+def callgrind(module: str, *arguments: object) -> int:
+    """Instructions of the whole process `python -m module arguments`."""
+    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
+    command = [*tool, sys.executable, "-m", module, *map(str, arguments)]
+    steady = {**os.environ, "PYTHONHASHSEED": "0"}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=steady)
+    found = re.search(r"Collected : (\d+)", done.stderr)
+    assert found, done.stderr
+    return int(found[1])
+
+
+def countable(library: Library, folder: Path) -> None:
+    """The library compiled again for COUNTED_CPU into `folder`, with its records beside it."""
+    (folder / "manifest.json").write_text(library.manifest.to_json())
+    (folder / "library.json").write_text(library.record.to_json())
+    compiler = find_compiler()
+    flags = [COUNTED_CPU if flag == "-march=native" else flag for flag in compiler.flags("double")]
+    source, target = library.path.parent / "model.c", folder / library.path.name
+    define = f'-DMG_HASH="{library.record.hash}"'
+    subprocess.run([*compiler.command, *flags, define, str(source), "-o", str(target), "-lm"], check=True)

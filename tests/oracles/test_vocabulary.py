@@ -1,0 +1,103 @@
+"""Only what a scene needs is generated: `check`, the manifest, the registry and the built library agree."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from modelgen import derive, emit, read, require
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import Manifest
+from modelgen.derive import Derivation
+from modelgen.report.check import check_facts
+from tests.elf import defined_symbols
+from tests.registry import REGISTRY
+from tests.running import SCENES, scene_of
+
+EVERY_SCENE = pytest.mark.parametrize("name", REGISTRY)
+ON_LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries are ELF files on Linux")
+ROLES = (
+    *("pose", "motion", "energy", "path", "wrench", "surface", "curve", "point"),
+    *("rates", "place", "aim", "seek", "angle"),
+)
+OF_A_KERNEL = (  # what CasADi's own interface asks of a function, by suffix
+    *("", "_alloc_mem", "_init_mem", "_free_mem", "_checkout", "_release", "_incref", "_decref"),
+    *("_n_in", "_n_out", "_name_in", "_name_out", "_default_in", "_sparsity_in", "_sparsity_out"),
+    *("_work", "_work_bytes"),
+)
+OF_THE_FILE = {f"mg_kernels_casadi_{name}" for name in ("real_size", "int_size", "version")}
+
+
+@cache
+def derived(name: str) -> Derivation:
+    return derive(require(read(SCENES / f"{name}.toml")))
+
+
+@cache
+def manifest_of(name: str) -> Manifest:
+    return emit(derived(name)).manifest
+
+
+def api() -> set[str]:
+    """The functions that the public headers of the core declare."""
+    headers = [(files("modelgen") / "core" / name).read_text() for name in ("modelgen.h", "lcp.h")]
+    return {symbol for text in headers for symbol in re.findall(r"^MG_API .*?(mg_\w+)\(", text, re.M)}
+
+
+def exported(library: Library) -> set[str]:
+    return defined_symbols(Path(library.path))
+
+
+@EVERY_SCENE
+def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) -> None:
+    shown = check_facts(derived(name))["kinds"]
+    kinds = manifest_of(name).kinds
+    assert tuple(shown) == REGISTRY[name].kinds
+    assert [kind["name"] for group in ("body", "contact", "load") for kind in kinds[group]] == shown
+
+
+@EVERY_SCENE
+def test_every_kind_is_used_by_the_scene(name: str) -> None:
+    kinds, sentence = manifest_of(name).kinds, manifest_of(name).sentence
+    users = {"body": "bodies", "contact": "links", "load": "loads"}
+    for group, entries in users.items():
+        assert {entry["kind"] for entry in sentence[entries]} == set(range(len(kinds[group])))
+    in_contact = {side for kind in kinds["contact"] for side in kind["shapes"]}
+    assert in_contact == set(range(len(kinds["shape"])))
+
+
+@EVERY_SCENE
+def test_every_function_is_of_one_of_these_kinds_and_check_counts_all(name: str) -> None:
+    kinds, functions = manifest_of(name).kinds, manifest_of(name).functions
+    names = "|".join(kind["name"] for group in kinds.values() for kind in group)
+    of_a_kind = re.compile(f"mg_({names})_({'|'.join(ROLES)})")
+    assert all(of_a_kind.fullmatch(function) for function in functions)
+    counted = check_facts(derived(name))["instructions"]
+    assert set(counted) - {"mg_rhs"} == set(functions)
+    assert all(counted[function] == entry["instructions"] for function, entry in functions.items())
+
+
+@ON_LINUX
+@EVERY_SCENE
+def test_the_built_library_exports_these_functions_and_the_core_and_nothing_else(name: str) -> None:
+    library = scene_of(name)
+    kernels = {f"{kernel}{suffix}" for kernel in library.manifest.functions for suffix in OF_A_KERNEL}
+    symbols = exported(library)
+    assert symbols - kernels - OF_THE_FILE == api()
+    assert symbols >= {*library.manifest.functions, *OF_THE_FILE}
+
+
+@ON_LINUX
+@pytest.mark.skipif(shutil.which("nm") is None, reason="nm is not installed")
+def test_the_symbols_read_are_those_that_nm_lists() -> None:
+    library = scene_of("ball_in_bowl")
+    command = ["nm", "--dynamic", "--defined-only", "--format=posix", str(library.path)]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert exported(library) == {line.split()[0] for line in listed.splitlines()}

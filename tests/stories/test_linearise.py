@@ -1,0 +1,55 @@
+"""The verb `linearise`: for people, for programs, and where there is nothing to linearise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+Modelgen = Callable[..., Any]
+RINGS = "scenes/linked_rings.toml"
+
+
+def test_it_answers_to_its_schema(modelgen: Modelgen) -> None:
+    facts = modelgen("linearise", RINGS, "--json").json
+    schema = modelgen("schema").json["$defs"]["linearised"]
+    Draft202012Validator.check_schema(schema)
+    Draft202012Validator(schema).validate(facts)
+    assert facts["scene"] == "linked_rings"
+    assert facts["bodies"]["ring"]["p"] == pytest.approx([0, 0, -0.35], abs=1e-12)
+    across = [mode for mode in facts["modes"] if abs(mode["shape"]["ring"]["v"][1]) == 1]
+    assert [mode["frequency"] for mode in across] == pytest.approx([np.sqrt(9.81 / 0.15)])
+    assert all(mode["hertz"] == pytest.approx(mode["frequency"] / (2 * np.pi)) for mode in facts["modes"])
+
+
+def test_people_read_the_same(modelgen: Modelgen) -> None:
+    text, facts = modelgen("linearise", RINGS).out, modelgen("linearise", RINGS, "--json").json
+    assert text.startswith("linked_rings: at rest")
+    for mode in facts["modes"]:
+        assert mode["kind"] in text
+        if mode["frequency"]:
+            assert f"{mode['frequency']:.9g} rad/s" in text
+    assert "hook-ring" in text
+
+
+def test_a_forced_form_has_the_same_frequencies(modelgen: Modelgen) -> None:
+    egg = "scenes/ellipsoid_on_plane.toml"
+    free, forced = (modelgen("linearise", egg, "--json", *more).json for more in ((), ("--form", "implicit")))
+    frequencies = [[mode["frequency"] for mode in facts["modes"]] for facts in (free, forced)]
+    assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-9)
+
+
+def test_a_scene_without_rest_is_refused_and_leaves_nothing(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball = Path("scenes/bouncing_ball.toml").read_text()
+    monkeypatch.chdir(tmp_path)
+    Path("ball.toml").write_text(ball)
+    answer = modelgen("linearise", "ball.toml", "--json")
+    assert (answer.code, answer.out) == (2, "")
+    assert "no equilibrium near the start" in answer.err
+    assert [path.name for path in tmp_path.iterdir()] == ["ball.toml"]
