@@ -95,8 +95,8 @@ def _save_csv(record: Record, path: Path) -> None:
 
 
 def _table(record: Record) -> tuple[list[str], Array]:
-    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; force, torque of each
-    joint, and coordinates; energy, work."""
+    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; force, torque of
+    each joint, and coordinates; energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))

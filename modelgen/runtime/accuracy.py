@@ -71,7 +71,7 @@ class Accuracy:
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
-        singular: a row of a joint with less than this of its own counts as one of the others, as at a dead centre.
+        singular: a row of a joint with less than this of its own is left to the others, as at a dead centre.
         depth: a contact that appears in a run may be below zero by depth L.
         scan: parts of a step in which the first event is sought.
         margin_appear: a contact appears in a run only with more margin than this.

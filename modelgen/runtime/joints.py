@@ -59,7 +59,7 @@ def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: 
 
 
 def counted(t: Array, angle: Array, rate: Array) -> Array:
-    """Angles (n,) within half a turn continued through whole turns, each nearest to what the rates foretell."""
+    """Angles (n,) within half a turn continued through whole turns, each nearest to what rates foretell."""
     turns = np.zeros(len(angle), dtype=angle.dtype)
     for i in range(1, len(angle)):
         foretold = angle[i - 1] + turns[i - 1] + (rate[i - 1] + rate[i]) / 2 * (t[i] - t[i - 1])
@@ -81,8 +81,9 @@ def redundancy(session: Session) -> list[str]:
         rows = int(kinds[joint["kind"]]["rows"])
         if rank < rows:
             found.append(
-                f"joint {joint['name']!r} is redundant: {rows - rank} of its {rows} rows follow from the joints "
-                "listed before it; the motion is unique, the joint forces given are those of minimum norm"
+                f"joint {joint['name']!r} is redundant: {rows - rank} of its {rows} rows follow from the "
+                "joints listed before it; the motion is unique, the joint forces given are those of minimum "
+                "norm"
             )
     return found
 
@@ -93,8 +94,8 @@ def _misfit(session: Session) -> list[str]:
         return []
     name = session.joints[session.run.failed_joint]
     return [
-        f"the velocities at the start do not fit joint {name!r} by {speed:.3g} m/s; the nearest ones that fit, "
-        "by kinetic energy, were taken"
+        f"the velocities at the start do not fit joint {name!r} by {speed:.3g} m/s; the nearest ones "
+        "that fit, by kinetic energy, were taken"
     ]
 
 
@@ -102,18 +103,20 @@ def _singular(session: Session, accuracy: Accuracy) -> list[str]:
     run, found = session.run, []
     if run.dead_centres:
         found.append(
-            f"the joints were singular {run.dead_centres} times, first before t = {float(run.dead_centre_t):.6g} s, "
-            f"where joint {session.joints[run.dead_centre]!r} lost a row to the joints before it: at such a dead "
-            "centre the linkage could have gone on another way; it went on as it came"
+            f"the joints were singular {run.dead_centres} times, first before "
+            f"t = {float(run.dead_centre_t):.6g} s, where joint {session.joints[run.dead_centre]!r} lost a row "
+            "to the joints before it: at such a dead centre the linkage could have gone on another way; it went "
+            "on as it came"
         )
     if 0 <= run.rank_min < run.rank_max:
         found.append(
-            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: at a dead "
-            "centre the joints alone do not say how the linkage goes on, and the least acceleration was taken"
+            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: at a "
+            "dead centre the joints alone do not say how the linkage goes on, and the least acceleration was taken"
         )
     elif float(run.joint_margin_min) < accuracy.margin_warn**2:
         found.append(
-            f"joint {session.joints[run.joint_margin]!r} came near to losing a row to the joints before it at "
-            f"t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead centre"
+            f"joint {session.joints[run.joint_margin]!r} came near to losing a row to the joints before it "
+            f"at t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead "
+            "centre"
         )
     return found

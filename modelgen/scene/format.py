@@ -184,7 +184,7 @@ _JOINT_FRAMES = (
     Field(
         "frames",
         Sequence(Table(POSE_FIELDS, _ORIENTATION), 2),
-        "the frame in each body, in its axes; without it, position and orientation give it in the world at t = 0",
+        "the frame in each body, in its axes; else position and orientation give it in the world at t = 0",
     ),
 )
 _LIMITS = (

@@ -44,7 +44,7 @@ def pose_at_start(body: Body, place: Place) -> Pose:
     """Of the body's axes in the world at t = 0; a driven body's path comes on top of its pose."""
     if body.path is None:
         return body.pose
-    start = {name: 0.0 for name in PATH_NAMES}
+    start = dict.fromkeys(PATH_NAMES, 0.0)
     x, y, z = (finite(each, start, place) for each in body.path.position)
     vector = [finite(each, start, place) for each in body.path.rotation_vector]
     angle = hypot(*vector)

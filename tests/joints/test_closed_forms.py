@@ -154,7 +154,8 @@ def test_a_ball_joint_holds_a_heavy_top_whose_momenta_about_its_axes_stay() -> N
     angular = (
         2.0 * np.cross(p, v)[:, 2] + 0.3 * w[:, 2] + (own - 0.3 * np.einsum("ni,ni->n", axis, w)) * axis[:, 2]
     )
-    assert np.ptp(own) < 1e-12 and np.ptp(angular) < 1e-12
+    assert np.ptp(own) < 1e-12
+    assert np.ptp(angular) < 1e-12
     assert np.abs(np.linalg.norm(p, axis=1) - 0.5).max() < 1e-12
     assert path.energy_drift < 1e-12
 

@@ -1,6 +1,6 @@
 """Laws of the rows, limits and springs of joints, for every kind on random configurations.
 
-Values are differenced in 50 digits along exact rigid motions; nothing is taken from the derivation of the rates.
+Values are differenced in 50 digits along exact rigid motions; nothing comes from the derivation of the rates.
 """
 
 from __future__ import annotations
