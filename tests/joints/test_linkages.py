@@ -44,7 +44,7 @@ def test_the_forces_at_the_hinges_of_a_four_bar_linkage_are_its_change_of_moment
     momentum = np.einsum("b,nbi->ni", mass, path.v[:, :3])
     h = path.t[1] - path.t[0]
     change = (momentum[:-4] - 8 * momentum[1:-3] + 8 * momentum[3:-1] - momentum[4:]) / (12 * h)
-    wanted = change + [0.0, 0.0, 9.81 * mass.sum()]
+    wanted = change + np.array([0.0, 0.0, 9.81 * mass.sum()])
     assert np.abs(ground[2:-2] - wanted).max() < 1e-5 * np.abs(wanted).max()
 
 
