@@ -104,14 +104,14 @@ def _singular(session: Session, accuracy: Accuracy) -> list[str]:
     if run.dead_centres:
         name, t = session.joints[run.dead_centre], float(run.dead_centre_t)
         found.append(
-            f"the joints were singular {run.dead_centres} times, first before t = {t:.6g} s, where joint {name!r} "
-            "lost a row to the joints before it: at such a dead centre the linkage could have gone on another "
-            "way; it went on as it came"
+            f"the joints were singular {run.dead_centres} times, first before t = {t:.6g} s, where joint "
+            f"{name!r} lost a row to the joints before it: at such a dead centre the linkage could have gone "
+            "on another way; it went on as it came"
         )
     if 0 <= run.rank_min < run.rank_max:
         found.append(
-            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: there "
-            "the joints alone do not say how the linkage goes on, and the least acceleration was taken"
+            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: "
+            "there the joints alone do not say how the linkage goes on, and the least acceleration was taken"
         )
     elif float(run.joint_margin_min) < accuracy.margin_warn**2:
         found.append(
