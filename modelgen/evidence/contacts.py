@@ -89,7 +89,14 @@ def _unturned(side: Side, pose: Array, x: Array) -> Array:
 def moving_inputs(sample: Sample) -> tuple[Array, ...]:
     """The arguments of the rates, one column per configuration."""
     at = sample.at
-    return at.pose_o, at.twist_o, at.pose_f, at.twist_f, eta_of(sample), repeated(sample.pair.parameters, at.n)
+    return (
+        at.pose_o,
+        at.twist_o,
+        at.pose_f,
+        at.twist_f,
+        eta_of(sample),
+        repeated(sample.pair.parameters, at.n),
+    )
 
 
 def check_rates(sample: Sample, rates: ca.Function) -> list[Finding]:
@@ -147,18 +154,20 @@ def check_angle(sample: Sample, angle: ca.Function) -> list[Finding]:
     kind, at = sample.pair.kind, sample.at
     values = columns(angle, *moving_inputs(sample))
     rates = dict(zip(angle.name_out(), values, strict=True))
-    slopes = columns(_angle_slopes(kind, angle), *moving_inputs(sample), eta_of(sample, rate=True))
+    slopes = columns(angle_slopes(kind, angle), *moving_inputs(sample), eta_of(sample, rate=True))
     names = [name for name in angle.name_out() if not name.endswith("_dot")]
     straight = [f"phi_{side}" for side in "of" if is_straight(getattr(kind, side).shape)]
     return [
-        compared(f"{name}_dot", f"derivative of {name} along the motion of the pair", rates[f"{name}_dot"], slope)
+        compared(
+            f"{name}_dot", f"derivative of {name} along the motion of the pair", rates[f"{name}_dot"], slope
+        )
         for name, slope in zip(names, slopes, strict=True)
         if name not in straight
     ]
 
 
 @cache
-def _angle_slopes(kind: object, angle: ca.Function) -> ca.Function:
+def angle_slopes(kind: object, angle: ca.Function) -> ca.Function:
     at: Pair = symbols_of(kind, eta_layout(kind))  # type: ignore[arg-type]
     numbers = ca.vertcat(at.o.argument, at.f.argument)
     arguments = [at.o.pose, at.o.twist, at.f.pose, at.f.twist, at.eta, numbers]

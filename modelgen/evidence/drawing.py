@@ -199,7 +199,7 @@ def _posed(axis: Array, dimension: int, normal: Array, random: np.random.Generat
     """A rotation that turns a surface's normal into `normal`, a curve's tangent across it."""
     if dimension == 0:
         return _rotation(random)
-    return _taking(axis, normal if dimension == 2 else _across(normal, random), random)
+    return taking(axis, normal if dimension == 2 else _across(normal, random), random)
 
 
 def _normal_to(tangent: Array, random: np.random.Generator) -> Array:
@@ -216,12 +216,14 @@ def _across(axis: Array, random: np.random.Generator) -> Array:
 
 
 def _rotation(random: np.random.Generator) -> Array:
-    return _taking(_unit(random.normal(size=3)), _unit(random.normal(size=3)), random)
+    return taking(_unit(random.normal(size=3)), _unit(random.normal(size=3)), random)
 
 
-def _taking(a: Array, b: Array, random: np.random.Generator) -> Array:
+def taking(a: Array, b: Array, random: np.random.Generator) -> Array:
     """R with R a = b for unit vectors, and a random turn about b."""
-    one, two = (np.array([x, y, np.cross(x, y)]).T for x, y in ((a, _across(a, random)), (b, _across(b, random))))
+    one, two = (
+        np.array([x, y, np.cross(x, y)]).T for x, y in ((a, _across(a, random)), (b, _across(b, random)))
+    )
     return np.asarray(two @ one.T)
 
 

@@ -38,7 +38,9 @@ class Truth:
     normal_rate: Array  # (3,n) 1/s
     g_alpha: Array  # (n,k,k) Jacobian of extremality
     regular: Array  # (n,) whether g_alpha is well conditioned
-    nearest: Array  # (n,) whether the point of f is a strict minimum of its distance to the tangent plane of o
+    nearest: (
+        Array  # (n,) whether the point of f is a strict minimum of its distance to the tangent plane of o
+    )
 
 
 def columns(f: ca.Function, *arrays: Array) -> tuple[Array, ...]:
