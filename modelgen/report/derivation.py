@@ -17,7 +17,7 @@ from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.model import Model
 from modelgen.notation import notation
-from modelgen.report.symbolic import Line, definition, leading_to
+from modelgen.evidence.symbolic import Line, definition, leading_to
 from modelgen.report.typeset import symbol_latex
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Body, ContactPair, Scene, Shape
