@@ -15,6 +15,7 @@ from modelgen.geometry.frames import zeros
 from modelgen.model import BodyKind, ContactKind, Model, ShapeKind
 
 SURFACES = ("plane", "sphere", "ellipsoid", "torus", "cylinder", "cone", "paraboloid")
+ROOTED = ("torus",)  # whose equation has a root, of which squaring would lose the sign
 CURVES = ("line", "segment", "edge", "circle", "ellipse_curve", "helix")
 
 Vector = sp.MatrixBase
@@ -52,14 +53,14 @@ def _reduced(expression: sp.Expr, relations: Mapping[sp.Expr, sp.Expr]) -> sp.Ex
         s, c = sp.Dummy("s"), sp.Dummy("c")
         expression = expression.xreplace({sp.sin(argument): s, sp.cos(argument): c})
         rules[c] = 1 - s**2
-    roots = {p: sp.expand(p.base) for p in expression.atoms(sp.Pow) if _is_root(p)}
-    for base in sorted(set(roots.values()), key=sp.count_ops):
+    roots = {p: sp.expand(p.base).as_content_primitive() for p in expression.atoms(sp.Pow) if _is_root(p)}
+    for base in sorted({own for _, own in roots.values()}, key=sp.count_ops):
         symbol = sp.Dummy("r")
-        powers = {p: symbol ** int(2 * p.exp) for p, own in roots.items() if own == base}
+        powers = {p: c**p.exp * symbol ** int(2 * p.exp) for p, (c, own) in roots.items() if own == base}
         expression, rules[symbol] = expression.xreplace(powers), base
-    top = sp.expand(sp.fraction(sp.together(expression))[0])
+    top = sp.expand(sp.numer(sp.together(sp.expand(expression))))
     for symbol, square in reversed(list(rules.items())):
-        top = sp.expand(sp.rem(top, sp.expand(symbol**2 - square), symbol)) if top.has(symbol) else top
+        top = sp.expand(sp.rem(top, symbol**2 - sp.expand(square), symbol)) if top.has(symbol) else top
     return top
 
 
@@ -146,7 +147,7 @@ def prove_surface(formula: Formula, kind: ShapeKind) -> list[Finding]:
     across = [n.dot(x.diff(symbol)) for symbol in uv]
     findings = [proved("n", "n.n = 1, n.c_u = n.c_v = 0", vanishes([n.dot(n) - 1, *across], {}))]
     equation = surface_of(kind).implicit
-    if equation is None:
+    if equation is None or kind.kind in ROOTED:
         return findings
     place, p = ca.SX.sym("x", 3), ca.SX.sym("parameters", len(kind.parameter_names))
     value = ca.Function("phi", [place, p], [ca.densify(equation(place, p).value + zeros(1))], ["x", "parameters"], ["phi"])
@@ -163,20 +164,27 @@ def prove_curve(formula: Formula, kind: ShapeKind) -> list[Finding]:
 
 
 def prove_centres(formula: Formula, kind: ContactKind) -> list[Finding]:
-    """d_ddot = J u_dot + gamma for two centres that move by p + v t + a t^2/2."""
+    """d_ddot = J u_dot + gamma for two centres that move by p + v t + a t^2/2, f's seen from o."""
     given, found = vectors(formula.function)
     t = sp.Symbol("t", real=True)
-    p: dict[sp.Symbol, sp.Expr] = {}
+    moved: dict[sp.Expr, sp.Expr] = {}
+    apart: dict[sp.Expr, sp.Expr] = {}  # symbols of f as those of o and a difference: (p + r) - p is r at once
     speed, gain = sp.Integer(0), found["gamma"][0]
+    both = bool(given["twist_o"].shape[0] and given["twist_f"].shape[0])
     for side in "of":
-        pose, twist, J = given[f"pose_{side}"], given[f"twist_{side}"], found[f"J_{side}"]
-        accel = sp.symbols(f"a_{side}_:3", real=True)
-        if twist.shape[0] and pose.shape[0]:
-            p |= {pose[k]: pose[k] + twist[k] * t + accel[k] * t**2 / 2 for k in range(3)}
-            speed += sum(J[k] * twist[k] for k in range(3))
-            gain += sum(J[k] * accel[k] for k in range(3))
-    d = found["d"][0].xreplace(p)
-    first, second = d.diff(t).subs(t, 0), d.diff(t, 2).subs(t, 0)
+        p, v, J = given[f"pose_{side}"], given[f"twist_{side}"], found[f"J_{side}"]
+        if not v.shape[0]:
+            continue
+        a = sp.symbols(f"a_{side}_:3", real=True)
+        moved |= {p[k]: p[k] + v[k] * t + a[k] * t**2 / 2 for k in range(3)}
+        speed += sum(J[k] * v[k] for k in range(3))
+        gain += sum(J[k] * a[k] for k in range(3))
+        if both and side == "f":
+            columns = ((p, given["pose_o"]), (v, given["twist_o"]), (a, sp.symbols("a_o_:3", real=True)))
+            apart = {f[k]: o[k] + sp.Symbol(f"{f[k]}_rel", real=True) for f, o in columns for k in range(3)}
+    d = found["d"][0].xreplace(moved).xreplace(apart)
+    first, second = (d.diff(t, order).subs(t, 0) for order in (1, 2))
+    speed, gain = speed.xreplace(apart), gain.xreplace(apart)
     return [
         proved("J", "J u is the derivative of d along the motion", vanishes([first - speed], {})),
         proved("gamma", "J u_dot + gamma is its second derivative", vanishes([second - gain], {})),

@@ -82,5 +82,5 @@ def _second(function: ca.Function) -> ca.Function:
     T = ca.reshape(tangents, 3, 2)
     n = given[2] + T @ free
     d = function.call([given[0], given[1], n / ca.norm_2(n), given[3]])[0]
-    H = ca.substitute(ca.hessian(d, free)[0], free, ca.SX(2, 1))
+    H = ca.substitute(ca.hessian(d, free)[0], free, ca.SX.zeros(2))
     return ca.Function("second", [*given, tangents], [-ca.vertcat(H[0, 0], H[0, 1], H[1, 1])])
