@@ -53,6 +53,11 @@ def sample(pair: Partnership, n: int, seed: int) -> Sample:
     return Sample(pair, _columns_of(at, chosen), _columns_of(known, chosen))
 
 
+def sample_of(pair: Partnership, at: Configurations) -> Sample:
+    """Given configurations, regular or not."""
+    return Sample(pair, at, truth(pair, at))
+
+
 def _columns_of(record: Record, chosen: Array) -> Record:
     """The chosen configurations: the last axis, or the first of the matrices."""
     fields = {

@@ -229,3 +229,29 @@ def taking(a: Array, b: Array, random: np.random.Generator) -> Array:
 
 def _pose(p: Array, R: Array) -> Array:
     return np.concatenate([p, R.T.ravel()])
+
+
+def local_axes(feature: Feature, alpha: Array, numbers: Array, placement: Array) -> tuple[Array, Array]:
+    """Points (n,3) and axes (n,3,3) in body axes: the first tangent, and last the exterior normal of a
+    surface, or of a curve a direction across it; any axes of a point."""
+    n = alpha.shape[1]
+    lengths = np.tile(numbers.reshape(-1, 1), (1, n))
+    x, first, last = (np.asarray(out).T for out in _axes_function(feature).map(n).call([alpha, lengths]))
+    y = np.cross(last, first)
+    R = placement[3:].reshape(3, 3, order="F")
+    axes = np.stack([first, y, np.cross(first, y)], axis=2)
+    return placement[:3] + x @ R.T, R @ axes
+
+
+@cache
+def _axes_function(feature: Feature) -> ca.Function:
+    alpha, p = ca.SX.sym("alpha", feature.dimension), ca.SX.sym("p", len(feature.shape.parameter_names))
+    x = ca.densify(feature.point(alpha, p))
+    if not feature.dimension:
+        return ca.Function("axes", [alpha, p], [x, ca.DM([1, 0, 0]), ca.DM([0, 0, 1])])
+    tangents = ca.densify(ca.jacobian(x, alpha))
+    first = tangents[:, 0] / ca.norm_2(tangents[:, 0])
+    if feature.dimension == 2:
+        return ca.Function("axes", [alpha, p], [x, first, ca.densify(feature.normal(tangents))])
+    across = ca.cross(first, ca.DM([0.48, 0.6, 0.64]))
+    return ca.Function("axes", [alpha, p], [x, first, across / ca.norm_2(across)])

@@ -20,7 +20,7 @@ def check_rhs(function: ca.Function, derivation: Derivation, n: int, seed: int) 
     random = np.random.default_rng(seed)
     gaps, pushes, units = [], [], []
     for _ in range(TRIES * n):
-        state = _state(derivation.model, random)
+        state = random_state(derivation.model, random)
         out = [np.asarray(value).ravel() for value in function.call([ca.DM(x) for x in state])]
         if not all(np.isfinite(value).all() for value in out) or max(map(np.abs, [*out[1], 0.0])) > 1e6:
             continue
@@ -47,7 +47,7 @@ def _rest(name: str, route: str, residuals: list[Array]) -> Finding:
     return compared(name, route, one + (residual if residual.size else 0.0), one)
 
 
-def _state(model: Model, random: np.random.Generator) -> list[Array]:
+def random_state(model: Model, random: np.random.Generator) -> list[Array]:
     """t, q with unit quaternions, u, eta, gravity, parameters of the scene."""
     q = np.array(model.initial_q) + 0.1 * model.scales.length * random.normal(size=model.n_q)
     for body in model.bodies:
