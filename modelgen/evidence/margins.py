@@ -49,8 +49,6 @@ def margin_map(pair: Partnership) -> MarginMap | None:
     side = "o" if first is pair.o else "f"
     if first.dimension == 2:
         names, chosen = (f"u_{side}", f"v_{side}"), ((side, 0), (side, 1))
-    elif pair.o.dimension == pair.f.dimension == 1:
-        names, chosen = ("t_o", "t_f"), (("o", 0), ("f", 0))
     else:
         names, chosen = (f"t_{side}", "angle"), ((side, 0), ("", 0))
     ranges = tuple(_range(pair, *each) for each in chosen)
