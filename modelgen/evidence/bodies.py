@@ -122,7 +122,9 @@ def _summed(kind: BodyKind, q: Array, u: Array, numbers: Array) -> Array:
 
 def _path(function: ca.Function, kind: BodyKind, n: int, random: np.random.Generator) -> list[Finding]:
     times = random.uniform(0.1, 1.0, (1, n))
-    start = np.concatenate([random.normal(size=(3, n)), Rotation.random(n, random).as_matrix().reshape(n, 9).T])
+    start = np.concatenate(
+        [random.normal(size=(3, n)), Rotation.random(n, random).as_matrix().reshape(n, 9).T]
+    )
     t, numbers = ca.SX.sym("t"), ca.SX.sym("parameters", 12)
     values = function(t, numbers)
     rates = ca.Function("rates", [t, numbers], [ca.jacobian(value, t) for value in values[:2]])

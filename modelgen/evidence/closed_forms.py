@@ -75,7 +75,9 @@ def _components(
         known |= {sp.Symbol(n, real=True): s for n, s in zip(names[key], symbols, strict=True)}
     for line in definition(x, names):
         value = line.value.xreplace(known)
-        known[line.target] = value.xreplace({f: sp.nsimplify(f, rational=True) for f in value.atoms(sp.Float)})
+        known[line.target] = value.xreplace(
+            {f: sp.nsimplify(f, rational=True) for f in value.atoms(sp.Float)}
+        )
     c = sp.Matrix([known[sp.Symbol(name, real=True)] for name in names["x"]])
     c = c.xreplace({f: sp.sin(f.args[0]) / sp.cos(f.args[0]) for f in c.atoms(sp.tan)})
     foreign = {f for f in c.atoms(sp.Function) if not isinstance(f, FUNCTIONS)}
@@ -99,9 +101,7 @@ def _sign_over(feature: Feature, coordinates: Sequence[sp.Symbol], parameters: S
     return sign
 
 
-def _surface(
-    c: sp.MatrixBase, uv: Sequence[sp.Symbol], sign: Sign, outward: int
-) -> dict[str, sp.MatrixBase]:
+def _surface(c: sp.MatrixBase, uv: Sequence[sp.Symbol], sign: Sign, outward: int) -> dict[str, sp.MatrixBase]:
     """M upper triangular as in `contact.points.MontanaFrame`; K and T in its frame.
 
     Where W = |c_u x c_v| is long, M, K and T are written with W and the entries E, F, G and L, M, N.
@@ -131,7 +131,12 @@ def _symmetric(entries: Sequence[sp.Expr]) -> sp.MatrixBase:
 
 
 def _frame_forms(
-    first: Sequence[sp.Expr], bent: Sequence[sp.Expr], along: Sequence[sp.Expr], W: sp.Expr, e: sp.Expr, outward: int
+    first: Sequence[sp.Expr],
+    bent: Sequence[sp.Expr],
+    along: Sequence[sp.Expr],
+    W: sp.Expr,
+    e: sp.Expr,
+    outward: int,
 ) -> dict[str, sp.MatrixBase]:
     """M, K and T from E, F, G; L, M, N; E c_v.c_ua - F c_u.c_ua; W and e = sqrt(E)."""
     (E, F, _), (L, M, N) = first, bent

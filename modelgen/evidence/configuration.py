@@ -19,7 +19,9 @@ from modelgen.evidence.verify import OF_BODIES, OF_CONTACTS, OF_SEARCH, OF_SHAPE
 Numbers = Mapping[str, Sequence[float]]
 
 
-def inputs_at(formula: Formula, derivation: Derivation, seed: int, given: Mapping[str, Any]) -> dict[str, list[float]]:
+def inputs_at(
+    formula: Formula, derivation: Derivation, seed: int, given: Mapping[str, Any]
+) -> dict[str, list[float]]:
     """The value of each input; `given` numbers by input, or by formula and input, take the place of random
     ones.
 
@@ -44,7 +46,9 @@ def _read(value: Any, name: str, size: int) -> list[float]:
     return numbers
 
 
-def _random(formula: Formula, derivation: Derivation, seed: int, random: np.random.Generator) -> dict[str, Any]:
+def _random(
+    formula: Formula, derivation: Derivation, seed: int, random: np.random.Generator
+) -> dict[str, Any]:
     model, role = derivation.model, formula.role
     if role in OF_CONTACTS or role in OF_SEARCH:
         drawn = sample(partnership_of(model, formula.kind), 1, seed)
@@ -72,7 +76,12 @@ def _random(formula: Formula, derivation: Derivation, seed: int, random: np.rand
         return dict(zip(names, random_state(model, random), strict=True))
     load = next(load for load in model.loads if load.kind == formula.kind)
     pose = np.concatenate([random.normal(size=3), np.eye(3).ravel()])
-    return {"t": [0.3], "pose_a": pose, "pose_b": pose[::1] + 0.1 * random.normal(size=12), "parameters": load.parameters}
+    return {
+        "t": [0.3],
+        "pose_a": pose,
+        "pose_b": pose[::1] + 0.1 * random.normal(size=12),
+        "parameters": load.parameters,
+    }
 
 
 def substituted(lines: Sequence[Line], inputs: Numbers, names: Mapping[str, Sequence[str]]) -> list[float]:

@@ -11,7 +11,8 @@ import numpy as np
 
 from modelgen.contact.extremal import pose_rate
 from modelgen.contact.kinds import eta_layout
-from modelgen.contact.sides import Pair, pair as symbols_of
+from modelgen.contact.sides import Pair
+from modelgen.contact.sides import pair as symbols_of
 from modelgen.evidence.drawing import Array, Configurations, Partnership, draw
 from modelgen.evidence.findings import AGREE, Finding, compared
 from modelgen.evidence.motion import Truth, columns, repeated, truth

@@ -27,10 +27,18 @@ def check_forms(forms: ClosedForms, numbers: tuple[float, ...], n: int, seed: in
     random = np.random.default_rng(seed)
     points = np.array([random.uniform(*ends, n) for ends in feature.ranges])
     function = _taken(forms.shape)
-    wanted = dict(zip(function.name_out(), columns(function, points, np.tile(np.reshape(numbers, (-1, 1)), (1, n))), strict=True))
+    wanted = dict(
+        zip(
+            function.name_out(),
+            columns(function, points, np.tile(np.reshape(numbers, (-1, 1)), (1, n))),
+            strict=True,
+        )
+    )
     found: dict[str, list[list[float]]] = {}
     for point in points.T:
-        known: dict[sp.Symbol, float] = dict(zip((*forms.coordinates, *forms.parameters), (*point, *numbers), strict=True))
+        known: dict[sp.Symbol, float] = dict(
+            zip((*forms.coordinates, *forms.parameters), (*point, *numbers), strict=True)
+        )
         for name, matrix in _ordered(forms):
             values = [value_of(entry, known) for entry in matrix]
             found.setdefault(name, []).append(values)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from modelgen.evidence.findings import Finding, compared
-from modelgen.evidence.motion import columns, repeated
+from modelgen.evidence.motion import columns
 from modelgen.model import LoadKind
 from modelgen.scene.expression import evaluate
 from modelgen.scene.types import ForceLoad
@@ -23,7 +23,9 @@ def check_load(function: ca.Function, kind: LoadKind, n: int, seed: int) -> list
     sides = [_side(motion, n, random) for motion in kind.motions]
     turned = [] if kind.kind != "spring" else [np.tile([[40.0], [0.7], [0.3]], n)]
     arms = [random.normal(size=(3, n)) if off else np.zeros((3, n)) for off in kind.arms or (False,)]
-    numbers = np.concatenate([*(a for a, off in zip(arms, kind.arms, strict=False) if off), *turned, np.zeros((0, n))])
+    numbers = np.concatenate(
+        [*(a for a, off in zip(arms, kind.arms, strict=False) if off), *turned, np.zeros((0, n))]
+    )
     t = random.uniform(0.1, 1.0, (1, n))
     both = [*sides, (np.zeros((12, n)), np.zeros((6, n)))][:2]
     found = columns(function, t, *both[0], *both[1], numbers)
@@ -31,12 +33,18 @@ def check_load(function: ca.Function, kind: LoadKind, n: int, seed: int) -> list
         wanted = columns(_spring(), *sides[0], *sides[1], *arms, turned[0])
         route = "derivatives of the energy k (L - L_0)^2/2 and of the dissipation c L_dot^2/2"
         return [compared(f"wrench_{s}", route, f, w) for s, f, w in zip("ab", found, wanted, strict=True)]
-    power = np.array([_given(kind, t[0, k], both[0][0][:, k], both[0][1][:, k], arms[0][:, k]) for k in range(n)]).T
+    power = np.array(
+        [_given(kind, t[0, k], both[0][0][:, k], both[0][1][:, k], arms[0][:, k]) for k in range(n)]
+    ).T
     return [compared("wrench_a", "virtual power of the load at its point", found[0], power)]
 
 
 def _side(motion: str, n: int, random: np.random.Generator) -> tuple[Array, Array]:
-    R = np.tile(np.eye(3).ravel(), (n, 1)) if motion == "point" else Rotation.random(n, random).as_matrix().reshape(n, 9)
+    R = (
+        np.tile(np.eye(3).ravel(), (n, 1))
+        if motion == "point"
+        else Rotation.random(n, random).as_matrix().reshape(n, 9)
+    )
     twist = random.normal(size=(6, n))
     twist[3:] *= 0.0 if motion == "point" else 1.0
     twist *= 0.0 if motion == "fixed" else 1.0
@@ -45,7 +53,10 @@ def _side(motion: str, n: int, random: np.random.Generator) -> tuple[Array, Arra
 
 def _spring() -> ca.Function:
     """-dU/d(displacement) - dD/d(velocity) of both bodies: (force world, torque body)."""
-    sides = [[ca.SX.sym(name, size) for name, size in (("pose", 12), ("twist", 6), ("arm", 3), ("move", 6))] for _ in range(2)]
+    sides = [
+        [ca.SX.sym(name, size) for name, size in (("pose", 12), ("twist", 6), ("arm", 3), ("move", 6))]
+        for _ in range(2)
+    ]
     k = ca.SX.sym("k", 3)
     points, speeds = [], []
     for pose, twist, arm, move in sides:
@@ -70,7 +81,9 @@ def _given(kind: LoadKind, t: float, pose: Array, twist: Array, arm: Array) -> A
     quaternion = turned if turned[0] >= 0 else -turned
     spin = R @ twist[3:]
     known = {"t": t} | {axis: pose[i] for i, axis in enumerate("xyz")}
-    known |= {f"v{a}": twist[i] for i, a in enumerate("xyz")} | {f"w{a}": spin[i] for i, a in enumerate("xyz")}
+    known |= {f"v{a}": twist[i] for i, a in enumerate("xyz")} | {
+        f"w{a}": spin[i] for i, a in enumerate("xyz")
+    }
     known |= {f"q{a}": quaternion[i] for i, a in enumerate("wxyz")}
     vector = np.array([evaluate(component, known) for component in load.components])
     world = vector if load.frame == "world" else R @ vector

@@ -23,9 +23,7 @@ Vector = sp.MatrixBase
 
 def vectors(function: ca.Function) -> tuple[dict[str, Vector], dict[str, Vector]]:
     """Inputs as columns of symbols, outputs as columns of expressions in them."""
-    inputs = {
-        name: _column(name, function.numel_in(k)) for k, name in enumerate(function.name_in())
-    }
+    inputs = {name: _column(name, function.numel_in(k)) for k, name in enumerate(function.name_in())}
     known: dict[sp.Basic, sp.Basic] = {}
     for line in definition(function):
         known[line.target] = line.value.xreplace(known)
@@ -150,7 +148,9 @@ def prove_surface(formula: Formula, kind: ShapeKind) -> list[Finding]:
     if equation is None or kind.kind in ROOTED:
         return findings
     place, p = ca.SX.sym("x", 3), ca.SX.sym("parameters", len(kind.parameter_names))
-    value = ca.Function("phi", [place, p], [ca.densify(equation(place, p).value + zeros(1))], ["x", "parameters"], ["phi"])
+    value = ca.Function(
+        "phi", [place, p], [ca.densify(equation(place, p).value + zeros(1))], ["x", "parameters"], ["phi"]
+    )
     inputs, outputs = vectors(value)
     phi = outputs["phi"][0].xreplace(dict(zip(inputs["x"], x, strict=True)))
     return [proved("x", "the equation of the surface holds at x", vanishes([phi], {})), *findings]
@@ -168,7 +168,9 @@ def prove_centres(formula: Formula, kind: ContactKind) -> list[Finding]:
     given, found = vectors(formula.function)
     t = sp.Symbol("t", real=True)
     moved: dict[sp.Expr, sp.Expr] = {}
-    apart: dict[sp.Expr, sp.Expr] = {}  # symbols of f as those of o and a difference: (p + r) - p is r at once
+    apart: dict[
+        sp.Expr, sp.Expr
+    ] = {}  # symbols of f as those of o and a difference: (p + r) - p is r at once
     speed, gain = sp.Integer(0), found["gamma"][0]
     both = bool(given["twist_o"].shape[0] and given["twist_f"].shape[0])
     for side in "of":
@@ -198,7 +200,10 @@ def _unfolded(kind: BodyKind | ShapeKind) -> bool:
 def _two_spheres(kind: ContactKind) -> bool:
     """Centres in the origins of their bodies, numbers left as parameters."""
     sides = (kind.o, kind.f)
-    plain = all(s.placement == "identity" and s.shape.kind in ("sphere", "point") and _unfolded(s.shape) for s in sides)
+    plain = all(
+        s.placement == "identity" and s.shape.kind in ("sphere", "point") and _unfolded(s.shape)
+        for s in sides
+    )
     return kind.form == "explicit" and plain
 
 

@@ -96,7 +96,9 @@ def _kinematics(derivation: Derivation, t: Array, q: Array, u: Array, udot: Arra
         if kind.motion in ("fixed", "driven"):
             path = [np.array(body.parameters), np.zeros(6), np.zeros(6)]
             if kind.motion == "driven":
-                out = derivation.function(f"mg_{kind.name}_path").call([ca.DM(t), ca.DM(list(body.parameters))])
+                out = derivation.function(f"mg_{kind.name}_path").call(
+                    [ca.DM(t), ca.DM(list(body.parameters))]
+                )
                 path = [np.asarray(value).ravel() for value in out]
         else:
             size = 3 if kind.motion == "point" else 6

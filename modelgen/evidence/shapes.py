@@ -18,14 +18,23 @@ from modelgen.model import ShapeKind
 Array = np.ndarray[Any, Any]
 
 
-def check_shape(function: ca.Function, shape: ShapeKind, numbers: tuple[float, ...], n: int, seed: int) -> list[Finding]:
+def check_shape(
+    function: ca.Function, shape: ShapeKind, numbers: tuple[float, ...], n: int, seed: int
+) -> list[Finding]:
     """x and the normal, tangent or nothing of a shape with the given lengths."""
     feature = feature_of(shape, 1.0)
     random = np.random.default_rng(seed)
     alpha = np.array([random.uniform(*ends, n) for ends in feature.ranges]).reshape(-1, n)
     lengths = repeated(np.array(shape.folded if shape.folded is not None else numbers, dtype=float), n)
     if not feature.dimension:
-        return [compared("x", "the coordinates of the point", np.tile(np.array(function(ca.DM(0, 1), numbers[:3])[0]), n), lengths)]
+        return [
+            compared(
+                "x",
+                "the coordinates of the point",
+                np.tile(np.array(function(ca.DM(0, 1), numbers[:3])[0]), n),
+                lengths,
+            )
+        ]
     found = columns(function, alpha, lengths)
     points, axes = columns(_differentiated(shape), alpha, lengths)
     name, how = "tangent", "algorithmic derivative of c(t)"
@@ -62,7 +71,9 @@ def check_search(role: str, function: ca.Function, pair: Partnership, n: int, se
     near = np.concatenate([known.x_o, known.x_f])
     if role == "aim":
         normal = columns(function, at.pose_o, at.pose_f, near, numbers)[0]
-        return [compared("normal", "N of extremal pairs", normal / np.linalg.norm(normal, axis=0), known.normal)]
+        return [
+            compared("normal", "N of extremal pairs", normal / np.linalg.norm(normal, axis=0), known.normal)
+        ]
     d, slope, bend, tangents, eta = columns(function, at.pose_o, at.pose_f, known.normal, numbers)
     second = columns(_second(function), at.pose_o, at.pose_f, known.normal, numbers, tangents)[0]
     return [

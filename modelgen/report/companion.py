@@ -34,7 +34,9 @@ def shape_facts(derivation: Derivation, n: int, seed: int) -> list[dict[str, Any
     for index, kind in enumerate(derivation.model.shape_kinds):
         forms = closed_forms(kind)
         numbers = lengths_of(derivation.model, index)
-        checks = {} if forms is None else {f.quantity: f.as_dict() for f in check_forms(forms, numbers, n, seed)}
+        checks = (
+            {} if forms is None else {f.quantity: f.as_dict() for f in check_forms(forms, numbers, n, seed)}
+        )
         quantities = [] if forms is None else [
             {
                 "name": name, "meaning": MEANINGS[name], "value": sp.sstr(value.tolist()),
@@ -43,7 +45,9 @@ def shape_facts(derivation: Derivation, n: int, seed: int) -> list[dict[str, Any
             }
             for name, value in forms.quantities.items()
         ]  # fmt: skip
-        found.append({"name": kind.name, "kind": kind.kind, "parameters": list(numbers), "quantities": quantities})
+        found.append(
+            {"name": kind.name, "kind": kind.kind, "parameters": list(numbers), "quantities": quantities}
+        )
     return found
 
 

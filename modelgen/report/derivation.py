@@ -16,15 +16,16 @@ from modelgen.codegen.manifest import Manifest
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
+from modelgen.evidence.configuration import inputs_at, substituted
+from modelgen.evidence.symbolic import Line, definition, leading_to
 from modelgen.evidence.verify import claimed, verified
 from modelgen.model import Model
 from modelgen.notation import notation
-from modelgen.evidence.configuration import inputs_at, substituted
-from modelgen.evidence.symbolic import Line, definition, leading_to
 from modelgen.report import mathml
 from modelgen.report.typeset import symbol_latex
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Body, ContactPair, Scene, Shape
+
 
 @dataclass(frozen=True)
 class View:
@@ -48,7 +49,14 @@ GROUPS = {
     "curve": "shape",
     "point": "shape",
 }  # of the manifest's kinds, by the role of a formula
-OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # the roles that a pair of shapes decides
+OF_A_PAIR = (
+    "surface",
+    "curve",
+    "point",
+    "rates",
+    "place",
+    "angle",
+)  # the roles that a pair of shapes decides
 
 
 def formula_facts(
@@ -146,7 +154,11 @@ def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
     if style == "text":
         return {"name": str(line.target), "value": sp.sstr(line.value), **known}
     if style == "html":
-        return {"name": str(line.target), "value": mathml.equation(mathml.symbol(str(line.target)), line.value), **known}
+        return {
+            "name": str(line.target),
+            "value": mathml.equation(mathml.symbol(str(line.target)), line.value),
+            **known,
+        }
     symbols = {symbol: symbol_latex(str(symbol)) for symbol in line.value.free_symbols}
     return {
         "name": symbol_latex(str(line.target)),

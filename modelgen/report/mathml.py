@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from html import escape
 from typing import Any
 
 import sympy as sp
-
-from modelgen.evidence.symbolic import Line
 
 WIDTH = 68  # characters of a line, about; longer sums are broken at their signs
 GREEK = {
     "rho": "ρ", "omega": "ω", "tau": "τ", "eta": "η", "gamma": "Γ", "psi": "ψ", "phi": "φ", "nu": "ν",
     "beta": "β", "mu": "μ", "sigma": "σ", "lambda": "λ",
 }  # fmt: skip
+APPLY = '<mo>&#x2061;</mo><mspace width="0.17em"/>'
 NAMES = {"normal": "N", "force": "λ", "gamma": "Γ₂", "kinetic": "T", "potential": "U", "uv": "α"}
 
 
@@ -49,7 +47,7 @@ def symbol(name: str) -> str:
     if dotted:
         base = f"<mover>{base}<mo>˙</mo></mover>"
     below = ",".join(part for part in (digits, *indices) if part)
-    return f"<msub>{base}<mrow><mi mathvariant=\"normal\">{escape(below)}</mi></mrow></msub>" if below else base
+    return f'<msub>{base}<mrow><mi mathvariant="normal">{escape(below)}</mi></mrow></msub>' if below else base
 
 
 def number(value: sp.Expr) -> str:
@@ -63,7 +61,9 @@ def expression(value: Any, level: int = 0) -> str:
     if value.is_Rational and not value.is_Integer:
         return _wrapped(_fraction(sp.Integer(value.p), sp.Integer(value.q)), value.is_negative and level > 0)
     if value.is_Number or value.is_NumberSymbol:
-        return _wrapped("<mi>π</mi>" if value == sp.pi else number(value), bool(value.is_negative) and level > 0)
+        return _wrapped(
+            "<mi>π</mi>" if value == sp.pi else number(value), bool(value.is_negative) and level > 0
+        )
     if value.is_Add:
         return _wrapped(row(*(_term(term, first=not k) for k, term in enumerate(_terms(value)))), level > 0)
     if value.is_Mul:
@@ -99,7 +99,7 @@ def _product(value: sp.Mul) -> str:
     if bottom != 1:
         return _fraction(top, bottom)
     factors = [expression(factor, 1) for factor in value.as_ordered_factors()]
-    return row("<mo>&#x2062;</mo><mspace width=\"0.12em\"/>".join(factors))
+    return row('<mo>&#x2062;</mo><mspace width="0.12em"/>'.join(factors))
 
 
 def _power(value: sp.Pow) -> str:
@@ -110,8 +110,8 @@ def _power(value: sp.Pow) -> str:
         return f"<msqrt>{expression(base)}</msqrt>"
     named = base.is_Function and isinstance(base, sp.sin | sp.cos | sp.tan)
     if named and exponent.is_Integer:
-        head = f"<msup><mi mathvariant=\"normal\">{base.func.__name__}</mi>{row(expression(exponent))}</msup>"
-        return row(head, operator("⁡"), _argument(base.args[0]))
+        head = f'<msup><mi mathvariant="normal">{base.func.__name__}</mi>{row(expression(exponent))}</msup>'
+        return row(head, APPLY, _argument(base.args[0]))
     return f"<msup>{row(expression(base, 2))}{row(expression(exponent))}</msup>"
 
 
@@ -125,7 +125,7 @@ def _call(value: sp.Expr) -> str:
     arguments = [expression(argument) for argument in value.args]
     name = f'<mi mathvariant="normal">{escape(value.func.__name__)}</mi>'
     if len(arguments) == 1:
-        return row(name, operator("⁡"), _argument(value.args[0]))
+        return row(name, APPLY, _argument(value.args[0]))
     return row(name, operator("("), operator(",").join(arguments), operator(")"))
 
 
@@ -166,13 +166,4 @@ def _broken(value: sp.Expr) -> list[str]:
 
 
 def block(inner: str) -> str:
-    return f'<math display="block">{inner}</math>'
-
-
-def inline(inner: str) -> str:
-    return f"<math>{inner}</math>"
-
-
-def lines(definition: Sequence[Line]) -> list[str]:
-    """Each line of a definition as an equation."""
-    return [equation(symbol(str(line.target)), line.value) for line in definition]
+    return f'<math displaystyle="true">{inner}</math>'

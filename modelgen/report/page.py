@@ -16,12 +16,12 @@ h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}h2{margi
 h3{margin-top:2.2rem;overflow-wrap:anywhere}table{border-collapse:collapse;margin:1rem 0;font-size:.88rem}
 td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical-align:top;overflow-wrap:anywhere}
 th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
-math{font-size:1.02rem}math[display=block]{text-align:left;margin:.2rem 0}mtd{text-align:left;padding:.15em .35em}
-.eq{overflow-x:auto;padding:.1rem 0}.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
+math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.15em .2em}
+.eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);overflow-x:auto;padding:.1rem 0}.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
 font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}.proved{background:#2f7d4a}
 .failed{background:#c0262d}.open{background:#777}
 details{margin:.15rem 0 .15rem 1.1rem;border-left:2px solid #dde3ea;padding-left:.7rem}
-summary{cursor:pointer}.v{color:#566;font-size:.85rem}.leaf{margin:.15rem 0 .15rem 2.2rem}figure{margin:1rem 0}
+summary{cursor:pointer}.v{color:#566;font-size:.85rem}div.leaf{margin:.15rem 0 .15rem 2.2rem}figure{margin:1rem 0}
 """.strip()
 
 
@@ -58,7 +58,9 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence
     """Cells are HTML already."""
     top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
     lines = "".join(
-        "<tr>" + "".join(f'<td{" class=n" if k in numeric else ""}>{cell}</td>' for k, cell in enumerate(row)) + "</tr>"
+        "<tr>"
+        + "".join(f"<td{' class=n' if k in numeric else ''}>{cell}</td>" for k, cell in enumerate(row))
+        + "</tr>"
         for row in rows
     )
     return f"<table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table>"
@@ -77,7 +79,13 @@ def _formula(facts: Mapping[str, Any]) -> str:
 
 def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
     rows = [
-        (indexed(f["quantity"]), _badge(f["status"]), escape(f["route"]), str(f["n"] or ""), _error(f["worst"]) if f["n"] else "")
+        (
+            indexed(f["quantity"]),
+            _badge(f["status"]),
+            escape(f["route"]),
+            str(f["n"] or ""),
+            _error(f["worst"]) if f["n"] else "",
+        )
         for f in findings
     ]
     return _table(("quantity", "status", "against", "N", "worst error"), rows, (3, 4)) if rows else ""
@@ -97,16 +105,18 @@ def _ports(facts: Mapping[str, Any]) -> str:
 def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
     """Nested by <details>, which need no script; the exported quantities are open."""
     nodes = list(tree(definition))
-    parts, depths = [], []
-    for k, (depth, line, above) in enumerate(nodes):
+    parts: list[str] = []
+    depths: list[int] = []
+    for (depth, line, above), (following, _, after) in zip(nodes, [*nodes[1:], (0, {}, False)], strict=True):
         while depths and depths[-1] >= depth:
             depths.pop()
             parts.append("</details>")
-        deeper = k + 1 < len(nodes) and nodes[k + 1][0] > depth
-        label = f'<div class="eq">{line["value"]}</div> <span class="v">= {line["number"]:.6g}</span>'
+        label = f'<span class="eq">{line["value"]}</span> <span class="v">= {line["number"]:.6g}</span>'
         if above:
-            parts.append(f'<div class="leaf v">{indexed(line["key"])}: above</div>')
-        elif deeper:
+            parts.append(
+                f'<span class="leaf v">{indexed(line["key"])}{", " if after and following == depth else " above"}</span>'
+            )
+        elif following > depth:
             parts.append(f"<details{' open' if depth == 0 else ''}><summary>{label}</summary>")
             depths.append(depth)
         else:
@@ -118,8 +128,12 @@ def _shape(facts: Mapping[str, Any]) -> str:
     rows = []
     for q in facts["quantities"]:
         check = q["check"]
-        text = "" if check is None else f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
-        rows.append(f'<p>{escape(q["meaning"])} {text}</p><div class="eq">{q["mathml"]}</div>')
+        text = (
+            ""
+            if check is None
+            else f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
+        )
+        rows.append(f'<p>{escape(q["meaning"])} {text}</p><p class="eq">{q["mathml"]}</p>')
     none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
     return f"<h3>{escape(facts['name'])}</h3>{''.join(rows)}{none}"
 
@@ -128,13 +142,16 @@ def _singularity(facts: Mapping[str, Any]) -> str:
     (x0, x1), (y0, y1) = facts["ranges"]
     names = [indexed(axis) for axis in facts["axes"]]
     scale = "".join(
-        f'<rect x="{480 + 0}" y="{320 - 3 * k}" width="16" height="3" fill="rgb{colour(k / 50 - 1)}"/>' for k in range(101)
+        f'<rect x="{480 + 0}" y="{320 - 3 * k}" width="16" height="3" fill="rgb{colour(k / 50 - 1)}"/>'
+        for k in range(101)
     )
     labels = [
         (60, 345, f"{x0:.3g}"), (425, 345, f"{x1:.3g}"), (18, 320, f"{y0:.3g}"), (18, 32, f"{y1:.3g}"),
         (502, 325, "−1"), (502, 175, "0"), (502, 28, "1"),
     ]  # fmt: skip
-    texts = "".join(f'<text x="{x}" y="{y}" font-size="13" font-family="sans-serif">{t}</text>' for x, y, t in labels)
+    texts = "".join(
+        f'<text x="{x}" y="{y}" font-size="13" font-family="sans-serif">{t}</text>' for x, y, t in labels
+    )
     image = f'<image x="60" y="20" width="400" height="300" preserveAspectRatio="none" href="{data_uri(facts["mu"])}"/>'
     return (
         f"<h3>{escape(facts['kind'])}</h3><p>Singular where {escape(facts['condition'])}.</p><figure>"
@@ -152,7 +169,19 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
          str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
         for r in rows
     ]  # fmt: skip
-    head = ("equation", "as printed", "corrected", "kind", "error in", "N", "printed", "agree", "corrected", "agree", "")
+    head = (
+        "equation",
+        "as printed",
+        "corrected",
+        "kind",
+        "error in",
+        "N",
+        "printed",
+        "agree",
+        "corrected",
+        "agree",
+        "",
+    )
     intro = (
         "<p>Both statements of each row, evaluated for this page on random contacts, against the motion itself "
         "or the Jacobian of the extremality system: the largest error, and how many configurations agree.</p>"

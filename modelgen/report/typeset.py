@@ -21,7 +21,12 @@ SPECIAL = {
 def formula_text(facts: Mapping[str, Any]) -> str:
     """Heading, source and cost; inputs, outputs and steps with units, frames and meaning; the lines."""
     title = facts["name"] + (f", {facts['quantity']} alone" if facts["quantity"] else "")
-    parts = [title, f"  source: {facts['citation']}", f"  cost: {_cost(facts)}", f"  status: {status_text(facts)}"]
+    parts = [
+        title,
+        f"  source: {facts['citation']}",
+        f"  cost: {_cost(facts)}",
+        f"  status: {status_text(facts)}",
+    ]
     parts += _columns(_findings(facts)) if facts["findings"] else []
     if facts["statement"]:
         parts += ["  statement:", indent(facts["statement"], "    ")]
@@ -31,9 +36,10 @@ def formula_text(facts: Mapping[str, Any]) -> str:
             parts += [f"  {heading}:", *_columns(rows)]
     width = max((len(line["name"]) for line in facts["definition"]), default=0)
     lines = [
-        f"    {line['name']:<{width}} = {line['value']}  [{line['number']:.6g}]" for line in facts["definition"]
+        f"    {line['name']:<{width}} = {line['value']}  [{line['number']:.6g}]"
+        for line in facts["definition"]
     ]
-    return "\n".join((*parts, "  definition [number at the configuration]:", *lines, *_tree(facts)))
+    return "\n".join((*parts, "  definition: [its number at the configuration]", *lines, *_tree(facts)))
 
 
 def tree(definition: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, Mapping[str, Any], bool]]:
@@ -52,7 +58,10 @@ def tree(definition: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, Mapping
 
 
 def _tree(facts: Mapping[str, Any]) -> list[str]:
-    rows = [f"    {'  ' * depth}{line['key']}{' (above)' if above else ''}" for depth, line, above in tree(facts["definition"])]
+    rows = [
+        f"    {'  ' * depth}{line['key']}{' (above)' if above else ''}"
+        for depth, line, above in tree(facts["definition"])
+    ]
     return ["  tree, from what is exported to what defines it:", *rows]
 
 
@@ -62,7 +71,9 @@ def status_text(facts: Mapping[str, Any]) -> str:
         return str(facts["status"])
     text = str(facts["status"]).upper() if facts["status"] == "failed" else str(facts["status"])
     if facts["configurations"]:
-        text += f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.1e}"
+        text += (
+            f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.1e}"
+        )
     return text
 
 
@@ -88,7 +99,9 @@ def formula_latex(facts: Mapping[str, Any]) -> str:
         rows = [_port_row(port) for port in facts[key] if _is_there(port)]
         if rows:
             parts += [rf"\paragraph{{{heading.capitalize()}}}\mbox{{}}\\", _table(rows)]
-    lines = " \\\\\n".join(f"{line['name']} &= {line['value']} = {_latex_number(line['number'])}" for line in facts["definition"])
+    lines = " \\\\\n".join(
+        f"{line['name']} &= {line['value']} = {_latex_number(line['number'])}" for line in facts["definition"]
+    )
     return "\n".join((*parts, r"{\allowdisplaybreaks\begin{align*}", lines, r"\end{align*}}"))
 
 

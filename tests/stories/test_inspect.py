@@ -17,6 +17,9 @@ PAIRS = {
     "support": "plane-ellipsoid",
     **dict.fromkeys(("implicit", "mixed", "block", "paper", "differentiated"), "ellipsoid-torus"),
     **{form: "ellipsoid-ellipse_curve" for form in FORMS if form.startswith("curve_")},
+    "centre_surface": "sphere-torus",
+    "centre_curve": "sphere-helix",
+    "edge_edge": "edge-segment",
     **{form: "circle-helix" for form in FORMS if form.startswith("curves_")},
 }
 COMMANDS = {
