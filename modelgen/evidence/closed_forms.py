@@ -22,7 +22,7 @@ from modelgen.model import ShapeKind
 LONGEST = 80  # operations in the components of a shape; longer ones are left to CasADi
 SIGNED = ("paraboloid", "chart", "curve")  # kinds whose parameters may be negative
 FUNCTIONS = (sp.sin, sp.cos)  # that the shortening knows; shapes with others are left to CasADi
-WIDE = 45  # operations of |c_u x c_v| from which on it is a name of its own
+WIDE = 25  # operations of |c_u x c_v| from which on it is a name of its own
 PROBES = 9  # random points that decide which root of a square is meant
 
 

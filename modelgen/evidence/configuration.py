@@ -64,7 +64,7 @@ def _random(
     if role in OF_BODIES:
         kind = model.body_kinds[formula.kind]
         entry = next(body for body in model.bodies if body.kind == formula.kind)
-        known = {"gravity": model.scene.gravity if any(model.scene.gravity) else GRAVITY}
+        known: dict[str, Any] = {"gravity": model.scene.gravity if any(model.scene.gravity) else GRAVITY}
         if kind.motion in ("free", "point"):
             q, u, _ = states(kind, 1, random)
             known |= {"q": q, "u": u}
@@ -79,7 +79,7 @@ def _random(
     return {
         "t": [0.3],
         "pose_a": pose,
-        "pose_b": pose[::1] + 0.1 * random.normal(size=12),
+        "pose_b": pose + 0.1 * random.normal(size=12),
         "parameters": load.parameters,
     }
 

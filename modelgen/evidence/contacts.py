@@ -157,7 +157,7 @@ def _newton(sample: Sample, place: ca.Function, eta: Array, eta_next: Array, num
 
 def check_angle(sample: Sample, angle: ca.Function) -> list[Finding]:
     """Each angle's rate against the derivative of the angle itself along the motion of the pair."""
-    kind, at = sample.pair.kind, sample.at
+    kind = sample.pair.kind
     values = columns(angle, *moving_inputs(sample))
     rates = dict(zip(angle.name_out(), values, strict=True))
     slopes = columns(angle_slopes(kind, angle), *moving_inputs(sample), eta_of(sample, rate=True))

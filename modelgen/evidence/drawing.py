@@ -18,7 +18,7 @@ from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.points3d import is_point
 from modelgen.model import ContactKind, ShapeKind, Side
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
+Array = np.ndarray[Any, Any]
 GAPS = (0.3, 0.0, -0.15)  # of the size of the shapes, times a random number from 0.2 to 1
 TRIES = 12  # of a pair that no rotation can pose
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 import sympy as sp
@@ -17,6 +19,7 @@ from modelgen.evidence.motion import columns
 from modelgen.evidence.numbers import value_of
 from modelgen.model import ShapeKind, Side
 
+Array = np.ndarray[Any, Any]
 ROUTE = "CasADi's expression at random points"
 STAGES = (("I", ("E", "F", "F", "G")), ("II", ("L", "M", "M", "N")))
 
@@ -27,24 +30,18 @@ def check_forms(forms: ClosedForms, numbers: tuple[float, ...], n: int, seed: in
     random = np.random.default_rng(seed)
     points = np.array([random.uniform(*ends, n) for ends in feature.ranges])
     function = _taken(forms.shape)
-    wanted = dict(
-        zip(
-            function.name_out(),
-            columns(function, points, np.tile(np.reshape(numbers, (-1, 1)), (1, n))),
-            strict=True,
-        )
-    )
+    given = np.tile(np.reshape(numbers, (-1, 1)), (1, n))
+    wanted = dict(zip(function.name_out(), columns(function, points, given), strict=True))
     found: dict[str, list[list[float]]] = {}
     for point in points.T:
-        known: dict[sp.Symbol, float] = dict(
-            zip((*forms.coordinates, *forms.parameters), (*point, *numbers), strict=True)
-        )
+        symbols = (*forms.coordinates, *forms.parameters)
+        known = dict(zip(symbols, (*point, *numbers), strict=True))
         for name, matrix in _ordered(forms):
             values = [value_of(entry, known) for entry in matrix]
             found.setdefault(name, []).append(values)
-            for stage, symbols in STAGES:
+            for stage, entries in STAGES:
                 if name == stage:
-                    known |= {sp.Symbol(s, real=True): x for s, x in zip(symbols, values, strict=True)}
+                    known |= {sp.Symbol(s, real=True): x for s, x in zip(entries, values, strict=True)}
             if name == "W":
                 known[sp.Symbol("W", positive=True)] = values[0]
     return [
@@ -59,7 +56,7 @@ def _ordered(forms: ClosedForms) -> list[tuple[str, sp.MatrixBase]]:
     return sorted(forms.quantities.items(), key=lambda entry: entry[0] != "W")
 
 
-def _flat(value: np.ndarray, n: int) -> np.ndarray:  # type: ignore[type-arg]
+def _flat(value: Array, n: int) -> Array:
     """(entries by rows, n) of matrices side by side."""
     return value.reshape(value.shape[0], n, -1).transpose(0, 2, 1).reshape(-1, n)
 
@@ -76,12 +73,12 @@ def _taken(shape: ShapeKind) -> ca.Function:
             "II": second_form(frame.normal, jet), "M": frame.M, "K": frame.K, "T": frame.T,
         }  # fmt: skip
     else:
-        jet = jet_of_curve(side, alpha)
-        N = ca.cross(jet.first, jet.second)
+        curve = jet_of_curve(side, alpha)
+        N = ca.cross(curve.first, curve.second)
         bent = strand(side, alpha, ca.SX([0, 0, 1]))
-        third = ca.jacobian(jet.second, alpha)
+        third = ca.jacobian(curve.second, alpha)
         forms = {
-            "c": jet.x, "speed": bent.speed, "k": ca.norm_2(N) / bent.speed**3,
+            "c": curve.x, "speed": bent.speed, "k": ca.norm_2(N) / bent.speed**3,
             "tau": ca.dot(N, third) / ca.sumsqr(N),
         }  # fmt: skip
     outputs = [ca.densify(form) for form in forms.values()]

@@ -14,9 +14,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.evidence.drawing import Array, Configurations, Partnership
+from modelgen.evidence.drawing import Configurations, Partnership
 from modelgen.evidence.features import Feature
 
+Array = np.ndarray[Any, Any]
 CONDITION = 1e3  # of g_alpha with rows and columns of equal length: worse pairs are near a singularity
 
 
@@ -78,7 +79,7 @@ def _derivatives(o: Feature, f: Feature) -> ca.Function:
     places = [ca.SX.sym("place", 12) for _ in range(2)]
     x_o, b_o, e_o = _placed(o, alpha[:n_o], numbers[0], places[0])
     x_f, b_f, e_f = _placed(f, alpha[n_o:], numbers[1], places[1])
-    (p_o, R_o), (p_f, R_f) = (moved(*side, t) for side in sides)
+    (p_o, R_o), (p_f, R_f) = (moved(side[0], side[1], side[2], t) for side in sides)
     point_o, point_f, E_o, E_f = p_o + R_o @ b_o, p_f + R_f @ b_f, R_o @ e_o, R_f @ e_f
     between = point_f - point_o
     if n_o == 2:
@@ -117,7 +118,7 @@ def truth(pair: Partnership, at: Configurations) -> Truth:
     rate = -np.linalg.solve(solvable, out[1].T[..., None])[..., 0].T
 
     def applied(matrix: Array) -> Array:
-        return np.einsum("nij,jn->in", matrix, rate)
+        return np.asarray(np.einsum("nij,jn->in", matrix, rate))
 
     second = out[4][0] + 2 * np.sum(out[5] * rate, axis=0) + np.sum(rate * applied(d_aa), axis=0)
     return Truth(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 import sympy as sp
@@ -18,7 +19,7 @@ SURFACES = ("plane", "sphere", "ellipsoid", "torus", "cylinder", "cone", "parabo
 ROOTED = ("torus",)  # whose equation has a root, of which squaring would lose the sign
 CURVES = ("line", "segment", "edge", "circle", "ellipse_curve", "helix")
 
-Vector = sp.MatrixBase
+Vector = Any  # a column of sympy expressions
 
 
 def vectors(function: ca.Function) -> tuple[dict[str, Vector], dict[str, Vector]]:
@@ -207,7 +208,6 @@ def _two_spheres(kind: ContactKind) -> bool:
     return kind.form == "explicit" and plain
 
 
-Proof = Callable[[Formula, object], list[Finding]]
 MUST_BE_PROVED: Mapping[str, tuple[str, Callable[..., bool], Callable[..., list[Finding]]]] = {  # by role
     "pose": ("body_kinds", lambda kind: True, prove_pose),
     "motion": ("body_kinds", _unfolded, prove_motion),

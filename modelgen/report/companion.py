@@ -15,10 +15,6 @@ from modelgen.evidence.margins import margin_map
 from modelgen.evidence.verify import lengths_of, partnership_of
 from modelgen.report import mathml
 
-UNITS = {
-    "c": "m", "z": "1", "I": "metric", "II": "second form", "M": "metric root", "K": "1/m", "T": "1/m",
-    "W": "area", "speed": "m per parameter", "k": "1/m", "tau": "1/m",
-}  # fmt: skip
 MEANINGS = {
     "c": "point of the shape", "z": "exterior unit normal", "I": "first fundamental form",
     "II": "second fundamental form, positive if convex", "W": "|c_u × c_v|",
@@ -40,7 +36,7 @@ def shape_facts(derivation: Derivation, n: int, seed: int) -> list[dict[str, Any
         quantities = [] if forms is None else [
             {
                 "name": name, "meaning": MEANINGS[name], "value": sp.sstr(value.tolist()),
-                "mathml": mathml.block(mathml.row(mathml.symbol(name), mathml.operator("="), mathml.matrix(value))),
+                "mathml": mathml.form(name, value),
                 "check": checks.get(name),
             }
             for name, value in forms.quantities.items()

@@ -89,18 +89,16 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
     return Linearised(
         scene=touching.model.scene.name,
         p={body.name: place.q[body.q : body.q + 3] for body in bodies},
-        quaternion={
-            body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies
-        },
+        quaternion={body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies},
         force=force,
-        coordinates={body.name: slice(body.u, body.u + _size(touching.model, body.kind)) for body in bodies},
+        coordinates={
+            body.name: slice(body.u, body.u + _size(touching.model, body.kind)) for body in bodies
+        },
         mass=place.mass,
         motions=place.motions,
         stiffness=place.stiffness,
         damping=place.damping,
-        modes=tuple(
-            sorted(_modes(place, touching.model.scales), key=lambda mode: (mode.frequency, mode.growth))
-        ),
+        modes=tuple(sorted(_modes(place, touching.model.scales), key=lambda mode: (mode.frequency, mode.growth))),
     )
 
 

@@ -129,6 +129,20 @@ def _call(value: sp.Expr) -> str:
     return row(name, operator("("), operator(",").join(arguments), operator(")"))
 
 
+def form(name: str, value: sp.MatrixBase) -> list[str]:
+    """`name = matrix`; entry by entry where the rows would be too long."""
+    left = symbol(name)
+    lengths = [sum(len(sp.sstr(entry)) for entry in value.row(i)) for i in range(value.rows)]
+    if max(lengths) <= 2 * WIDTH or value.shape == (1, 1):
+        return [block(row(left, operator("="), matrix(value)))] if value.shape != (1, 1) else [equation(left, value[0])]
+    return [
+        equation(symbol(f"{name}_{i + 1}{j + 1}"), value[i, j])
+        for i in range(value.rows)
+        for j in range(value.cols)
+        if i <= j or value[i, j] != value[j, i]
+    ]
+
+
 def matrix(value: sp.MatrixBase) -> str:
     """With brackets; one entry alone without."""
     if value.shape == (1, 1):

@@ -126,14 +126,13 @@ def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
 
 def _shape(facts: Mapping[str, Any]) -> str:
     rows = []
-    for q in facts["quantities"]:
-        check = q["check"]
-        text = (
-            ""
-            if check is None
-            else f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
-        )
-        rows.append(f'<p>{escape(q["meaning"])} {text}</p><p class="eq">{q["mathml"]}</p>')
+    for entry in facts["quantities"]:
+        check = entry["check"]
+        text = ""
+        if check is not None:
+            text = f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
+        lines = "".join(f'<div><span class="eq">{line}</span></div>' for line in entry["mathml"])
+        rows.append(f"<p>{escape(entry['meaning'])} {text}</p>{lines}")
     none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
     return f"<h3>{escape(facts['name'])}</h3>{''.join(rows)}{none}"
 

@@ -36,9 +36,7 @@ def link_of(sentence: Mapping[str, Any], contact: int) -> Mapping[str, Any]:
     """The link that a contact has for its own, or the first of its pair."""
     entry = sentence["contacts"][contact]
     own = int(entry["link"])
-    found: Mapping[str, Any] = sentence["links"][
-        own if own >= 0 else sentence["pairs"][entry["pair"]]["links"][0]
-    ]
+    found: Mapping[str, Any] = sentence["links"][own if own >= 0 else sentence["pairs"][entry["pair"]]["links"][0]]
     return found
 
 

@@ -16,6 +16,7 @@ STREET = (
     ("contact", "dynamics"),
     ("require",),
     ("derive",),
+    ("evidence",),
     ("codegen",),
     ("runtime",),
     ("report",),

@@ -23,7 +23,7 @@ SMALL = 1e-9  # what counts as zero, of quantities of order 1
 def _determinants(drawn: Sample, at: Configurations) -> Array:
     """|det g_eta|."""
     with np.errstate(all="ignore"):
-        return np.abs(np.linalg.det(truth(drawn.pair, at).g_alpha))
+        return np.asarray(np.abs(np.linalg.det(truth(drawn.pair, at).g_alpha)))
 
 
 def _area(forms: Array) -> Array:
@@ -60,7 +60,7 @@ def _beside_sphere(n: int, seed: int, tilted: bool, concave: bool) -> Array:
         alpha[2] = 0.0
         one = replace(_column(drawn.at, k), alpha=alpha, pose_f=poses[k][:, None])
         dets.append(_determinants(replace(drawn, pair=pair), one)[0])
-    return np.array(dets) / (_area(at.paper["M_o"]) * radius**2) * R
+    return np.asarray(np.array(dets) / (_area(at.paper["M_o"]) * radius**2) * R)
 
 
 def _column(at: Configurations, k: int) -> Configurations:
