@@ -91,7 +91,9 @@ def _sign_over(feature: Feature, coordinates: Sequence[sp.Symbol], parameters: S
     probes = []
     for _ in range(PROBES):
         values = {s: random.uniform(*ends) for s, ends in zip(coordinates, feature.ranges, strict=True)}
-        sizes = sorted(random.uniform(0.5, 1.5, len(parameters)), reverse=True)
+        sizes = np.sort(random.uniform(0.5, 1.5, len(parameters)))[::-1]
+        if feature.shape.kind in SIGNED:
+            sizes = sizes * random.choice([-1.0, 1.0], len(parameters))
         probes.append(values | dict(zip(parameters, sizes, strict=True)))
 
     def sign(expression: sp.Expr) -> int:

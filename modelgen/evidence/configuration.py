@@ -55,8 +55,7 @@ def _random(
         if not drawn.n:
             return {}
         names = ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters")
-        known = dict(zip(names, moving_inputs(drawn), strict=True))
-        return known | {"normal": drawn.truth.normal}
+        return {**dict(zip(names, moving_inputs(drawn), strict=True)), "normal": drawn.truth.normal}
     if role in OF_SHAPES:
         feature = feature_of(model.shape_kinds[formula.kind], 1.0)
         alpha = [random.uniform(*ends) for ends in feature.ranges]
@@ -64,7 +63,8 @@ def _random(
     if role in OF_BODIES:
         kind = model.body_kinds[formula.kind]
         entry = next(body for body in model.bodies if body.kind == formula.kind)
-        known: dict[str, Any] = {"gravity": model.scene.gravity if any(model.scene.gravity) else GRAVITY}
+        gravity = model.scene.gravity if any(model.scene.gravity) else GRAVITY
+        known: dict[str, Any] = {"gravity": gravity}
         if kind.motion in ("free", "point"):
             q, u, _ = states(kind, 1, random)
             known |= {"q": q, "u": u}

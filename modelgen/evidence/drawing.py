@@ -100,8 +100,8 @@ def draw(at: Partnership, n: int, seed: int) -> Configurations:
     random = np.random.default_rng(seed)
     drawn = [_configuration(at, random, GAPS[k % len(GAPS)]) for k in range(n)]
     alpha, pose_o, pose_f, d, sign = (np.array(column).T for column in zip(*drawn, strict=True))
-    moves = [_motions(side, random, n, at.length) for _ in range(2) for side in at.sides]
-    return Configurations(alpha.reshape(-1, n), pose_o, pose_f, *moves, d.ravel(), sign.ravel())
+    o, f, o_too, f_too = (_motions(side, random, n, at.length) for _ in range(2) for side in at.sides)
+    return Configurations(alpha.reshape(-1, n), pose_o, pose_f, o, f, o_too, f_too, d.ravel(), sign.ravel())
 
 
 def _motions(side: Side, random: np.random.Generator, n: int, length: float) -> Array:

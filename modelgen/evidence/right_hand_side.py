@@ -90,7 +90,9 @@ def _residuals(
 def _kinematics(derivation: Derivation, t: Array, q: Array, u: Array, udot: Array) -> tuple[list[Array], ...]:
     """Poses, twists and accelerations of all bodies."""
     model = derivation.model
-    poses, twists, accels = [], [], []
+    poses: list[Array] = []
+    twists: list[Array] = []
+    accels: list[Array] = []
     for body in model.bodies:
         kind = model.body_kinds[body.kind]
         if kind.motion in ("fixed", "driven"):
@@ -119,7 +121,7 @@ def _pushed(derivation: Derivation, index: int, q: Array, u: Array, gravity: Arr
     size = motion.numel_out("udot")
     arguments = (q[body.q : body.q + motion.numel_in("q")], u[body.u : body.u + size], ca.DM(0, 1), gravity)
     parameters = ca.DM(list(body.parameters)) if body.parameters else ca.DM(0, 1)
-    alone = np.asarray(motion.call([*map(ca.DM, arguments), parameters])[1]).ravel()
+    alone = np.asarray(motion.call([*(ca.DM(value) for value in arguments), parameters])[1]).ravel()
     gain = accel[:size] - alone
     push = gain[:3] / body.mass_inverse[0]
     if size == 3:
