@@ -122,7 +122,8 @@ def prove_energy(formula: Formula, kind: BodyKind) -> list[Finding]:
     given, found = vectors(formula.function)
     m, inertia = _body(kind, given)
     p, v = sp.Matrix(given["q"][:3]), sp.Matrix(given["u"][:3])
-    own, spin, rules = sp.Integer(0), p.cross(m * v), dict[sp.Expr, sp.Expr]()
+    own, spin = sp.Integer(0), p.cross(m * v)
+    rules: dict[sp.Expr, sp.Expr] = {}
     if kind.motion == "free":
         w = sp.Matrix(given["u"][3:])
         b, a = given["q"][3], sp.Matrix(given["q"][4:])

@@ -17,7 +17,9 @@ from modelgen.report import mathml
 
 MEANINGS = {
     "c": "point of the shape", "z": "exterior unit normal", "I": "first fundamental form",
-    "II": "second fundamental form, positive if convex", "W": "W = |c_u × c_v|; below, E, F, G and L, M, N are the entries of I and II",
+    "II": "second fundamental form, positive if convex", "W": (
+        "W = |c_u × c_v|; below, E, F, G and L, M, N are the entries of I and II"
+    ),
     "M": "root of the metric, [c_u c_v] = [x y] M, by Gram–Schmidt",
     "K": "curvature form in the frame [x y]", "T": "torsion form y·dx M⁻¹", "speed": "|c′|",
     "k": "curvature", "tau": "torsion",

@@ -134,7 +134,11 @@ def form(name: str, value: sp.MatrixBase) -> list[str]:
     left = symbol(name)
     lengths = [sum(len(sp.sstr(entry)) for entry in value.row(i)) for i in range(value.rows)]
     if max(lengths) <= 2 * WIDTH or value.shape == (1, 1):
-        return [block(row(left, operator("="), matrix(value)))] if value.shape != (1, 1) else [equation(left, value[0])]
+        return (
+            [block(row(left, operator("="), matrix(value)))]
+            if value.shape != (1, 1)
+            else [equation(left, value[0])]
+        )
     return [
         equation(symbol(f"{name}_{i + 1}{j + 1}"), value[i, j])
         for i in range(value.rows)

@@ -11,17 +11,23 @@ from modelgen.report.raster import colour, data_uri
 from modelgen.report.typeset import status_text, tree
 
 STYLE = """
-body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;color:#1b1b1b}
-h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}h2{margin-top:3rem;border-bottom:2px solid #345}
-h3{margin-top:2.2rem;overflow-wrap:anywhere}table{border-collapse:collapse;margin:1rem 0;font-size:.88rem}
-td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical-align:top;overflow-wrap:anywhere}
-th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
-math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.15em .2em}
-.eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);overflow-x:auto;padding:.1rem 0}.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
-font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}.proved{background:#2f7d4a}
-.failed{background:#c0262d}.open{background:#777}
+body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
+color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
+h2{margin-top:3rem;border-bottom:2px solid #345}h3{margin-top:2.2rem;overflow-wrap:anywhere}
+table{border-collapse:collapse;margin:1rem 0;font-size:.88rem}
+td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical-align:top;
+overflow-wrap:break-word}th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}
+pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
+math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
+mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.15em .2em}
+.eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
+overflow-x:auto;padding:.1rem 0}
+.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
+font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}
+.proved{background:#2f7d4a}.failed{background:#c0262d}.open{background:#777}
 details{margin:.15rem 0 .15rem 1.1rem;border-left:2px solid #dde3ea;padding-left:.7rem}
-summary{cursor:pointer}.v{color:#566;font-size:.85rem}div.leaf{margin:.15rem 0 .15rem 2.2rem}figure{margin:1rem 0}
+summary{cursor:pointer}.v{color:#566;font-size:.85rem}div.leaf{margin:.15rem 0 .15rem 2.2rem}
+figure{margin:1rem 0}
 """.strip()
 
 
@@ -36,7 +42,8 @@ def page(source: str, facts: Mapping[str, Any]) -> str:
     contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in sections)
     body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in sections)
     head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
-    return f'<!DOCTYPE html><html lang="en"><head>{head}</head><body>{_opening(source)}<p>{contents}</p>{body}</body></html>\n'
+    text = f"<body>{_opening(source)}<p>{contents}</p>{body}</body>"
+    return f'<!DOCTYPE html><html lang="en"><head>{head}</head>{text}</html>\n'
 
 
 def _opening(source: str) -> str:
@@ -113,9 +120,8 @@ def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
             parts.append("</details>")
         label = f'<span class="eq">{line["value"]}</span> <span class="v">= {line["number"]:.6g}</span>'
         if above:
-            parts.append(
-                f'<span class="leaf v">{indexed(line["key"])}{", " if after and following == depth else " above"}</span>'
-            )
+            more = ", " if after and following == depth else " above"
+            parts.append(f'<span class="leaf v">{indexed(line["key"])}{more}</span>')
         elif following > depth:
             parts.append(f"<details{' open' if depth == 0 else ''}><summary>{label}</summary>")
             depths.append(depth)
@@ -141,23 +147,23 @@ def _singularity(facts: Mapping[str, Any]) -> str:
     (x0, x1), (y0, y1) = facts["ranges"]
     names = [indexed(axis) for axis in facts["axes"]]
     scale = "".join(
-        f'<rect x="{480 + 0}" y="{320 - 3 * k}" width="16" height="3" fill="rgb{colour(k / 50 - 1)}"/>'
+        f'<rect x="480" y="{320 - 3 * k}" width="16" height="3" fill="rgb{colour(k / 50 - 1)}"/>'
         for k in range(101)
     )
     labels = [
         (60, 345, f"{x0:.3g}"), (425, 345, f"{x1:.3g}"), (18, 320, f"{y0:.3g}"), (18, 32, f"{y1:.3g}"),
         (502, 325, "−1"), (502, 175, "0"), (502, 28, "1"),
     ]  # fmt: skip
-    texts = "".join(
-        f'<text x="{x}" y="{y}" font-size="13" font-family="sans-serif">{t}</text>' for x, y, t in labels
-    )
-    image = f'<image x="60" y="20" width="400" height="300" preserveAspectRatio="none" href="{data_uri(facts["mu"])}"/>'
+    style = 'font-size="13" font-family="sans-serif"'
+    texts = "".join(f'<text x="{x}" y="{y}" {style}>{text}</text>' for x, y, text in labels)
+    place = 'x="60" y="20" width="400" height="300" preserveAspectRatio="none"'
+    image = f'<image {place} href="{data_uri(facts["mu"])}"/>'
     return (
-        f"<h3>{escape(facts['kind'])}</h3><p>Singular where {escape(facts['condition'])}.</p><figure>"
-        f'<svg width="540" height="360" viewBox="0 0 540 360" role="img">{image}{scale}{texts}</svg><figcaption>'
-        f"Margin μ, from {facts['least']:.3g} to {facts['largest']:.3g}, over {names[0]} (to the right) and "
-        f"{names[1]} (upwards); black: singular, red: no minimum of the distance. Held: {escape(facts['held'])}."
-        "</figcaption></figure>"
+        f"<h3>{escape(facts['kind'])}</h3><p>Singular where {indexed(facts['condition'])}.</p><figure>"
+        f'<svg width="540" height="360" viewBox="0 0 540 360" role="img">{image}{scale}{texts}</svg>'
+        f"<figcaption>Margin μ, from {facts['least']:.3g} to {facts['largest']:.3g}, over {names[0]} (to the "
+        f"right) and {names[1]} (upwards); black: singular, red: no minimum of the distance. Held: "
+        f"{escape(facts['held'])}.</figcaption></figure>"
     )
 
 
@@ -168,19 +174,7 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
          str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
         for r in rows
     ]  # fmt: skip
-    head = (
-        "equation",
-        "as printed",
-        "corrected",
-        "kind",
-        "error in",
-        "N",
-        "printed",
-        "agree",
-        "corrected",
-        "agree",
-        "",
-    )
+    head = "equation;as printed;corrected;kind;error in;N;printed;agree;corrected;agree;".split(";")
     intro = (
         "<p>Both statements of each row, evaluated for this page on random contacts, against the motion itself "
         "or the Jacobian of the extremality system: the largest error, and how many configurations agree.</p>"
@@ -189,8 +183,9 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def indexed(text: str) -> str:
-    """`_x` and `_{xy}` as an index, in escaped text."""
-    return re.sub(r"_(\w+)", lambda found: f"<sub>{found[1].replace('_', ',')}</sub>", escape(text))
+    """`_x` as an index, `^x` as an exponent, in escaped text."""
+    below = re.sub(r"_(\w+)", lambda found: f"<sub>{found[1].replace('_', ',')}</sub>", escape(text))
+    return re.sub(r"\^(\w+)", r"<sup>\1</sup>", below)
 
 
 def _error(value: float | None) -> str:

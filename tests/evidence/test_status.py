@@ -24,7 +24,9 @@ PAIRS = {
 }  # fmt: skip
 SCENES = ("ball_in_bowl", "bean_with_poles", "egg_on_spline", "ellipsoid_on_ellipsoid", "linked_rings")
 TO_PROVE = {  # formulas of the pairs below, without those of contact
-    "sphere-sphere": {"mg_point_motion", "mg_point_energy", "mg_sphere_surface", "mg_sphere_sphere_explicit_rates"},
+    "sphere-sphere": {
+        "mg_point_motion", "mg_point_energy", "mg_sphere_surface", "mg_sphere_sphere_explicit_rates",
+    },
     "torus-helix": {
         "mg_free_diagonal_pose", "mg_free_diagonal_motion", "mg_free_diagonal_energy", "mg_torus_surface",
         "mg_helix_curve",
@@ -82,8 +84,9 @@ def test_the_table_of_proofs_names_roles_that_exist() -> None:
     [
         ("ellipsoid-torus", "rates", "gamma"), ("ellipsoid-torus", "rates", "eta_dot"),
         ("ellipsoid-torus:block", "rates", "J_f"), ("ellipsoid-torus", "place", "eta_next"),
-        ("sphere-sphere", "rates", "gamma"), ("torus-helix", "pose", "pose"), ("torus-helix", "motion", "udot"),
-        ("torus-helix", "energy", "spin"), ("torus-helix", "surface", "n"), ("torus-helix", "curve", "tangent"),
+        ("sphere-sphere", "rates", "gamma"), ("torus-helix", "pose", "pose"),
+        ("torus-helix", "motion", "udot"), ("torus-helix", "energy", "spin"),
+        ("torus-helix", "surface", "n"), ("torus-helix", "curve", "tangent"),
         ("ellipsoid-torus:paper", "angle", "psi_dot"), ("ellipsoid-ellipsoid", "seek", "bend"),
         ("sphere-sphere", "rhs", "udot"),
     ],

@@ -15,7 +15,8 @@ from modelgen.report.inspection import inspected, written
 from modelgen.report.raster import colour
 
 CORE = {  # elements of MathML Core
-    "math", "mrow", "mi", "mn", "mo", "mspace", "mfrac", "msqrt", "msup", "msub", "mover", "mtable", "mtr", "mtd"
+    *("math", "mrow", "mi", "mn", "mo", "mspace", "mfrac", "msqrt", "msup", "msub", "mover"),
+    *("mtable", "mtr", "mtd"),
 }  # fmt: skip
 
 

@@ -67,49 +67,49 @@ ERRATA = (
         "g = (E_o^T(P_f − P_o), E_f^T N) = 0: parallel normals added; (2.1) is void where P_o = P_f",
         "definition", "what the Jacobian lacks of rank 4 at d = 0", motions.extremal_points,
     ),
-    Erratum("(3.1)", "N = (P_o − P_f)/d", "N = (P_f − P_o)/d", "print", "d_dot, m/s", motions.normal),
+    Erratum("(3.1)", "N = (P_o − P_f)/d", "N = (P_f − P_o)/d", "print", "ḋ, m/s", motions.normal),
     Erratum(
         "(3.11)", "+⟨ω_f×R_f l_f, ω_f×N⟩ − ⟨ω_o×R_o l_o, ω_o×N⟩",
-        "−⟨ω_f×R_f l_f, ω_f×N⟩ + ⟨ω_o×R_o l_o, ω_o×N⟩", "print", "d_ddot, m/s²", motions.gap_bias,
+        "−⟨ω_f×R_f l_f, ω_f×N⟩ + ⟨ω_o×R_o l_o, ω_o×N⟩", "print", "d̈, m/s²", motions.gap_bias,
     ),
     Erratum(
-        "(4.4), (4.12), (4.23), (4.28), (B.7)", "ḋ = +v_z", "ḋ = −v_z", "print", "d_dot, m/s",
+        "(4.4), (4.12), (4.23), (4.28), (B.7)", "ḋ = +v_z", "ḋ = −v_z", "print", "ḋ, m/s",
         motions.gap_rate,
     ),
     Erratum(
         "(4.5)", "Ṅ = ω_o×N + H_o K_o M_o α̇_o, a 3×3 matrix times a 2-vector",
-        "Ṅ = ω_o×N + [x_o y_o] K_o M_o α̇_o", "definition", "N_dot, 1/s", motions.normal_rate,
+        "Ṅ = ω_o×N + [x_o y_o] K_o M_o α̇_o", "definition", "Ṅ, 1/s", motions.normal_rate,
     ),
     Erratum(
         "(4.11)", "… = R_ψ(k_o sin φ_o l̇_o, −τ_o l̇_o − φ̇_o)", "… = −R_ψ(k_o sin φ_o l̇_o, −τ_o l̇_o − φ̇_o)",
-        "print or scan", "l_dot m/s, phi_dot rad/s", strands.contact_frames,
+        "print or scan", "l̇ m/s, φ̇ rad/s", strands.contact_frames,
     ),
     Erratum(
         "(C.18), row z", "−k_o cos φ_o l̇_o", "+k_o cos φ_o l̇_o, as in (4.13)", "print or scan",
-        "psi_dot, rad/s", strands.spin_row,
+        "ψ̇, rad/s", strands.spin_row,
     ),
     Erratum(
         "(4.15)", "N = T_o×T_f/|T_o×T_f|, tangents “appropriate”", "N = −sgn(sin ψ) T_o×T_f/|T_o×T_f|",
         "definition", "N", strands.crossed_normal,
     ),
     Erratum(
-        "(4.17), (4.18)", "Ṫ_o = ω_o×T_o + k_o N_o", "Ṫ_o = ω_o×T_o + k_o N_o l̇_o", "print", "T_dot, 1/s",
+        "(4.17), (4.18)", "Ṫ_o = ω_o×T_o + k_o N_o", "Ṫ_o = ω_o×T_o + k_o N_o l̇_o", "print", "Ṫ, 1/s",
         strands.tangent_rate,
     ),
     Erratum(
-        "(4.20)", "l̇_f = −v_x + cot ψ v_y", "l̇_f = −v_x − cot ψ v_y", "print", "l_dot, m/s",
+        "(4.20)", "l̇_f = −v_x + cot ψ v_y", "l̇_f = −v_x − cot ψ v_y", "print", "l̇, m/s",
         strands.slide_of_f,
     ),
     Erratum(
         "(4.21) with (4.25)", "ξ = … − R_ψ(k_o sin φ_o l̇_o, −τ_o l̇_o)",
-        "ξ = … + R_ψ(k_o sin φ_o l̇_o, −τ_o l̇_o)", "print or scan", "phi_dot, rad/s", strands.turn_of_o,
+        "ξ = … + R_ψ(k_o sin φ_o l̇_o, −τ_o l̇_o)", "print or scan", "φ̇, rad/s", strands.turn_of_o,
     ),
     Erratum(
-        "(4.22)", "φ̇_f = −ξ_y + cot ψ ξ_x", "φ̇_f = ξ_y − cot ψ ξ_x", "print", "phi_dot, rad/s",
+        "(4.22)", "φ̇_f = −ξ_y + cot ψ ξ_x", "φ̇_f = ξ_y − cot ψ ξ_x", "print", "φ̇, rad/s",
         strands.turn_of_f,
     ),
     Erratum(
-        "(4.31)", "… = β/R", "… = −β/R, as in (4.27)", "print or scan", "l_dot, m/s", strands.sphere_row
+        "(4.31)", "… = β/R", "… = −β/R, as in (4.27)", "print or scan", "l̇, m/s", strands.sphere_row
     ),
     Erratum(
         "(4.33)", "regular if 1/R − k_f sin φ_f (1 + d/R) ≠ 0", "regular if 1/R + k_f sin φ_f (1 + d/R) ≠ 0",
@@ -121,7 +121,7 @@ ERRATA = (
     ),
     Erratum(
         "(4.32), (4.33)", "singular if and only if, on any surface",
-        "on spheres; in general S = 0, and 1 + d k_1 = 0 gives S = k_1 (1 + d k_2) cos²∠(t_f, dir_1)", "claim",
+        "on spheres; else S = 0, and 1 + d k_1 = 0 gives S = k_1 (1 + d k_2) cos²∠(t_f, dir_1)", "claim",
         "|S| where said singular, 1/m", conditions.only_for_spheres,
     ),
     Erratum(
@@ -136,7 +136,7 @@ ERRATA = (
     ),
     Erratum(
         "Section 5.3", "φ_f = π of the rim of an upright glass", "φ_f = 0 or π, by the sense of the rim",
-        "claim", "phi_f, rad", conditions.upright_glass,
+        "claim", "φ_f, rad", conditions.upright_glass,
     ),
     Erratum(
         "Corollary 5.2", "three positive forces λ̃_j > 0", "three forces λ̃_j ≥ 0", "claim", COUNTED,
@@ -145,11 +145,11 @@ ERRATA = (
     Erratum(
         "Appendix E.1, Lemma B.1", "M = diag(|c_u|, |c_v|), axes c_u/|c_u|, c_v/|c_v|",
         "M upper triangular, axes by Gram–Schmidt; as printed for c_u·c_v = 0 only", "definition",
-        "eta_dot, 1/s", motions.orthogonal_charts,
+        "η̇, 1/s", motions.orthogonal_charts,
     ),
     Erratum(
         "Theorems 4.3, 4.6", "l is a natural parameter: ṫ = l̇", "ṫ = l̇/|c′| for any regular parameter",
-        "definition", "t_dot, 1/s", strands.arc_length,
+        "definition", "ṫ, 1/s", strands.arc_length,
     ),
 )  # fmt: skip
 
