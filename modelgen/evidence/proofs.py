@@ -130,7 +130,8 @@ def prove_energy(formula: Formula, kind: BodyKind) -> list[Finding]:
         rules, L = {b: 1 - a.dot(a)}, inertia * w
         own, spin = w.dot(L), spin + L * (b**2 - a.dot(a)) + 2 * a * a.dot(L) + 2 * b * a.cross(L)
     wanted = {
-        "kinetic": sp.Matrix([(m * v.dot(v) + own) / 2]), "potential": sp.Matrix([-m * given["gravity"].dot(p)]),
+        "kinetic": sp.Matrix([(m * v.dot(v) + own) / 2]),
+        "potential": sp.Matrix([-m * given["gravity"].dot(p)]),
         "momentum": m * v, "spin": spin,
     }  # fmt: skip
     routes = ("(m v.v + w.I w)/2", "-m g.p", "m v", "p x m v + q (I w) q*")

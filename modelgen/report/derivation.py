@@ -17,7 +17,7 @@ from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.evidence.configuration import inputs_at, substituted
-from modelgen.evidence.symbolic import Line, definition, leading_to
+from modelgen.evidence.symbolic import LONGEST, Line, definition, leading_to
 from modelgen.evidence.verify import claimed, verified
 from modelgen.model import Model
 from modelgen.notation import notation
@@ -49,6 +49,7 @@ GROUPS = {
     "curve": "shape",
     "point": "shape",
 }  # of the manifest's kinds, by the role of a formula
+NARROW = 14  # operations in one line of a page
 OF_A_PAIR = (
     "surface",
     "curve",
@@ -86,7 +87,7 @@ def formula_facts(
         if whole or name in function.name_out():
             names = _parameter_names(formula, derivation.model, manifest)
             inputs = inputs_at(formula, derivation, view.seed, view.given)
-            lines = definition(function, names, steps)
+            lines = definition(function, names, steps, NARROW if style == "html" else LONGEST)
             numbers = dict(zip(lines, substituted(lines, inputs, names), strict=True))
             facts = _facts(formula, derivation.model, manifest, numbers, None if whole else name, style)
             found.append({**facts, "at": inputs, **view.verdict(formula, derivation)})

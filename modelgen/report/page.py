@@ -169,12 +169,15 @@ def _singularity(facts: Mapping[str, Any]) -> str:
 
 def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
     cells = [
-        (escape(r["equation"]), indexed(r["printed"]), indexed(r["corrected"]), escape(r["kind"]), indexed(r["measure"]),
-         str(r["n"]), _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
+        (escape(r["equation"]), indexed(r["printed"]), indexed(r["corrected"]), escape(r["kind"]),
+         indexed(r["measure"]), str(r["n"]), _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
          str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
         for r in rows
     ]  # fmt: skip
-    head = "equation;as printed;corrected;kind;error in;N;printed;agree;corrected;agree;".split(";")
+    head = [
+        *("equation", "as printed", "corrected", "kind", "error in"),
+        *("N", "printed", "agree", "corrected", "agree", ""),
+    ]
     intro = (
         "<p>Both statements of each row, evaluated for this page on random contacts, against the motion itself "
         "or the Jacobian of the extremality system: the largest error, and how many configurations agree.</p>"
