@@ -170,7 +170,8 @@ def _singularity(facts: Mapping[str, Any]) -> str:
 def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
     cells = [
         (escape(r["equation"]), indexed(r["printed"]), indexed(r["corrected"]), escape(r["kind"]),
-         indexed(r["measure"]), str(r["n"]), _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
+         indexed(r["measure"]), str(r["n"]),
+         _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
          str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
         for r in rows
     ]  # fmt: skip
@@ -179,7 +180,8 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
         *("N", "printed", "agree", "corrected", "agree", ""),
     ]
     intro = (
-        "<p>Both statements of each row, evaluated for this page on random contacts, against the motion itself "
+        "<p>Both statements of each row, evaluated for this page on random contacts, against the motion "
+        "itself 
         "or the Jacobian of the extremality system: the largest error, and how many configurations agree.</p>"
     )
     return intro + _table(head, cells, (5, 6, 7, 8, 9))
