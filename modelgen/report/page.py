@@ -181,8 +181,7 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
     ]
     intro = (
         "<p>Both statements of each row, evaluated for this page on random contacts, against the motion "
-        "itself 
-        "or the Jacobian of the extremality system: the largest error, and how many configurations agree.</p>"
+        "itself or the Jacobian of the extremality system: the largest error, and how many agree.</p>"
     )
     return intro + _table(head, cells, (5, 6, 7, 8, 9))
 
