@@ -36,9 +36,14 @@ class View:
     n: int = 0
 
     def verdict(self, formula: Formula, derivation: Derivation) -> dict[str, Any]:
+        """The status; `unchecked` are outputs that no finding is about."""
         if not self.n:
-            return claimed(formula, derivation.model).as_dict()
-        return verified(formula, derivation, self.n, self.seed).as_dict()
+            return {**claimed(formula, derivation.model).as_dict(), "unchecked": []}
+        verdict = verified(formula, derivation, self.n, self.seed).as_dict()
+        found = {finding["quantity"] for finding in verdict["findings"]}
+        known = {*found, *(("J_o", "J_f") if "J" in found else ())}
+        sized = [name for k, name in enumerate(formula.function.name_out()) if formula.function.numel_out(k)]
+        return {**verdict, "unchecked": [name for name in sized if name not in known]}
 
 
 Format = Literal["text", "latex", "html"]

@@ -74,7 +74,7 @@ def status_text(facts: Mapping[str, Any]) -> str:
         text += (
             f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.1e}"
         )
-    return text
+    return text + (f"; not compared: {', '.join(facts['unchecked'])}" if facts["unchecked"] else "")
 
 
 def _findings(facts: Mapping[str, Any]) -> list[tuple[str, ...]]:
