@@ -77,6 +77,9 @@ class _Street(ModuleType):
         setattr(self, name, value)
         return value
 
+    def __dir__(self) -> list[str]:
+        return [*__all__, "__version__"]
+
     def __setattr__(self, name: str, value: object) -> None:
         """Importing modelgen/require.py must not put the module in the place of the function."""
         if not (name in _HOMES and isinstance(value, ModuleType)):

@@ -12,6 +12,7 @@ from rich.console import Console
 import modelgen
 from modelgen.cli.options import (
     AsJson,
+    At,
     Form,
     OutPicture,
     OutRun,
@@ -22,9 +23,11 @@ from modelgen.cli.options import (
     Style,
     Tolerance,
     Until,
+    Verify,
+    read_configuration,
     read_option,
 )
-from modelgen.cli.output import check_outputs, exit_with, guarded, print_facts, write_run
+from modelgen.cli.output import FAILED, check_outputs, exit_with, guarded, print_facts, write_run
 from modelgen.cli.street import (
     build_scene,
     derive_scene,
@@ -155,18 +158,21 @@ def inspect(
         str | None, typer.Option(help="only this formula, role or quantity: mg_..._rates, rates, gamma")
     ] = None,
     style: Style = "text",
+    at: At = None,
+    verify: Verify = None,
     as_json: AsJson = False,
 ) -> None:
-    """Print the formulas of a scene or of a kind of contact: source, units, cost, definition."""
-    from modelgen.report.derivation import OF_A_PAIR, formula_facts, kind_scene
-    from modelgen.report.typeset import STYLES
+    """Print the formulas of a scene or of a kind of contact: source, units, cost, tree, numbers, status."""
+    from modelgen.report.inspection import inspected, written
 
-    writing = read_option("format", style)
+    writing, n = read_option("format", style), read_option("verify", verify)
     is_scene = source.endswith(".toml") or Path(source).exists()
-    scene = read_scene(Path(source), None) if is_scene else kind_scene(source)
-    facts = formula_facts(derive_scene(scene), formula, writing, () if is_scene else OF_A_PAIR)
-    text = "\n\n".join(map(STYLES[writing], facts))
-    print_facts({"source": source, "formulas": facts}, as_json, lambda: typer.echo(text))
+    scene = read_scene(Path(source), None) if is_scene else None
+    seed, given = read_configuration(at)
+    facts = inspected(source, scene, formula, writing, (seed, given, n), derive_scene)
+    print_facts(facts, as_json, lambda: typer.echo(written(facts, writing)))
+    if any(entry["status"] == "failed" for entry in facts["formulas"]):
+        raise typer.Exit(FAILED)
 
 
 @app.command()

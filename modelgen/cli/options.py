@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,12 +15,14 @@ from modelgen.scene.place import Place
 from modelgen.scene.scalars import Choice, Real, Type, Whole
 
 REALS = ("double", "float", "long double")
-STYLES = ("text", "latex")
+STYLES = ("text", "latex", "html")
 TYPES: dict[str, Type] = {
     **{field.key: field.type for field in RUN.fields},
     "form": Choice(FORMS),
     "real": Choice(REALS),
     "format": Choice(STYLES),
+    "verify": Whole(1, 100_000),
+    "at": Whole(0, 2**31 - 1),
 }
 
 
@@ -43,6 +46,13 @@ Tolerance = Annotated[
 ]
 RealName = Annotated[str, typer.Option(help="the real type of the library", metavar=_among(REALS))]
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
+At = Annotated[
+    str | None,
+    typer.Option(help="where numbers are substituted: a seed, or FILE.json of inputs", metavar="SEED|FILE"),
+]
+Verify = Annotated[
+    str | None, typer.Option(help="recompute each status on so many configurations", metavar="NUMBER")
+]
 OutRun = Annotated[Path | None, typer.Option(help="write the run to FILE.npz or FILE.csv", metavar="FILE")]
 OutPicture = Annotated[Path | None, typer.Option(help="draw the run to FILE.png or FILE.svg", metavar="FILE")]
 
@@ -57,6 +67,19 @@ def read_option(name: str, text: str | None) -> Any:
     except SceneError as error:
         remedy = error.remedy or f"leave --{name} out for the default"
         raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
+
+
+def read_configuration(text: str | None) -> tuple[int, dict[str, Any]]:
+    """Seed and given inputs of `--at`. Raises ModelgenError where it is neither a seed nor a JSON object."""
+    if text is None or not text.endswith(".json"):
+        return (0 if text is None else read_option("at", text)), {}
+    try:
+        given = json.loads(Path(text).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ModelgenError(f"--at: {text}", f"no JSON: {error}", "an object of inputs") from None
+    if not isinstance(given, dict):
+        raise ModelgenError(f"--at: {text}", "no JSON object", 'an object such as {"eta": [0.1, 0.2]}')
+    return 0, given
 
 
 def _number(text: str) -> float | str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import casadi as ca
@@ -15,15 +16,38 @@ from modelgen.codegen.manifest import Manifest
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
+from modelgen.evidence.configuration import inputs_at, substituted
+from modelgen.evidence.symbolic import LONGEST, Line, definition, leading_to
+from modelgen.evidence.verify import claimed, verified
 from modelgen.joint.rows import rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
-from modelgen.report.symbolic import Line, definition, leading_to
+from modelgen.report import mathml
 from modelgen.report.typeset import symbol_latex
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Body, ContactPair, Scene, Shape
 
-Format = Literal["text", "latex"]
+
+@dataclass(frozen=True)
+class View:
+    """What is shown beside a formula: numbers at one configuration, and a status computed on n others."""
+
+    seed: int = 0
+    given: Mapping[str, Any] = field(default_factory=dict)
+    n: int = 0
+
+    def verdict(self, formula: Formula, derivation: Derivation) -> dict[str, Any]:
+        """The status; `unchecked` are outputs that no finding is about."""
+        if not self.n:
+            return {**claimed(formula, derivation.model).as_dict(), "unchecked": []}
+        verdict = verified(formula, derivation, self.n, self.seed).as_dict()
+        found = {finding["quantity"] for finding in verdict["findings"]}
+        known = {*found, *(("J_o", "J_f") if "J" in found else ())}
+        sized = [name for k, name in enumerate(formula.function.name_out()) if formula.function.numel_out(k)]
+        return {**verdict, "unchecked": [name for name in sized if name not in known]}
+
+
+Format = Literal["text", "latex", "html"]
 GROUPS = {
     **dict.fromkeys(("motion", "energy", "path"), "body"),
     **dict.fromkeys(("rates", "place", "angle"), "contact"),
@@ -33,11 +57,16 @@ GROUPS = {
     "rows": "joint",
     "coordinates": "joint",
 }  # of the manifest's kinds, by the role of a formula
+NARROW = 14  # operations in one line of a page
 OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
 
 
 def formula_facts(
-    derivation: Derivation, name: str | None, style: Format, roles: Sequence[str] = ()
+    derivation: Derivation,
+    name: str | None,
+    style: Format,
+    roles: Sequence[str] = (),
+    view: View | None = None,
 ) -> list[dict[str, Any]]:
     """The formulas of a derivation: the `formulas` of `inspect --json`.
 
@@ -47,17 +76,22 @@ def formula_facts(
             written with what leads to it and nothing else; all formulas when None.
         style: how expressions are written.
         roles: the roles to show when there is no name; all when empty.
+        view: where numbers are substituted, and how often formulas are verified.
 
     Raises ModelgenError if nothing has that name.
     """
-    manifest = emit(derivation).manifest
+    manifest, view = emit(derivation).manifest, view or View()
     found = []
     for formula in derivation.formulas:
         whole = name in (None, formula.name, formula.role) and (name or not roles or formula.role in roles)
         function, steps = _written_out(formula, derivation.model)
         if whole or name in function.name_out():
-            lines = definition(function, _parameter_names(formula, derivation.model, manifest), steps)
-            found.append(_facts(formula, derivation.model, manifest, lines, None if whole else name, style))
+            names = _parameter_names(formula, derivation.model, manifest)
+            inputs = inputs_at(formula, derivation, view.seed, view.given)
+            lines = definition(function, names, steps, NARROW if style == "html" else LONGEST)
+            numbers = dict(zip(lines, substituted(lines, inputs, names), strict=True))
+            facts = _facts(formula, derivation.model, manifest, numbers, None if whole else name, style)
+            found.append({**facts, "at": inputs, **view.verdict(formula, derivation)})
     if not found:
         raise _unknown(str(name), derivation)
     return found
@@ -82,11 +116,16 @@ def _written_out(formula: Formula, model: Model) -> tuple[ca.Function, tuple[str
 
 
 def _facts(
-    formula: Formula, model: Model, manifest: Manifest, lines: Sequence[Line], only: str | None, style: Format
+    formula: Formula,
+    model: Model,
+    manifest: Manifest,
+    numbers: Mapping[Line, float],
+    only: str | None,
+    style: Format,
 ) -> dict[str, Any]:
     """One formula, or `only` one quantity of it."""
     entry = {**manifest.functions, **manifest.composed}[formula.name]
-    written = lines if only is None else leading_to(lines, only)
+    written = list(numbers) if only is None else leading_to(list(numbers), only)
     kernel_outputs = [port["name"] for port in entry["outputs"]]
     steps = dict.fromkeys(line.output for line in written if line.output not in ("", *kernel_outputs))
     outputs = [port for port in entry["outputs"] if only in (None, port["name"])]
@@ -100,7 +139,7 @@ def _facts(
         "outputs": [_explained(port) for port in outputs],
         "steps": [_explained({"name": name, "unit": notation(name).unit}) for name in steps],
         "instructions": formula.instructions,
-        "definition": [_line(line, style) for line in written],
+        "definition": [_line(line, numbers[line], style) for line in written],
     }
 
 
@@ -110,13 +149,23 @@ def _explained(port: Mapping[str, Any]) -> dict[str, Any]:
     return {**port, "meaning": entry.meaning, "frame": entry.frame, "equation": entry.equation}
 
 
-def _line(line: Line, style: Format) -> dict[str, str]:
+def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
+    """Name and value as written, the number, and what the value is made of."""
+    uses = sorted(map(str, line.value.free_symbols))
+    known = {"number": number, "key": str(line.target), "uses": uses}
     if style == "text":
-        return {"name": str(line.target), "value": sp.sstr(line.value)}
+        return {"name": str(line.target), "value": sp.sstr(line.value), **known}
+    if style == "html":
+        return {
+            "name": str(line.target),
+            "value": mathml.equation(mathml.symbol(str(line.target)), line.value),
+            **known,
+        }
     symbols = {symbol: symbol_latex(str(symbol)) for symbol in line.value.free_symbols}
     return {
         "name": symbol_latex(str(line.target)),
         "value": sp.latex(line.value, symbol_names=symbols, mul_symbol=r" \, "),
+        **known,
     }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
-EVENTS = 20  # printed from the start; the rest is counted
+FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
 
 
 def print_summary(summary: dict[str, Any], console: Console) -> None:
@@ -42,11 +42,13 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:
-    for event in events[:EVENTS]:
-        speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
-        console.print(f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}", markup=False)
-    if len(events) > EVENTS:
-        console.print(f"and {len(events) - EVENTS} events more")
+    between = max(len(events) - FIRST - LAST, 0)
+    for k, event in enumerate(events):
+        if between and k == FIRST:
+            console.print(f"... {between} more in between; --json and --out hold all")
+        if not between or not FIRST <= k < len(events) - LAST:
+            speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
+            console.print(f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}", markup=False)
 
 
 def _contact(event: dict[str, Any]) -> str:

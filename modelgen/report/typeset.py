@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from textwrap import indent
 from typing import Any
 
@@ -21,7 +21,13 @@ SPECIAL = {
 def formula_text(facts: Mapping[str, Any]) -> str:
     """Heading, source and cost; inputs, outputs and steps with units, frames and meaning; the lines."""
     title = facts["name"] + (f", {facts['quantity']} alone" if facts["quantity"] else "")
-    parts = [title, f"  source: {facts['citation']}", f"  cost: {_cost(facts)}"]
+    parts = [
+        title,
+        f"  source: {facts['citation']}",
+        f"  cost: {_cost(facts)}",
+        f"  status: {status_text(facts)}",
+    ]
+    parts += _columns(_findings(facts)) if facts["findings"] else []
     if facts["statement"]:
         parts += ["  statement:", indent(facts["statement"], "    ")]
     for key, heading in GROUPS:
@@ -29,8 +35,53 @@ def formula_text(facts: Mapping[str, Any]) -> str:
         if rows:
             parts += [f"  {heading}:", *_columns(rows)]
     width = max((len(line["name"]) for line in facts["definition"]), default=0)
-    lines = [f"    {line['name']:<{width}} = {line['value']}" for line in facts["definition"]]
-    return "\n".join((*parts, "  definition:", *lines))
+    lines = [
+        f"    {line['name']:<{width}} = {line['value']}  [{line['number']:.6g}]"
+        for line in facts["definition"]
+    ]
+    return "\n".join((*parts, "  definition: [its number at the configuration]", *lines, *_tree(facts)))
+
+
+def tree(definition: Sequence[Mapping[str, Any]]) -> Iterator[tuple[int, Mapping[str, Any], bool]]:
+    """(depth, line, whether it stands above already) from each exported quantity down to what defines it."""
+    lines = {line["key"]: line for line in definition}
+    used = {name for line in definition for name in line["uses"]}
+    seen: set[str] = set()
+    waiting = [(0, line) for line in reversed(definition) if line["key"] not in used]
+    while waiting:
+        depth, line = waiting.pop()
+        above = line["key"] in seen
+        yield depth, line, above
+        seen.add(line["key"])
+        if not above:
+            waiting += [(depth + 1, lines[name]) for name in reversed(line["uses"]) if name in lines]
+
+
+def _tree(facts: Mapping[str, Any]) -> list[str]:
+    rows = [
+        f"    {'  ' * depth}{line['key']}{' (above)' if above else ''}"
+        for depth, line, above in tree(facts["definition"])
+    ]
+    return ["  tree, from what is exported to what defines it:", *rows]
+
+
+def status_text(facts: Mapping[str, Any]) -> str:
+    """`tested on 100 configurations, worst relative error 2e-14`."""
+    if not facts["findings"]:
+        return str(facts["status"])
+    text = str(facts["status"]).upper() if facts["status"] == "failed" else str(facts["status"])
+    if facts["configurations"]:
+        text += (
+            f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.1e}"
+        )
+    return text + (f"; not compared: {', '.join(facts['unchecked'])}" if facts["unchecked"] else "")
+
+
+def _findings(facts: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    return [
+        (found["quantity"], found["status"], f"{found['worst']:.1e}" if found["n"] else "", found["route"])
+        for found in facts["findings"]
+    ]
 
 
 def formula_latex(facts: Mapping[str, Any]) -> str:
@@ -40,7 +91,7 @@ def formula_latex(facts: Mapping[str, Any]) -> str:
         title += ": $" + symbol_latex(facts["quantity"]) + "$"
     parts = [
         rf"\subsection*{{{title}}}",
-        rf"{escape(facts['citation'])}; {_cost(facts)}.",
+        rf"{escape(facts['citation'])}; {_cost(facts)}. Status: {escape(status_text(facts))}.",
     ]
     if facts["statement"]:
         parts += [r"\begin{verbatim}", facts["statement"], r"\end{verbatim}"]
@@ -48,8 +99,15 @@ def formula_latex(facts: Mapping[str, Any]) -> str:
         rows = [_port_row(port) for port in facts[key] if _is_there(port)]
         if rows:
             parts += [rf"\paragraph{{{heading.capitalize()}}}\mbox{{}}\\", _table(rows)]
-    lines = " \\\\\n".join(f"{line['name']} &= {line['value']}" for line in facts["definition"])
+    lines = " \\\\\n".join(
+        f"{line['name']} &= {line['value']} = {_latex_number(line['number'])}" for line in facts["definition"]
+    )
     return "\n".join((*parts, r"{\allowdisplaybreaks\begin{align*}", lines, r"\end{align*}}"))
+
+
+def _latex_number(value: float) -> str:
+    mantissa, _, exponent = f"{value:.6g}".partition("e")
+    return mantissa + (rf" \cdot 10^{{{int(exponent)}}}" if exponent else "")
 
 
 STYLES: Mapping[str, Callable[[Mapping[str, Any]], str]] = {"text": formula_text, "latex": formula_latex}

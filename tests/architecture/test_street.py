@@ -16,6 +16,7 @@ STREET = (
     ("contact", "dynamics", "joint"),
     ("require",),
     ("derive",),
+    ("evidence",),
     ("codegen",),
     ("runtime",),
     ("report",),

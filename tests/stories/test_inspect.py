@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import pytest
 
+from modelgen.contact import kinds
+from modelgen.contact.kernels import ContactKernels
 from modelgen.contact.kinds import FORMS
+from modelgen.model import ContactKind
 from modelgen.notation import NAMES
 
 EGG = "scenes/ellipsoid_on_plane.toml"
@@ -116,3 +123,68 @@ def test_latex_is_balanced_and_uses_known_commands(source: str, modelgen: Modelg
         assert not re.search(r"[A-Za-z]{3,}", re.sub(r"\\[A-Za-z]+\*?(\{[A-Za-z]+\})?", "", block))
     outside = re.sub(r"\$[^$]*\$|\\begin\{align\*\}.*?\\end\{align\*\}", "", text, flags=re.DOTALL)
     assert not re.search(r"(?<!\\)[_#%$^~]", outside)
+
+
+def test_status_is_claimed_until_it_is_asked_for(modelgen: Modelgen) -> None:
+    (rates,) = modelgen("inspect", "sphere-torus", "--formula", "rates", "--json").json["formulas"]
+    assert rates["status"] == "tested, not recomputed"
+    answer = modelgen("inspect", "sphere-torus", "--formula", "rates", "--verify", 9, "--json")
+    (rates,) = answer.json["formulas"]
+    assert rates["status"] == "tested"
+    assert rates["configurations"] == 9
+    assert {"J", "gamma", "eta_dot"} <= {found["quantity"] for found in rates["findings"]}
+    assert rates["worst"] < 1e-10
+
+
+def test_a_corrupted_form_fails_with_its_exit_code(
+    modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    true = kinds.FORMS["block"].build
+
+    def corrupted(kind: ContactKind) -> ContactKernels:
+        kernels = true(kind)
+        given = kernels.rates.sx_in()
+        values = list(kernels.rates.call(given))
+        values[3] = -values[3]
+        names = kernels.rates.name_in(), kernels.rates.name_out()
+        return replace(kernels, rates=ca.Function(kernels.rates.name(), given, values, *names))
+
+    wrong = {**kinds.FORMS, "block": replace(kinds.FORMS["block"], build=corrupted)}
+    monkeypatch.setattr(kinds, "FORMS", wrong)
+    kinds.contact_kernels.cache_clear()
+    try:
+        answer = modelgen("inspect", "torus-ellipsoid:block", "--formula", "rates", "--verify", 9)
+    finally:
+        kinds.contact_kernels.cache_clear()
+    assert answer.code == 1
+    assert "FAILED" in answer.out
+    assert re.search(r"gamma +failed", answer.out)
+
+
+def test_numbers_are_those_of_the_configuration(modelgen: Modelgen, shared_folder: Path) -> None:
+    one, again, other = (
+        modelgen("inspect", "sphere-sphere", "--formula", "d", "--at", seed, "--json").json["formulas"][0]
+        for seed in (3, 3, 4)
+    )
+    assert one == again
+    assert one["definition"][-1]["number"] != other["definition"][-1]["number"]
+    poses = {f"pose_{s}": [x, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] for s, x in (("o", 0.0), ("f", 7.0))}
+    (shared_folder / "at.json").write_text(json.dumps({**poses, "parameters": [1.0, 2.0]}), encoding="utf-8")
+    answer = modelgen("inspect", "sphere-sphere", "--formula", "d", "--at", "at.json", "--json")
+    own = answer.json["formulas"][0]
+    assert own["definition"][-1]["number"] == 4.0
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", "{", '{"parameters": [1, "x"]}', '{"parameters": [1]}'])
+def test_numbers_that_are_none_are_refused(text: str, modelgen: Modelgen, shared_folder: Path) -> None:
+    (shared_folder / "bad.json").write_text(text, encoding="utf-8")
+    answer = modelgen("inspect", "sphere-sphere", "--formula", "d", "--at", "bad.json")
+    assert answer.code == 2
+    assert "--at" in answer.err
+
+
+def test_the_tree_leads_from_what_is_exported_to_definitions(modelgen: Modelgen) -> None:
+    text = modelgen("inspect", "torus-ellipsoid:block", "--formula", "gamma").out
+    tree = text.split("tree, from what is exported to what defines it:")[1].strip().splitlines()
+    assert tree[0].strip() == "gamma"
+    assert all(line.startswith("      ") for line in tree[1:])

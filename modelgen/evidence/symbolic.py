@@ -120,19 +120,22 @@ Names = Mapping[str, Sequence[str]]
 
 
 def definition(
-    function: ca.Function, names: Names | None = None, steps: Collection[str] = ()
+    function: ca.Function,
+    names: Names | None = None,
+    steps: Collection[str] = (),
+    longest: int = LONGEST,
 ) -> tuple[Line, ...]:
     """The lines that compute all outputs of an SX function, in order.
 
     `names` gives the entries of an input or output their own names, such as {"parameters": ("radius",)}.
     `steps` are outputs that are there to name what the others are made of: not written where they are a
-    number or another name for something.
+    number or another name for something. A value of more than `longest` operations is cut.
     """
     values, outputs = _trace(function, names or {})
     for value in values:
         for argument in value.arguments:
             values[argument].uses += 1
-    return tuple(_lines(values, outputs, steps))
+    return tuple(_lines(values, outputs, steps, longest))
 
 
 def leading_to(lines: Sequence[Line], output: str) -> tuple[Line, ...]:
@@ -210,7 +213,9 @@ def _number(value: float) -> sp.Expr:
     return sp.Integer(int(value)) if float(value).is_integer() and abs(value) < 1e9 else sp.Float(value)
 
 
-def _lines(values: list[_Value], outputs: list[_Output], steps: Collection[str]) -> Iterator[Line]:
+def _lines(
+    values: list[_Value], outputs: list[_Output], steps: Collection[str], longest: int
+) -> Iterator[Line]:
     numbers = count(1)
     named = {output.index: output for output in reversed(outputs) if values[output.index].leaf is None}
     expressions: list[sp.Expr] = []
@@ -227,7 +232,7 @@ def _lines(values: list[_Value], outputs: list[_Output], steps: Collection[str])
             expression, length = named[index].symbol, 0
         elif expression.is_Atom or (-expression).is_Atom:
             length = 0
-        elif value.uses > 1 or length > LONGEST:
+        elif value.uses > 1 or length > longest:
             temporary = sp.Symbol(f"s{next(numbers)}", real=True)
             yield Line(temporary, expression)
             expression, length = temporary, 0

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import ModelgenError
-from modelgen.report.symbolic import Line, component, definition, leading_to
+from modelgen.evidence.symbolic import Line, component, definition, leading_to
 
 UNARY = (
     *(ca.sin, ca.cos, ca.tan, ca.asin, ca.acos, ca.atan, ca.sinh, ca.cosh, ca.tanh, ca.exp, ca.log),

@@ -1,0 +1,95 @@
+"""The status of each formula: proved by SymPy, or tested against an independent route, or failed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from modelgen.derive import Derivation, Formula
+from modelgen.evidence.bodies import check_body
+from modelgen.evidence.contacts import check_contact, sample
+from modelgen.evidence.drawing import Partnership, partnership
+from modelgen.evidence.findings import Finding, Status
+from modelgen.evidence.loads import check_load
+from modelgen.evidence.proofs import must_be_proved, prove
+from modelgen.evidence.right_hand_side import check_rhs
+from modelgen.evidence.shapes import check_search, check_shape
+from modelgen.model import Model
+
+OF_BODIES = ("pose", "motion", "energy", "path")
+OF_SHAPES = ("surface", "curve", "point")
+OF_CONTACTS = ("rates", "place", "angle")
+OF_SEARCH = ("aim", "seek")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What is claimed of a formula, and what was found when it was asked for."""
+
+    claim: Status
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def status(self) -> str:
+        """`claim` where nothing was computed; failed where anything failed."""
+        if any(finding.status == "failed" for finding in self.findings):
+            return "failed"
+        return self.claim if self.findings else f"{self.claim}, not recomputed"
+
+    def as_dict(self) -> dict[str, Any]:
+        tested = [finding for finding in self.findings if finding.n]
+        return {
+            "status": self.status,
+            "claim": self.claim,
+            "configurations": max((finding.n for finding in tested), default=0),
+            "worst": max((finding.worst for finding in tested), default=0.0),
+            "findings": [finding.as_dict() for finding in self.findings],
+        }
+
+
+def claimed(formula: Formula, model: Model) -> Verdict:
+    """What the tables say, without computing anything."""
+    return Verdict("proved" if must_be_proved(formula, model) else "tested")
+
+
+def verified(formula: Formula, derivation: Derivation, n: int, seed: int) -> Verdict:
+    """Proofs where they are due, and a comparison on n random configurations, made now."""
+    model = derivation.model
+    found = (*prove(formula, model), *_compared(formula, derivation, n, seed))
+    return Verdict(claimed(formula, model).claim, tuple(found))
+
+
+def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> list[Finding]:
+    model, role, function = derivation.model, formula.role, formula.function
+    if role in OF_BODIES:
+        return check_body(role, function, model.body_kinds[formula.kind], n, seed)
+    if role in OF_SHAPES:
+        numbers = lengths_of(model, formula.kind)
+        return check_shape(function, model.shape_kinds[formula.kind], numbers, n, seed)
+    if role in OF_CONTACTS:
+        return check_contact(role, function, sample(partnership_of(model, formula.kind), n, seed))
+    if role in OF_SEARCH:
+        return check_search(role, function, partnership_of(model, formula.kind), n, seed)
+    if role == "wrench":
+        return check_load(function, model.load_kinds[formula.kind], n, seed)
+    return check_rhs(function, derivation, n, seed)
+
+
+def partnership_of(model: Model, kind: int) -> Partnership:
+    """A contact kind with the numbers of the first link that is of it."""
+    link = next(link for link in model.links if link.kind == kind)
+    return partnership(model.contact_kinds[kind], link.parameters, model.scales.length)
+
+
+def lengths_of(model: Model, shape: int) -> tuple[float, ...]:
+    """The parameters of a shape kind in the first link that has it."""
+    kind = model.shape_kinds[shape]
+    if kind.folded is not None:
+        return kind.folded
+    for link in model.links:
+        contact = model.contact_kinds[link.kind]
+        whole = partnership(contact, link.parameters, model.scales.length)
+        for side, numbers in zip((contact.o, contact.f), whole.numbers, strict=True):
+            if side.shape == kind:
+                return tuple(float(x) for x in numbers)
+    return ()

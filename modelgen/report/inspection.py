@@ -1,0 +1,48 @@
+"""`inspect`: the facts of a scene or of a kind of contact, and how they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from modelgen.derive import Derivation
+from modelgen.report.companion import errata_facts, shape_facts, singularity_facts
+from modelgen.report.derivation import OF_A_PAIR, Format, View, formula_facts, kind_scene
+from modelgen.report.page import page
+from modelgen.report.typeset import STYLES
+from modelgen.scene.types import Scene
+
+PAGE = 50  # configurations of a page, where nothing else is asked for
+
+
+def inspected(
+    source: str,
+    scene: Scene | None,
+    formula: str | None,
+    style: Format,
+    view: tuple[int, Mapping[str, Any], int | None],
+    derive: Callable[[Scene], Derivation],
+) -> dict[str, Any]:
+    """The object of `inspect --json`; of a page with shapes, singularities and errata as well.
+
+    `view` is the seed, the given inputs, and on how many configurations each status is computed, if at all.
+    """
+    seed, given, asked = view
+    n = asked or (PAGE if style == "html" else 0)
+    derivation = derive(scene or kind_scene(source))
+    roles = () if scene else OF_A_PAIR
+    facts = {
+        "source": source,
+        "formulas": formula_facts(derivation, formula, style, roles, View(seed, given, n)),
+    }
+    if style != "html":
+        return facts
+    shapes, singular = shape_facts(derivation, n, seed), singularity_facts(derivation)
+    return {**facts, "shapes": shapes, "singularities": singular, "errata": errata_facts(n, seed)}
+
+
+def written(facts: Mapping[str, Any], style: Format) -> str:
+    """The facts as a text."""
+    if style == "html":
+        return page(str(facts["source"]), facts)
+    return "\n\n".join(map(STYLES[style], facts["formulas"]))
