@@ -18,8 +18,8 @@ class Shipped:
     """What holds for one scene in every regular form.
 
     Attributes:
-        kinds: what `check` prints for the scene as it stands: bodies, contacts in the chosen form, loads, joints,
-            limits.
+        kinds: what `check` prints for the scene as it stands: bodies, contacts in the chosen form, loads,
+            joints, limits.
         forms: all that are regular for one of the scene's contacts; none without contacts.
         reference: the test that holds the scene against its reference, as `file::function` in tests.
         events: how often each kind of event happens at `balanced` and at `tight`; None: many.
