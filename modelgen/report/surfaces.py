@@ -13,20 +13,21 @@ if TYPE_CHECKING:
 Array = np.ndarray[Any, Any]
 CONTACTS = 4  # the first so many get grids
 ROWS, COLUMNS = 17, 33
-_GRIDS = (("point", ()), ("curve", (ROWS * COLUMNS,)), ("surface", (COLUMNS, ROWS)))  # by dimension
 REACH = 1.3  # of an unbounded surface, against the farthest contact point
+PARTS, PART_ROWS = 100, 5  # features of a solid, and rows of each in the picture
 
 
 def contact_meshes(library: Library, curve: Callable[[int, str], Array]) -> dict[str, Array]:
-    """Grids (ROWS, COLUMNS, 3) m of both surfaces of the first contacts, keyed "0_o", "0_f", "1_o", ...; a
-    curve or a point is one row.
+    """Grids (rows, COLUMNS, 3) m of both shapes of the first contacts, keyed "0_o", "0_f", "1_o", ...; a
+    curve or a point is one row. Of a solid or spline all features that can touch, one below the other with a
+    row of NaN between: its edges, and its curved faces up to them.
 
     In the axes of the body's centre of mass. `curve(contact, side)` gives the contact points there, (n, 3) m;
     an unbounded surface is cut where it has gone past them.
     """
     sentence = library.manifest.sentence
     return {
-        f"{k}_{side}": _mesh(library, link_of(sentence, k)[f"shape_{side}"], curve(k, side))
+        f"{k}_{side}": _features(library, k, side, curve(k, side))
         for k in range(min(CONTACTS, len(sentence["contacts"])))
         for side in "of"
     }
@@ -40,20 +41,58 @@ def link_of(sentence: Mapping[str, Any], contact: int) -> Mapping[str, Any]:
     return found
 
 
-def _mesh(library: Library, shape: Mapping[str, Any], curve: Array) -> Array:
-    """Grid of one side; `shape` says its kind, parameters and placement in the body."""
+def _features(library: Library, contact: int, side: str, curve: Array) -> Array:
+    """All features of the shape on one side of a contact."""
+    sentence = library.manifest.sentence
+    own = link_of(sentence, contact)
+    first, end = sentence["pairs"][sentence["contacts"][contact]["pair"]]["links"]
+    parts: dict[str, tuple[Mapping[str, Any], list[Any]]] = {}
+    for link in sentence["links"][first:end]:
+        here = "o" if link["o"] == own[side] else "f"
+        shape = link[f"shape_{here}"]
+        borders = [each for each in link["conditions"] if each["side"] == "of".index(here)]
+        parts.setdefault(str([shape[key] for key in ("kind", "parameters", "placement")]), (shape, borders))
+    if len(parts) == 1:
+        return _mesh(library, own[f"shape_{side}"], curve, ROWS)
+    drawn = [part for part in parts.values() if _is_drawn(library, part[0])][:PARTS]
+    gap = np.full((1, COLUMNS, 3), np.nan)
+    grids = [_cut(_mesh(library, shape, curve, PART_ROWS), shape, borders) for shape, borders in drawn]
+    return np.concatenate([row for grid in grids for row in (grid, gap)] or [gap])
+
+
+def _is_drawn(library: Library, shape: Mapping[str, Any]) -> bool:
+    """Flat faces are seen by their edges, vertices by the edges that end there."""
+    kind = library.manifest.kinds["shape"][shape["kind"]]
+    return bool(kind["domain"]) and kind["kind"] != "plane"
+
+
+def _cut(mesh: Array, shape: Mapping[str, Any], borders: list[Any]) -> Array:
+    """NaN where a quadric condition of the feature does not hold."""
+    placement = np.array(shape["placement"])
+    x, y, z = np.moveaxis((mesh - placement[:3]) @ placement[3:].reshape(3, 3, order="F"), -1, 0)
+    terms = np.array([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, x * z, y * z])
+    slack = 1e-9 * max(float(np.abs(mesh).max()), 1e-9)
+    for border in borders:
+        if border["kind"] == "quadric":
+            outside = np.tensordot(np.array(border["numbers"]), terms, 1) < -slack
+            mesh = np.where(outside[..., None], np.nan, mesh)
+    return mesh
+
+
+def _mesh(library: Library, shape: Mapping[str, Any], curve: Array, rows: int) -> Array:
+    """Grid of one feature; `shape` says its kind, parameters, domain and placement in the body."""
     kind = library.manifest.kinds["shape"][shape["kind"]]
     placement = np.array(shape["placement"])
     p, R = placement[:3], placement[3:].reshape(3, 3, order="F")
     reach = REACH * max(float(np.nanmax(np.abs((curve - p) @ R), initial=0.0)), _length(library))
     parameters = np.array([] if kind["folded"] is not None else shape["parameters"], dtype=library.dtype)
-    role, sizes = _GRIDS[len(kind["domain"])]
+    role, sizes = (("point", ()), ("curve", (COLUMNS,)), ("surface", (COLUMNS, rows)))[len(kind["domain"])]
     kernel = library.kernel(f"mg_{kind['name']}_{role}")
-    axes = [_range(bounds, reach, n) for bounds, n in zip(kind["domain"], sizes, strict=True)]
+    axes = [_range(bounds, reach, n) for bounds, n in zip(shape["domain"], sizes, strict=True)]
     across = np.array([axis.ravel() for axis in np.meshgrid(*axes)])
     grid = np.ascontiguousarray(across.T if axes else np.zeros((1, 0)), dtype=library.dtype)
     points = np.asarray([kernel(each, parameters)[0] for each in grid], dtype=float)
-    mesh: Array = points.reshape(*((ROWS, COLUMNS) if role == "surface" else (1, -1)), 3) @ R.T + p
+    mesh: Array = points.reshape(*((rows, COLUMNS) if role == "surface" else (1, -1)), 3) @ R.T + p
     return mesh
 
 

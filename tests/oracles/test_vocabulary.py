@@ -25,8 +25,9 @@ EVERY_SCENE = pytest.mark.parametrize("name", REGISTRY)
 ON_LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries are ELF files on Linux")
 ROLES = (
     *("pose", "motion", "energy", "path", "wrench", "surface", "curve", "point"),
-    *("rates", "place", "aim", "seek", "angle"),
+    *("rates", "place", "aim", "seek", "angle", "rows", "coordinates"),
 )
+GROUPS = ("body", "contact", "load", "joint", "limit")
 OF_A_KERNEL = (  # what CasADi's own interface asks of a function, by suffix
     *("", "_alloc_mem", "_init_mem", "_free_mem", "_checkout", "_release", "_incref", "_decref"),
     *("_n_in", "_n_out", "_name_in", "_name_out", "_default_in", "_sparsity_in", "_sparsity_out"),
@@ -60,15 +61,17 @@ def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) ->
     shown = check_facts(derived(name))["kinds"]
     kinds = manifest_of(name).kinds
     assert tuple(shown) == REGISTRY[name].kinds
-    assert [kind["name"] for group in ("body", "contact", "load") for kind in kinds[group]] == shown
+    assert [kind["name"] for group in GROUPS for kind in kinds[group]] == shown
 
 
 @EVERY_SCENE
 def test_every_kind_is_used_by_the_scene(name: str) -> None:
     kinds, sentence = manifest_of(name).kinds, manifest_of(name).sentence
-    users = {"body": "bodies", "contact": "links", "load": "loads"}
+    users = {"body": "bodies", "contact": "links", "load": "loads", "joint": "joints"}
     for group, entries in users.items():
         assert {entry["kind"] for entry in sentence[entries]} == set(range(len(kinds[group])))
+    limits = {entry["kind"] - len(kinds["contact"]) for entry in sentence["limits"]}
+    assert limits == set(range(len(kinds["limit"])))
     in_contact = {side for kind in kinds["contact"] for side in kind["shapes"]}
     assert in_contact == set(range(len(kinds["shape"])))
 

@@ -55,7 +55,7 @@ def files(folder: Path) -> set[Path]:
         (("simulate", EGG, "--accuracy", "tigt"), "did you mean 'tight'?"),
         (("check", EGG, "--form", "suport"), "did you mean 'support'?"),
         (("build", EGG, "--real", "half"), "--real: the text 'half'; allowed are double"),
-        (("inspect", EGG, "--format", "html"), "--format: the text 'html'; allowed are text, latex"),
+        (("inspect", EGG, "--format", "pdf"), "--format: the text 'pdf'; allowed are text, latex, html"),
         (("plot", "run.csv", "-o", "run.png"), "--out run.npz"),
         (("plot", EGG, "-o", "run"), ".png, .svg"),
         (("plot", "broken.npz", "-o", "run.png"), "not a run"),
