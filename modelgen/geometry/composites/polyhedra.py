@@ -13,8 +13,8 @@ from modelgen.scene.types import Composite, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Against the size of the body: the distance of points that are one, and from the plane of a face of points that
-# lie in it. Tried in this order until the faces close up.
+# Against the size of the body: the distance of points that are one, and from the plane of a face of points
+# that lie in it. Tried in this order until the faces close up.
 COPLANAR = (1e-9, 1e-11, 1e-13, 1e-7, 1e-5)
 
 _BOX_NAMES = (("left", "right"), ("front", "back"), ("bottom", "top"))  # at -x, +x; -y, +y; -z, +z
