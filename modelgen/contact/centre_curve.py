@@ -69,7 +69,7 @@ def centre_curve_rates(pair: Pair) -> Rates:
     moment = ca.mtimes(curve.rotation.T, cross(at.lever, M))
     row = curve.row(-M, -moment), at.centre.row(M)
     N, N_dot = at.side * M, at.side * M_dot
-    feet = _foot_of_curve(at, t_dot), at.centre.foot(N, N_dot, -at.side)
+    feet = _foot_of_curve(at, t_dot), at.centre.foot(N, -at.side)
     steps = {"normal": N, "l": at.lever, "h": at.h, "E": at.E, "V": V, "slide": at.E * t_dot}
     return Rates(
         d=at.d,

@@ -70,7 +70,7 @@ def centre_surface_rates(pair: Pair, carrier: Carrier) -> Rates:
     row = surface.row(-at.N, -cross(at.lever, carrier.normal)), at.centre.row(at.N)
     N, turned, slide = side * at.N, ca.mtimes(T, nu), ca.mtimes(T, a)
     N_dot = side * ca.mtimes(surface.rotation, turned + cross(surface.spin, carrier.normal))
-    feet = Foot(at.x + surface.arm, slide, side * carrier.normal), at.centre.foot(N, N_dot, -side)
+    feet = Foot(at.x + surface.arm, slide, side * carrier.normal), at.centre.foot(N, -side)
     steps = {"normal": N, "l": at.lever, "h": at.h, "K": at.K, "V": V, "slide": a, "nu": nu}
     return Rates(
         d=at.d,

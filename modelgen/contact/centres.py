@@ -46,10 +46,9 @@ class Centre:
         spin = self.partner.spin
         return -dot(cross(spin, self._turned(N)), cross(spin, self.lever))
 
-    def foot(self, normal: ca.SX, rate: ca.SX, outward: int) -> Foot:
+    def foot(self, N: ca.SX, outward: int) -> Foot:
         """The contact point, which is off the centre along N (`outward` 1, on o) or against it (-1, on f)."""
-        n, turning = self._turned(normal), self.partner.seen(normal, rate)
-        return Foot(self.lever + outward * self.radius * n, outward * self.radius * turning, n)
+        return Foot(self.lever, zeros(3), self._turned(N), outward * self.radius)
 
     def _turned(self, N: ca.SX) -> ca.SX:
         return ca.mtimes(self.partner.rotation.T, N)

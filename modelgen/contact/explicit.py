@@ -50,8 +50,8 @@ def sphere_rates(pair: Pair) -> Rates:
         normal=at.N,
         normal_rate=N_dot,
         turning=pair.o.seen(at.N, N_dot),
-        foot_o=at.o.foot(at.N, N_dot, 1),
-        foot_f=at.f.foot(at.N, N_dot, -1),
+        foot_o=at.o.foot(at.N, 1),
+        foot_f=at.f.foot(at.N, -1),
         steps={"distance": at.distance, "normal": at.N, "V": V},
     )
 

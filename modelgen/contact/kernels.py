@@ -19,11 +19,12 @@ PLACE_OUTPUTS = ("eta_next", "d", "residual", "margin", "normal", "point_o", "po
 
 @dataclass(frozen=True)
 class Foot:
-    """The contact point on one body; vectors in the axes of its shape."""
+    """The contact point on one body, lever + offset N; vectors in the axes of its shape."""
 
     lever: ca.SX  # (3,) m, from the centre of mass
-    slide: ca.SX  # (3,) m/s, its rate: the velocity of the contact point over the shape
+    slide: ca.SX  # (3,) m/s, its rate; without an offset, the velocity of the contact point over the shape
     normal: ca.SX  # (3,) N
+    offset: ca.SX = field(default_factory=lambda: ca.SX(1, 1))  # (1,) m, constant: the radius of a centre
 
 
 @dataclass(frozen=True)

@@ -84,21 +84,39 @@ def with_tangential_rows(pair: Pair, rates: Rates, rows: int) -> Rates:
 
 def slip_rows(pair: Pair, rates: Rates, frame: SlipFrame) -> Rows:
     """t1.V and t2.V."""
-    o, f, at_o, at_f = pair.o, pair.f, rates.foot_o, rates.foot_f
-    past, (slip_o, pull_o), (slip_f, pull_f) = f.velocity - o.velocity, _carried(o, at_o), _carried(f, at_f)
-    slip = ca.mtimes(frame.T_w.T, past) + ca.mtimes(frame.T_f.T, slip_f) - ca.mtimes(frame.T_o.T, slip_o)
-    speed = dot(rates.normal, past) + dot(at_f.normal, slip_f) - dot(at_o.normal, slip_o)
-    pull = ca.mtimes(frame.T_f.T, pull_f) - ca.mtimes(frame.T_o.T, pull_o)
-    axes = zip(*map(ca.horzsplit, (frame.T_o, frame.T_f, frame.T_w)), strict=True)
-    J = [(o.row(-t, -cross(at_o.lever, t_o)), f.row(t, cross(at_f.lever, t_f))) for t_o, t_f, t in axes]
-    J_o, J_f = (ca.vertcat(*side) for side in zip(*J, strict=True))
-    return Rows(J_o, J_f, pull + frame.rate(slip, speed), {"slip": slip})
+    past = pair.f.velocity - pair.o.velocity
+    o = _material(pair.o, rates.foot_o, frame.T_o, frame.tilt)
+    f = _material(pair.f, rates.foot_f, frame.T_f, frame.tilt)
+    slip = ca.mtimes(frame.T_w.T, past) + f.slip - o.slip
+    speed = dot(rates.normal, past) + f.speed - o.speed
+    t = ca.horzsplit(frame.T_w)
+    J_o = ca.vertcat(*(pair.o.row(-t[k], -o.moments[k]) for k in range(2)))
+    J_f = ca.vertcat(*(pair.f.row(t[k], f.moments[k]) for k in range(2)))
+    return Rows(J_o, J_f, f.pull - o.pull + frame.rate(slip, speed), {"slip": slip})
 
 
-def _carried(side: Partner, foot: Foot) -> tuple[ca.SX, ca.SX]:
-    """w x l, and w x (w x l + s), shape axes."""
-    slip = cross(side.spin, foot.lever)
-    return slip, cross(side.spin, slip + foot.slide)
+@dataclass(frozen=True)
+class Material:
+    """The contact point as a material point of one body, with l = lever + offset N."""
+
+    moments: tuple[ca.SX, ca.SX]  # (3,) m, l x t1, l x t2, shape axes
+    slip: ca.SX  # (2,) m/s, (w x l).t
+    speed: ca.SX  # (1,) m/s, (w x l).N
+    pull: ca.SX  # (2,) m/s^2, w x (w x l + l_dot).t
+
+
+def _material(side: Partner, foot: Foot, T: ca.SX, tilt: ca.SX) -> Material:
+    """With N x t1 = t2 and N x t2 = -t1 for the offset, whose end moves by offset N_dot."""
+    n, offset, (t1, t2) = foot.normal, foot.offset, ca.horzsplit(T)
+    carried = cross(side.spin, foot.lever)
+    along = ca.mtimes(T.T, side.spin)
+    pull = ca.mtimes(T.T, cross(side.spin, carried + foot.slide))
+    return Material(
+        moments=(cross(foot.lever, t1) + offset * t2, cross(foot.lever, t2) - offset * t1),
+        slip=ca.mtimes(T.T, carried) + offset * ca.vertcat(along[1], -along[0]),
+        speed=dot(n, carried),
+        pull=pull + offset * dot(n, side.spin) * ca.vertcat(-tilt[1], tilt[0]),
+    )
 
 
 def spin_rows(pair: Pair, rates: Rates, frame: SlipFrame) -> Rows:

@@ -73,7 +73,8 @@ def support_rates(pair: Pair) -> Rates:
     m = turn_f - turn_o_f
     gamma = -at.support.form(m) - dot(turn_f, slip_f) - dot(turn_o, slip_o)
     gamma += 2 * (dot(turn_o_world, pair.f.velocity - pair.o.velocity) + dot(turn_o_f, slip_f))
-    feet = _feet(pair, at, m)
+    slide = at.support.slope(m)
+    past = pair.f.velocity - pair.o.velocity + ca.mtimes(pair.f.rotation, slip_f + slide)
     return Rates(
         d=at.d,
         J_o=pair.o.row(-at.N, -cross(l_o, at.n_o)),
@@ -83,22 +84,15 @@ def support_rates(pair: Pair) -> Rates:
         normal=at.N,
         normal_rate=turn_o_world,
         turning=zeros(3),
-        foot_o=feet[0],
-        foot_f=feet[1],
+        foot_o=_foot_of_plane(pair.o.arm, l_o, ca.mtimes(to_o, past) - slip_o, at.n_o),
+        foot_f=Foot(at.l_f, slide, at.n, -at.support.offset),
         steps={"normal": at.N, "n_f": -at.n, "l_f": at.l_f, "m": m},
     )
 
 
-def _feet(pair: Pair, at: SupportTouch, m: ca.SX) -> tuple[Foot, Foot]:
-    """Offsets, which the normal row has no use for, count here; the plane's point is the foot of f's."""
-    o, f, offset = pair.o, pair.f, at.support.offset
-    on_f = Foot(at.l_f - offset * at.n, at.support.slope(m) + offset * m, at.n)
-    above = ca.mtimes(o.rotation.T, at.between + ca.mtimes(f.rotation, on_f.lever))
-    passing = cross(f.spin, on_f.lever) + on_f.slide
-    past = ca.mtimes(o.rotation.T, f.velocity - o.velocity + ca.mtimes(f.rotation, passing))
-    past -= cross(o.spin, above)
-    foot = ca.vertcat(above[0:2], o.arm[2])
-    return Foot(foot, ca.vertcat(past[0:2], zeros(1)), at.n_o), on_f
+def _foot_of_plane(arm: ca.SX, above: ca.SX, past: ca.SX, normal: ca.SX) -> Foot:
+    """The foot of the core point that is `above` the plane and moves `past` it, shape axes of o."""
+    return Foot(ca.vertcat(above[0:2], arm[2]), ca.vertcat(past[0:2], zeros(1)), normal)
 
 
 def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:
