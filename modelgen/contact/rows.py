@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.kernels import Rates
+from modelgen.contact.kernels import Foot, Rates
 from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.curves import CurveJet, curve_of
 from modelgen.geometry.frames import cross, dot
@@ -15,8 +15,10 @@ from modelgen.geometry.frames import cross, dot
 
 @dataclass(frozen=True)
 class Levers:
-    """Contact points as levers from the centres of mass and as points, world axes."""
+    """Contact points as levers from the centres of mass and as points; world axes but for l."""
 
+    l_o: ca.SX  # (3,) m, shape axes of o
+    l_f: ca.SX  # (3,) m, shape axes of f
     r_o: ca.SX  # (3,) m
     r_f: ca.SX  # (3,) m
     point_o: ca.SX  # (3,) m
@@ -32,9 +34,11 @@ def jet_of_curve(partner: Partner, t: ca.SX) -> CurveJet:
 
 def levers(pair: Pair, x_o: ca.SX, x_f: ca.SX) -> Levers:
     """From points of the two shapes, each in its shape frame."""
-    r_o = ca.mtimes(pair.o.rotation, x_o + pair.o.arm)
-    r_f = ca.mtimes(pair.f.rotation, x_f + pair.f.arm)
+    l_o, l_f = x_o + pair.o.arm, x_f + pair.f.arm
+    r_o, r_f = ca.mtimes(pair.o.rotation, l_o), ca.mtimes(pair.f.rotation, l_f)
     return Levers(
+        l_o,
+        l_f,
         r_o,
         r_f,
         pair.o.centre + r_o,
@@ -49,6 +53,14 @@ def jacobian_rows(pair: Pair, N: ca.SX, at: Levers) -> tuple[ca.SX, ca.SX]:
     moment_o = ca.mtimes(pair.o.rotation.T, cross(at.r_o, N))
     moment_f = ca.mtimes(pair.f.rotation.T, cross(at.r_f, N))
     return pair.o.row(-N, -moment_o), pair.f.row(N, moment_f)
+
+
+def feet(pair: Pair, N: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> tuple[Foot, Foot]:
+    """The contact points on both bodies, from slides in the axes of the shapes."""
+    return (
+        Foot(at.l_o, slide_o, ca.mtimes(pair.o.rotation.T, N)),
+        Foot(at.l_f, slide_f, ca.mtimes(pair.f.rotation.T, N)),
+    )
 
 
 def gap_bias(pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> ca.SX:
@@ -74,6 +86,8 @@ def rates_of(
 ) -> Rates:
     """All rates from N, the levers, and the motion of the contact points over the surfaces."""
     J_o, J_f = jacobian_rows(pair, N, at)
+    over = ca.mtimes(pair.o.rotation.T, slide_o), ca.mtimes(pair.f.rotation.T, slide_f)
+    foot_o, foot_f = feet(pair, N, at, *over)
     return Rates(
         d=dot(N, at.point_f - at.point_o),
         J_o=J_o,
@@ -82,6 +96,9 @@ def rates_of(
         eta_dot=eta_dot,
         normal=N,
         normal_rate=N_dot,
+        turning=pair.o.seen(N, N_dot),
+        foot_o=foot_o,
+        foot_f=foot_f,
         steps={
             "normal": N,
             "point_o": at.point_o,

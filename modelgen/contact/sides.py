@@ -14,6 +14,7 @@ from modelgen.geometry.frames import (
     POSE_SIZE,
     TWIST_SIZE,
     Frame,
+    cross,
     frame_of,
     identity_frame,
     zeros,
@@ -48,6 +49,10 @@ class Partner:
     @property
     def spin_world(self) -> ca.SX:
         return ca.mtimes(self.rotation, self.spin)
+
+    def seen(self, direction: ca.SX, rate: ca.SX) -> ca.SX:
+        """The rate (3,) in shape axes of a world direction with the given world rate, seen from the body."""
+        return ca.mtimes(self.rotation.T, rate) - cross(self.spin, ca.mtimes(self.rotation.T, direction))
 
     def row(self, linear: ca.SX, angular: ca.SX) -> ca.SX:
         """The columns of J as (columns,): `linear` in world axes, `angular` in shape axes."""

@@ -63,6 +63,15 @@ def tangent_frame(n: ca.SX) -> ca.SX:
     return ca.horzcat(t1, t2)
 
 
+def frame_spin(n: ca.SX, rate: ca.SX) -> ca.SX:
+    """t1_dot.t2 of `tangent_frame` when n moves with the given rate (3,): how fast the frame turns about n.
+
+    The frame is that of the nearer pole +-z carried along the great circle to n, without turning on the way.
+    """
+    sign = 2 * (n[2] >= 0) - 1
+    return -1 / (sign + n[2]) * (n[0] * rate[1] - n[1] * rate[0])
+
+
 def solve2(A: ca.SX, b: ca.SX) -> ca.SX:
     """Solution of a 2x2 system by Cramer's rule; b may have several columns."""
     adjugate = ca.vertcat(ca.horzcat(A[1, 1], -A[0, 1]), ca.horzcat(-A[1, 0], A[0, 0]))

@@ -95,10 +95,8 @@ class Body:
 
 
 def _kind(o: str, f: str, form: str) -> tuple[ContactKind, tuple[float, ...]]:
-    shapes = [ShapeKind(name, name, tuple(_SHAPES[name][0].split())) for name in (o, f)]
-    return ContactKind("paper", form, *(Side(shape, "free") for shape in shapes)), _SHAPES[o][1] + _SHAPES[f][
-        1
-    ]
+    one, two = (Side(ShapeKind(name, name, tuple(_SHAPES[name][0].split())), "free") for name in (o, f))
+    return ContactKind("paper", form, one, two), _SHAPES[o][1] + _SHAPES[f][1]
 
 
 @cache
