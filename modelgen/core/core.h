@@ -2,10 +2,12 @@
 #ifndef MG_CORE_H
 #define MG_CORE_H
 
+#include "friction.h"
 #include "kinds.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
 
+#define MG_BELOW 5     /* most rows of a contact below its normal one */
 #define MG_GRID 17      /* samples along each side of a chart at the start */
 #define MG_COARSE 9     /* and during a run */
 #define MG_SAMPLES 289  /* MG_GRID squared */
@@ -40,6 +42,7 @@ typedef struct {
   const mg_system *sys;
   const mg_settings *set;
   mg_run *run;
+  int below, n_all;                         /* rows below the normal ones: from `below` to n_all, behind all others */
   int n_x, work_index;                      /* length of x; index of the work state */
   mg_real *pose, *twist, *accel, *wrench;   /* per body 12, 6, 6, 6; accel without, then with contact forces */
   int bilateral, n_rows;                    /* rows: contacts, a spare, then those of the joints from `bilateral` on */
@@ -48,7 +51,10 @@ typedef struct {
   mg_real *part, *most;                     /* per row of a joint: its own part, 0..1; per joint: their product at most */
   mg_real *MJ_before;                       /* per row of a joint 12: M^-1 J^T after the step before */
   mg_real *bias;                            /* per row: what time alone makes of d_dot */
-  mg_real *normal;                          /* per contact 3 */
+  mg_real *normal, *tangents;               /* per contact 3; 6 */
+  mg_real *block;                           /* rows of one contact as its kernel gives them: 6, 6 and 1 a row */
+  mg_real *lean;                            /* per row below: its part of a slipping contact's force, over -N */
+  int leaning;                              /* forces are sought: rows of slipping grips go with their normal rows */
   mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
   mg_real *S, *s, *y;                       /* the same with the joints eliminated */
@@ -58,6 +64,11 @@ typedef struct {
   int *list, *mask, *fired, *lcp_i;
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
+  int *slipped;                             /* per grip: its event has fired */
+  int *mode;                                /* per grip: before a choice */
+  mg_real *heading;                         /* per grip 3: its course before a choice */
+  mg_real *cone, *coulomb;                  /* problem of Coulomb: MG_CONE a contact; scratch of its solver */
+  int *cone_first, *cone_rows, *marks, *coulomb_i;
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *upright;                             /* per contact: it had passed no watched border at the start of the step */
   int *way;                                 /* per contact: the condition that leads it off its link */
@@ -170,6 +181,34 @@ static int mg_list_joints(const mg_context *c, int *list, int n);
 static void mg_watch_joints(mg_context *c);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
+/* grips.c, slip.c, oblique.c */
+static int mg_row_below(const mg_context *c, int grip);
+static int mg_grip_rows(const mg_context *c, int grip);
+static int mg_contact_of(const mg_context *c, int grip);
+static void mg_take_rows(mg_context *c, int contact);
+static void mg_scatter(mg_context *c, int contact);
+static void mg_slip_rates(mg_context *c);
+static int mg_list_stuck(const mg_context *c, int *list, int n);
+static mg_real mg_product(const mg_context *c, int row, int column);
+static void mg_lean_all(mg_context *c);
+static void mg_lean_columns(mg_context *c, const int *list, int n);
+static void mg_hold_leaning(mg_context *c, int n, mg_real *amount);
+static void mg_add_slipping(mg_context *c);
+static mg_real mg_slipping_power(const mg_context *c);
+static void mg_oblique_solve(mg_context *c, int n, const mg_real *A, const mg_real *b, mg_real *z);
+
+/* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
+static mg_real mg_grip_value(const mg_context *c, int grip);
+static int mg_grips_fired(mg_context *c);
+static int mg_first_slipped(const mg_context *c);
+static int mg_grips_suspect(const mg_context *c);
+static void mg_aim_all(mg_context *c);
+static mg_real mg_slip_of(const mg_context *c, int grip, mg_real *along);
+static int mg_choose_grips(mg_context *c, const int *skip);
+static void mg_note_grips(mg_context *c);
+static void mg_report_grips(mg_context *c, mg_events *events);
+static int mg_impact_with_friction(mg_context *c, mg_events *events);
+
 /* rhs.c */
 static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 static mg_real mg_separation(const mg_context *c, int contact);
@@ -221,6 +260,11 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed);
 static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);
+static mg_real mg_rebound(const mg_context *c, int contact);
+static int mg_nearing(const mg_context *c, int contact);
+static void mg_apply_impulses(mg_context *c, int n);
+static void mg_after_impact(mg_context *c, mg_events *events, int n);
+static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
 static int mg_impact(mg_context *c, mg_events *events);
 static int mg_solve_modes(mg_context *c, mg_events *events);
 static int mg_has_room(const mg_context *c);
@@ -228,6 +272,8 @@ static int mg_transition(mg_context *c, mg_events *events);
 static int mg_unsettled(mg_context *c);
 static void mg_refresh(mg_context *c);
 static mg_real mg_largest(const mg_context *c, const mg_real *value);
+static void mg_correction(mg_context *c, const int *marked, const mg_real *value);
+static void mg_push(mg_context *c);
 static int mg_project(mg_context *c);
 static int mg_project_start(mg_context *c);
 static int mg_start_joints(mg_context *c);
