@@ -27,13 +27,13 @@ static long mg_held_of(const mg_system *s) {
 /* What grips need: reals, ints. */
 static long mg_grip_size(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return s->n_below + 3L * s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
+  return s->n_below + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
          mg_friction_work_size((int)mg_held_of(s), s->n_closed);
 }
 
 static long mg_grip_isize(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return 2L * s->n_grip + 3L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
+  return 3L * s->n_grip + 4L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
 }
 
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
@@ -72,10 +72,11 @@ static void mg_zero(mg_real *a, long n) {
 static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long n = mg_held_of(s), k = s->n_closed;
-  c->lean = mg_take(&work, s->n_below), c->heading = mg_take(&work, 3L * s->n_grip);
+  c->lean = mg_take(&work, s->n_below);
   c->cone = mg_take(&work, MG_CONE * k), c->tangents = mg_take(&work, 6L * s->n_contact);
   c->block = mg_take(&work, 78), c->coulomb = mg_take(&work, mg_friction_work_size((int)n, (int)k));
-  c->slipped = mg_take_int(&iwork, s->n_grip), c->mode = mg_take_int(&iwork, s->n_grip);
+  c->slipped = mg_take_int(&iwork, s->n_grip), c->before = mg_take_int(&iwork, s->n_grip);
+  c->bound_of = mg_take_int(&iwork, s->n_grip), c->cone_contact = mg_take_int(&iwork, k);
   c->cone_first = mg_take_int(&iwork, k), c->cone_rows = mg_take_int(&iwork, k), c->marks = mg_take_int(&iwork, k);
   c->coulomb_i = mg_take_int(&iwork, mg_friction_iwork_size((int)n, (int)k));
 }

@@ -65,10 +65,9 @@ typedef struct {
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped;                             /* per grip: its event has fired */
-  int *mode;                                /* per grip: before a choice */
-  mg_real *heading;                         /* per grip 3: its course before a choice */
+  int *before, *bound_of;                   /* per grip: its mode before a choice; what bounds it in one */
   mg_real *cone, *coulomb;                  /* problem of Coulomb: MG_CONE a contact; scratch of its solver */
-  int *cone_first, *cone_rows, *marks, *coulomb_i;
+  int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *upright;                             /* per contact: it had passed no watched border at the start of the step */
   int *way;                                 /* per contact: the condition that leads it off its link */
@@ -182,9 +181,11 @@ static void mg_watch_joints(mg_context *c);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
 /* grips.c, slip.c, oblique.c */
-static int mg_row_below(const mg_context *c, int grip);
+static int mg_grip_row(const mg_context *c, int contact, int grip);
 static int mg_grip_rows(const mg_context *c, int grip);
 static int mg_contact_of(const mg_context *c, int grip);
+static mg_real mg_slip_scale(const mg_context *c, int grip);
+static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip);
 static void mg_take_rows(mg_context *c, int contact);
 static void mg_scatter(mg_context *c, int contact);
 static void mg_slip_rates(mg_context *c);
@@ -195,17 +196,18 @@ static void mg_lean_columns(mg_context *c, const int *list, int n);
 static void mg_hold_leaning(mg_context *c, int n, mg_real *amount);
 static void mg_add_slipping(mg_context *c);
 static mg_real mg_slipping_power(const mg_context *c);
-static void mg_oblique_solve(mg_context *c, int n, const mg_real *A, const mg_real *b, mg_real *z);
+static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z);
 
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
-static mg_real mg_grip_value(const mg_context *c, int grip);
+static mg_real mg_grip_value(const mg_context *c, int contact, int grip);
+static int mg_aim(mg_context *c, int contact, int grip);
+static void mg_lean_of(mg_context *c, int contact, int grip);
+static int mg_put_contact(mg_context *c, int contact, int k, int size);
 static int mg_grips_fired(mg_context *c);
 static int mg_first_slipped(const mg_context *c);
 static int mg_grips_suspect(const mg_context *c);
 static void mg_aim_all(mg_context *c);
-static mg_real mg_slip_of(const mg_context *c, int grip, mg_real *along);
 static int mg_choose_grips(mg_context *c, const int *skip);
-static void mg_note_grips(mg_context *c);
 static void mg_report_grips(mg_context *c, mg_events *events);
 static int mg_impact_with_friction(mg_context *c, mg_events *events);
 

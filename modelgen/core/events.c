@@ -48,7 +48,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
     if (leaves) c->fired[i] = leaves;
     count += c->fired[i] != 0;
   }
-  return count;
+  return c->sys->n_grip ? count + mg_grips_fired(c) : count;
 }
 
 static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
@@ -64,6 +64,14 @@ static int mg_first_fired(const mg_context *c) {
   return -1;
 }
 
+/* Events are told by contact; those of grips follow. */
+static int mg_first_event(const mg_context *c) {
+  const int first = mg_first_fired(c), grip = first < 0 && c->sys->n_grip ? mg_first_slipped(c) : -1;
+  return grip < 0 ? first : c->sys->n_contact + grip;
+}
+
+static int mg_is_grip(const mg_context *c, int event) { return event >= c->sys->n_contact; }
+
 /* The condition that a walking contact passed, with eta of the state x on the extremum. */
 static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
   mg_real next[6], beyond[6];
@@ -73,18 +81,20 @@ static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
 }
 
 static mg_real mg_event_value(mg_context *c, int contact, int walks, const mg_real *x) {
+  const int grip = contact - c->sys->n_contact;
+  if (grip >= 0) return mg_grip_value(c, mg_contact_of(c, grip), grip);
   if (walks) return mg_border_value(c, contact, x);
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
 }
 
 /* The rate of the event function at theta; needs the rows there. */
 static mg_real mg_event_slope(mg_context *c, int contact, int walks, mg_real h, mg_real theta) {
-  if (!c->run->closed[contact] && !walks) return c->d_dot[contact];
-  const int way = c->way[contact];
+  const int grip = mg_is_grip(c, contact), way = grip ? 0 : c->way[contact];
+  if (!grip && !c->run->closed[contact] && !walks) return c->d_dot[contact];
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
   const mg_real value = mg_event_value(c, contact, walks, c->x_stage);
   mg_fired_at(c, h, theta - step);
-  c->way[contact] = way;
+  if (!grip) c->way[contact] = way;
   return (value - mg_event_value(c, contact, walks, c->x_stage)) / (step * h);
 }
 
@@ -138,10 +148,10 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
     else low = middle;
   }
   mg_fired_at(c, h, high);
-  const int first = mg_first_fired(c);
+  const int first = mg_first_event(c);
   if (first < 0) return 0;
-  const int walks = c->fired[first] == MG_WALKS || c->fired[first] == MG_TIPS;
-  const mg_real slope = mg_held(c, first) && !walks ? 0 : mg_event_slope(c, first, walks, h, high);
+  const int walks = !mg_is_grip(c, first) && (c->fired[first] == MG_WALKS || c->fired[first] == MG_TIPS);
+  const mg_real slope = !mg_is_grip(c, first) && mg_held(c, first) && !walks ? 0 : mg_event_slope(c, first, walks, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, walks, high * h, slope, h);
 }

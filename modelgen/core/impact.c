@@ -60,6 +60,7 @@ static void mg_after_impact(mg_context *c, mg_events *events, int n) {
 
 /* Needs the rows at run->x. Does nothing unless a closed contact approaches. */
 static int mg_impact(mg_context *c, mg_events *events) {
+  if (c->sys->n_grip) return mg_impact_with_friction(c, events);
   const int n = mg_list_closed(c);
   int struck = 0;
   mg_lcp_report report;

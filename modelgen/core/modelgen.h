@@ -98,7 +98,7 @@ typedef struct {
 
 /* What a grip of a contact that carries force does: it holds; it is about to slip, or has, and is slower yet than
    slip_speed; it slips along what its rows tell. */
-enum { MG_LOOSE = 0, MG_STICKS = 1, MG_STARTS = 2, MG_SLIPS = 3 };
+enum { MG_LOOSE = 0, MG_STUCK = 1, MG_STARTING = 2, MG_SLIPPING = 3 };
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */

@@ -18,6 +18,7 @@ static void mg_refresh(mg_context *c) {
 /* Solves for the active set among the closed contacts that are not skipped. */
 static int mg_choose_active(mg_context *c, const int *skip) {
   const int m = c->sys->n_contact;
+  if (c->sys->n_grip) return mg_choose_grips(c, skip);
   mg_lcp_report report;
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
@@ -41,6 +42,7 @@ static int mg_held_by_others(mg_context *c, int contact) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) c->list[n++] = i;
   n = mg_list_joints(c, c->list, n);
+  if (c->sys->n_grip) n = mg_list_stuck(c, c->list, n);
   c->list[n++] = contact;
   mg_assemble(c, c->list, n);
   const mg_real *column = c->A + (long)n * (n - 1);
@@ -74,6 +76,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
   }
   for (int i = 0; i < m; i++)
     if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
+  if (c->sys->n_grip) mg_report_grips(c, events);
   return MG_DONE;
 }
 

@@ -45,4 +45,5 @@ static void mg_watch(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
+  if (c->sys->n_grip && mg_grips_suspect(c)) c->suspect = 1;
 }

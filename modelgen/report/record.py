@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Array = np.ndarray[Any, Any]
 COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
-    *("points_o", "points_f", "normals", "energy", "work"),
+    *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
 )
 

@@ -22,6 +22,7 @@ class Recording:
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
+            **{name: (n, nc, 3) for name in ("friction", "torque", "slip")},
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
@@ -47,6 +48,9 @@ class Recording:
             "points_o": kept["point_o"],
             "points_f": kept["point_f"],
             "normals": kept["normal"],
+            "friction": kept["friction"],
+            "contact_torque": kept["torque"],
+            "slip": kept["slip"],
         }
 
 
