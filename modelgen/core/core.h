@@ -184,7 +184,7 @@ static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_repo
 static int mg_grip_row(const mg_context *c, int contact, int grip);
 static int mg_grip_rows(const mg_context *c, int grip);
 static int mg_contact_of(const mg_context *c, int grip);
-static mg_real mg_slip_scale(const mg_context *c, int grip);
+static mg_real mg_slip_rest(const mg_context *c, int grip);
 static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip);
 static void mg_take_rows(mg_context *c, int contact);
 static void mg_scatter(mg_context *c, int contact);

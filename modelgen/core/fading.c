@@ -1,8 +1,6 @@
 /* Events of grips: a stuck one reaches its bound, a slipping one comes to rest. */
 #include "core.h"
 
-static mg_real mg_slip_rest(const mg_context *c, int grip) { return c->set->slip_speed * mg_slip_scale(c, grip); }
-
 /* N - |f / mu|, N: what is left of the bound of a stuck grip. */
 static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip);
@@ -14,14 +12,15 @@ static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
 /* The event function of a grip, which falls through zero: force left, or slip left along the course. */
 static mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
-  if (c->run->grip[grip] == MG_STUCK) return mg_grip_left(c, contact, grip);
-  const mg_real along = mg_slip_along(c, contact, grip, slip), rest = mg_slip_rest(c, grip);
-  return c->run->grip[grip] == MG_SLIPPING ? along - rest : along + rest;
+  return c->run->grip[grip] == MG_STUCK ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
 }
 
+/* Slip that has reached slip_speed is over below it; one that has not, once it goes back as fast. */
 static int mg_has_fired(const mg_context *c, int contact, int grip) {
-  if (!c->run->active[contact] || c->run->grip[grip] == MG_LOOSE) return 0;
-  const mg_real least = c->run->grip[grip] == MG_STUCK ? -mg_slack(c) * c->sys->mass : 0;
+  const int mode = c->run->grip[grip];
+  if (!c->run->active[contact] || mode == MG_LOOSE) return 0;
+  const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->sys->mass;
+  const mg_real least = mode == MG_STUCK ? -slack : mode == MG_SLIPPING ? rest : -rest;
   return mg_grip_value(c, contact, grip) < least;
 }
 

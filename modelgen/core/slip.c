@@ -7,6 +7,8 @@ static mg_real mg_slip_scale(const mg_context *c, int grip) {
   return (c->sys->grip_aspect[grip] == MG_SLIP ? c->sys->length : 1) / c->sys->time;
 }
 
+static mg_real mg_slip_rest(const mg_context *c, int grip) { return c->set->slip_speed * mg_slip_scale(c, grip); }
+
 /* The slip of a grip past its course: its components s, and returned s.course. */
 static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip) {
   const int row = mg_grip_row(c, contact, grip);
@@ -18,13 +20,13 @@ static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real
 }
 
 /* Along the slip, which is taken round where it points against its course, so that the force is smooth while one that
-   stays on a line passes zero; along the course where there is hardly any. */
+   stays on a line passes zero; along the course where there is so little of it that rounding would turn it. */
 static void mg_lean_of(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip), rows = mg_grip_rows(c, grip);
   const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *course = c->run->course + 3 * grip;
   const mg_real *t = c->tangents + 6 * contact;
   mg_real slip[2], sign = mg_slip_along(c, contact, grip, slip) < 0 ? -1 : 1;
-  const mg_real least = mg_slip_scale(c, grip) * MG_EPS;
+  const mg_real least = 2 * mg_slip_rest(c, grip);
   if (rows == 1) slip[0] = course[0], sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= least * least)
     slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
