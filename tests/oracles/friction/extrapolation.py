@@ -16,6 +16,7 @@ Field = Callable[[Array], Array]
 Stop = Callable[[Array], Any]
 
 COLUMNS = 8  # substeps 2, 4 .. 16: order 16; more columns round worse
+FIRST = 0.01  # first step
 ROUNDS = 60
 
 
@@ -64,7 +65,8 @@ def marched(
 
     Returns the state, the distance gone and the number of the stop (-1: none).
     """
-    gone, h, span = Real(0), Real(span) / 8, Real(span)
+    gone, span = Real(0), Real(span)
+    h = min(span / 8, Real(FIRST))
     armed = [stop(x) > 0 for stop in stops]
     while gone < span:
         h = min(h, span - gone)
@@ -92,7 +94,7 @@ def located(field: Field, x: Array, h: Any, stop: Stop) -> tuple[Any, Array]:
         middle = (low * at_high - high * at_low) / (at_high - at_low)
         state = stepped(field, x, middle)[0]
         value = stop(state)
-        if abs(value) < Real(1e-19) or high - low < Real(1e-18) * abs(h):
+        if abs(value) < Real(1e-19) or abs(high - low) < Real(1e-18) * abs(h):
             return middle, state
         if value * at_high < 0:
             low, at_low = high, at_high

@@ -1,16 +1,16 @@
 """A convex rigid body that rolls or slides on the plane z = 0, in body axes, in long double.
 
 The state is x = [t, p (centre of mass, world), alpha, beta, gamma (the world's axes seen from the body), V
-(its velocity, body axes), w (angular velocity, body axes), heat]. With r(gamma) from the centre of mass to the
-lowest point (Borisov and Mamaev, Regular and Chaotic Dynamics 7 (2002), 177-200):
+(its velocity, body axes), w (angular velocity, body axes), heat]. With r(gamma) from the centre of mass to
+the lowest point (Borisov and Mamaev, Regular and Chaotic Dynamics 7 (2002), 177-200):
 
-    m (V' + w x V) = F - m g gamma,   I w' + w x I w = r x F + torque,   gamma' = gamma x w.
+    m (V' + w x V) = F + m R^T g,   I w' + w x I w = r x F + torque,   gamma' = gamma x w.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -60,7 +60,7 @@ class Body:
     mu: Any = 0.0
     rolling_resistance: Any = 0.0
     spinning_resistance: Any = 0.0
-    g: Any = GRAVITY
+    gravity: Array = field(default_factory=lambda: reals([0, 0, -GRAVITY]))  # world axes
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def rolls(body: Body, x: Array) -> Contact:
     gamma, w, m = x[GAMMA], x[W], body.mass
     r, turn = body.reach(gamma, cross(gamma, w))
     drag = resistance(body, gamma, w)
-    carried = m * (cross(turn, w) + cross(w, cross(r, w)) + body.g * gamma)
+    carried = m * (cross(turn, w) + cross(w, cross(r, w)) - body.gravity @ rotation_of(x))
     cross_r = reals([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])
     A = body.inertia - m * cross_r @ cross_r - m * np.outer(drag, gamma @ cross_r)
     w_rate = solved(A, -cross(w, body.inertia @ w) + cross(r, carried) + drag * (gamma @ carried))
@@ -130,7 +130,7 @@ def slides(body: Body, x: Array) -> Contact:
     speed = np.sqrt(tangent @ tangent)
     push = gamma - body.mu * tangent / speed if body.mu else gamma
     torque = cross(r, push) + resistance(body, gamma, w)
-    free_V = -body.g * gamma - cross(w, x[V])
+    free_V = body.gravity @ rotation_of(x) - cross(w, x[V])
     free_w = solved(body.inertia, -cross(w, body.inertia @ w))
     per_w = solved(body.inertia, torque)
     own = gamma @ (free_V + cross(free_w, r) + cross(w, turn)) + falling @ slip
@@ -143,13 +143,13 @@ def flies(body: Body, x: Array) -> Contact:
     """Nothing touches."""
     zero, w = np.zeros(3, dtype=Real), x[W]
     w_rate = solved(body.inertia, -cross(w, body.inertia @ w))
-    return Contact(zero, Real(0), zero, -body.g * x[GAMMA] - cross(w, x[V]), w_rate, Real(0))
+    return Contact(zero, Real(0), zero, body.gravity @ rotation_of(x) - cross(w, x[V]), w_rate, Real(0))
 
 
 Mode = Callable[[Body, Array], Contact]
 
 
-def field(body: Body, mode: Mode, slow: Any = 0) -> Field:
+def motion(body: Body, mode: Mode, slow: Any = 0) -> Field:
     """The right-hand side; with `slow` time runs as |s| / (|s| + slow), so that dying slip never dies."""
 
     def slope(x: Array) -> Array:
@@ -169,12 +169,41 @@ def field(body: Body, mode: Mode, slow: Any = 0) -> Field:
 def energy(body: Body, x: Array) -> tuple[Any, Any]:
     """Kinetic and potential energy."""
     kinetic = (body.mass * (x[V] @ x[V]) + x[W] @ body.inertia @ x[W]) / 2
-    return kinetic, body.mass * body.g * x[P][2]
+    return kinetic, -body.mass * (body.gravity @ x[P])
+
+
+def slid_out(body: Body, x: Array, tolerance: float = 1e-17) -> Array:
+    """The state in which slip has died, at the time it dies; friction must not let it revive before."""
+    scale = np.sqrt(slides(body, x).slip @ slides(body, x).slip)
+    stop = lambda y: speed_of(body, y) - Real(1e-15) * scale  # noqa: E731
+    y, _, which = marched(motion(body, slides, slow=scale), x, 1000, (stop,), tolerance)
+    assert which == 0, "the slip does not die"
+    r = body.reach(y[GAMMA], y[GAMMA])[0]
+    y[V] = cross(r, y[W])
+    return y
+
+
+def speed_of(body: Body, x: Array) -> Any:
+    """|s|."""
+    slip = slides(body, x).slip
+    return np.sqrt(slip @ slip)
+
+
+def slid(body: Body, x: Array, times: Any, tolerance: float = 1e-17) -> Array:
+    """States at the times, sliding throughout."""
+    scale, states = speed_of(body, x), []
+    pace = motion(body, slides, slow=scale)
+    for t in reals(times):
+        if t > x[T]:
+            x, _, which = marched(pace, x, 1000, (lambda y, t=t: t - y[T],), tolerance)
+            assert which == 0, "the slip dies before"
+        states.append(x)
+    return np.array(states)
 
 
 def rolled(body: Body, x: Array, times: Any, tolerance: float = 1e-17) -> Array:
     """States at the times, rolling throughout."""
-    slope, states = field(body, rolls), []
+    slope, states = motion(body, rolls), []
     for t in reals(times):
         x = marched(slope, x, t - x[T], tolerance=tolerance)[0] if t > x[T] else x
         states.append(x)

@@ -1,8 +1,8 @@
 """The passive ellipsoid that rolls without slip: the scene `rolling_ellipsoid`.
 
 Reading: 0.10 x 0.07 x 0.05 m are the semi-axes, the ellipsoid is turned by the tilt about the world's x axis,
-its angular velocity is (0, 0, spin) in world axes, and its lowest point is at rest. It is also the reading for
-which MuJoCo, with its elliptic cone and RK4, gains 55 % of the initial kinetic energy in 5 s at any step.
+its angular velocity is (0, 0, spin) in world axes, and its lowest point is at rest. It is also the reading
+for which MuJoCo, with its elliptic cone and RK4, gains 55 % of the first kinetic energy in 5 s at any step.
 """
 
 from __future__ import annotations
