@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 Array = np.ndarray[Any, Any]
-Support = Callable[[ca.SX], ca.SX]  # max of n.x over the body, for n in body axes
+Support = Callable[[ca.SX], ca.SX]  # max of n.x over the body, of degree 1 in n
 
 
 def turned(angle: ca.SX, axis: int) -> ca.SX:
@@ -32,7 +32,7 @@ def ellipsoid_support(axes: Any, frame: Any = None, offset: Any = (0, 0, 0)) -> 
 
 def circle_support(radius: float, axis: Any) -> Support:
     e = ca.DM(list(axis))
-    return lambda n: radius * ca.sqrt(1 - ca.dot(n, e) ** 2)
+    return lambda n: radius * ca.sqrt(ca.sumsqr(n) - ca.dot(n, e) ** 2)
 
 
 class LagrangeRoute:

@@ -1,8 +1,8 @@
 """Balls in closed form: sliding into rolling in any direction, down an incline, and rolling on a turntable.
 
 A homogeneous ball has moment of inertia k m r^2, k = 2/5. Its slip s = v + w x (-r z) obeys
-s' = -(1 + 1/k) mu g s/|s|, because friction is along s and acts on v and, with the lever r, on w: the direction
-of s never changes, whatever the spin.
+s' = -(1 + 1/k) mu g s/|s|, because friction is along s and acts on v and, with the lever r, on w:
+the direction of s never changes, whatever the spin.
 """
 
 from __future__ import annotations
