@@ -66,7 +66,11 @@ class Rows:
 
 
 def with_tangential_rows(pair: Pair, rates: Rates, rows: int) -> Rates:
-    """The rates with J and gamma of 3 or 6 rows, and the tangents; unchanged with one row."""
+    """Below the normal row: slip t1.V, t2.V (3 rows); spin N.w, rolling t1.w, t2.w (6 rows).
+
+    gamma of t.V = t.(w_f x (w_f x l_f + s_f) - w_o x (w_o x l_o + s_o)) + t_dot.V,  of N.w = N_dot.w,
+    of t.w = t_dot.w;  t1_dot = sigma t2 - (N_dot.t1) N,  t2_dot = -sigma t1 - (N_dot.t2) N.
+    """
     if rows == 1:
         return rates
     frame = slip_frame(pair, rates)
