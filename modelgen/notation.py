@@ -178,6 +178,14 @@ _COPIES = {
 NAMES: Mapping[str, Notation] = {entry.name: entry for entry in _TABLE}
 
 
+_TURNING_ROWS = {("gamma", 6): "m/s^2, rad/s^2"}  # units of what is longer where a contact rolls and spins
+
+
+def unit_of(name: str, size: int) -> str:
+    """The unit of a quantity with that many entries; KeyError for an unknown name."""
+    return _TURNING_ROWS.get((name, size), notation(name).unit)
+
+
 def notation(name: str) -> Notation:
     """The entry of a name; `pose_o` and the like have that of `pose`. KeyError for an unknown one."""
     return NAMES[_COPIES.get(name, name)]

@@ -12,6 +12,7 @@ import casadi as ca
 
 from modelgen.geometry.frames import (
     POSE_SIZE,
+    SEAM,
     TWIST_SIZE,
     Frame,
     cross,
@@ -40,6 +41,7 @@ class Partner:
     rotation: ca.SX  # (3,3) shape axes -> world
     spin: ca.SX  # (3,) rad/s, shape axes
     arm: ca.SX  # (3,) m, shape axes, from the centre of mass to the shape's origin
+    seam: float = 0.0  # of `tangent_frame` on it
 
     @property
     def origin(self) -> ca.SX:
@@ -61,7 +63,7 @@ class Partner:
         return linear if self.columns else ca.SX(0, 1)
 
 
-def partner(side: Side, name: str) -> Partner:
+def partner(side: Side, name: str, seam: float = 0.0) -> Partner:
     """The symbols of one side; `name` is "o" or "f"."""
     posed = not (side.motion == "fixed" and side.pose == "identity")
     pose = ca.SX.sym(f"pose_{name}", POSE_SIZE if posed else 0)
@@ -87,6 +89,7 @@ def partner(side: Side, name: str) -> Partner:
         rotation=ca.mtimes(body.rotation, placement.rotation),
         spin=ca.mtimes(placement.rotation.T, twist[3:6]) if turning else zeros(3),
         arm=ca.mtimes(placement.rotation.T, placement.position),
+        seam=seam,
     )
 
 
@@ -109,4 +112,6 @@ def pair(kind: ContactKind, layout: Layout) -> Pair:
     """Symbols of a contact whose eta has the given layout."""
     size_o, size_f = ETA_SIZE[layout[0]], ETA_SIZE[layout[1]]
     eta = ca.SX.sym("eta", size_o + size_f)
-    return Pair(partner(kind.o, "o"), partner(kind.f, "f"), layout, eta, eta[:size_o], eta[size_o:])
+    seam = SEAM if kind.rows > 1 else 0.0
+    o, f = partner(kind.o, "o", seam), partner(kind.f, "f", seam)
+    return Pair(o, f, layout, eta, eta[:size_o], eta[size_o:])

@@ -12,10 +12,11 @@ so that d/dt (J u) = J u_dot + gamma, at any gap and with slip: (3.11), signs co
 rows are the conditions of Montana's rolling (t.V = 0) and of rolling without spin (N.w = 0).
 
 The frame is `tangent_frame` of N in the axes of o's shape: it moves with o, rests where N rests in o (a
-plane), and jumps where the third component of N in these axes changes its sign, by a rotation about N that
-t1, t2, J and gamma undergo together. A jump, or another frame, so changes the components of slip and of
-friction, never their lengths nor their power; who keeps a direction across time keeps it in world axes. An
-axis e fixed in o's shape has the components (t1.e, t2.e) in the tangent plane.
+plane), and jumps where the third component of N in these axes passes SEAM, by a rotation about N that t1, t2,
+J and gamma undergo together. The seam is off 0, where normals of cylinders and equators lie and rounding
+would choose the frame. A jump, or another frame, changes the components of slip and of friction, never their
+lengths nor their power; who keeps a direction across time keeps it in world axes. An axis e fixed in o's
+shape has the components (t1.e, t2.e) in the tangent plane.
 """
 
 from __future__ import annotations
@@ -47,11 +48,11 @@ class SlipFrame:
 
 def slip_frame(pair: Pair, rates: Rates) -> SlipFrame:
     n, spin = rates.foot_o.normal, pair.o.spin
-    T_o = tangent_frame(n)
+    T_o = tangent_frame(n, pair.o.seam)
     T_w = ca.mtimes(pair.o.rotation, T_o)
     along = ca.mtimes(T_o.T, spin)
     tilt = ca.mtimes(T_o.T, rates.turning) + ca.vertcat(along[1], -along[0])
-    sigma = frame_spin(n, rates.turning) + dot(n, spin)
+    sigma = frame_spin(n, rates.turning, pair.o.seam) + dot(n, spin)
     return SlipFrame(T_o, ca.mtimes(pair.f.rotation.T, T_w), T_w, tilt, sigma)
 
 
@@ -66,7 +67,11 @@ class Rows:
 
 
 def with_tangential_rows(pair: Pair, rates: Rates, rows: int) -> Rates:
-    """The rates with J and gamma of 3 or 6 rows, and the tangents; unchanged with one row."""
+    """Below the normal row: slip t1.V, t2.V (3 rows); spin N.w, rolling t1.w, t2.w (6 rows).
+
+    gamma of t.V = t.(w_f x (w_f x l_f + s_f) - w_o x (w_o x l_o + s_o)) + t_dot.V,  of N.w = N_dot.w,
+    of t.w = t_dot.w;  t1_dot = sigma t2 - (N_dot.t1) N,  t2_dot = -sigma t1 - (N_dot.t2) N.
+    """
     if rows == 1:
         return rates
     frame = slip_frame(pair, rates)
