@@ -27,6 +27,12 @@ static void mg_arrest(mg_context *c) {
   mg_refresh(c);
 }
 
+/* The rows and accelerations without contact forces. */
+static void mg_let_go(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
+  mg_refresh(c);
+}
+
 static void mg_bound_all(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
@@ -94,40 +100,55 @@ static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real par
   return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i) == MG_FRICTION_SOLVED;
 }
 
-/* Whether a grip of contact k of the problem is found to slip. */
-static int mg_gives_way(const mg_context *c, int k, int grip) {
-  return c->bound_of[grip] != MG_KNOWN && (c->marks[k] & (MG_SLIPS << c->sys->grip_aspect[grip]));
+/* How fast a row gets away under the forces z. */
+static mg_real mg_way_of(const mg_friction_problem *p, const mg_real *z, int row) {
+  mg_real sum = p->b[row];
+  for (int j = 0; j < p->n; j++) sum += p->A[row + p->n * j] * z[j];
+  return sum;
 }
 
-/* Those that slip get their kinetic bounds; returns how many bounds that changes. */
-static int mg_give_way(mg_context *c, int n_contact) {
+/* What counts as moving off among accelerations that are known to the solver's residual. */
+static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
+  mg_real size = 0;
+  for (int r = 0; r < p->n; r++)
+    if (fabs(p->b[r]) > size) size = fabs(p->b[r]);
+  return 10 * c->set->cone * size;
+}
+
+/* Against what its own force does to a grip. */
+static int mg_gets_away(const mg_context *c, const mg_friction_problem *p, int row, int rows) {
+  mg_real way = 0, own = 0;
+  for (int r = row; r < row + rows; r++)
+    way += fabs(mg_way_of(p, c->z, r)), own += fabs(p->A[r + p->n * r] * c->z[r]);
+  return way > c->set->cone / 10 * own;
+}
+
+/* Marks the grips found to slip. Where forces are not unique some lie on their bounds by chance: only those that get
+   away slip. Returns their number. */
+static int mg_mark_giving(mg_context *c, const mg_friction_problem *p, int redundant) {
   int count = 0;
-  for (int k = 0; k < n_contact; k++) {
+  for (int k = 0; k < p->n_contact; k++) {
     const int i = c->cone_contact[k];
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
-      if (!mg_gives_way(c, k, g) || c->bound_of[g] == MG_KINETIC) continue;
-      c->bound_of[g] = MG_KINETIC;
-      count += s[0] != d[0] || s[1] != d[1];
+      const int row = c->cone_first[k] + 1 + c->sys->grip_row[g];
+      c->gives[g] = c->bound_of[g] != MG_KNOWN && (c->marks[k] & (MG_SLIPS << c->sys->grip_aspect[g]));
+      if (c->gives[g] && redundant) c->gives[g] = mg_gets_away(c, p, row, mg_grip_rows(c, g));
+      count += c->gives[g];
     }
   }
   return count;
 }
 
-static int mg_any_gives_way(const mg_context *c, int n_contact) {
-  for (int k = 0; k < n_contact; k++)
-    for (int g = c->sys->contact_grip[c->cone_contact[k]]; g < c->sys->contact_grip[c->cone_contact[k] + 1]; g++)
-      if (mg_gives_way(c, k, g)) return 1;
-  return 0;
-}
-
-/* Where forces are not unique and all grips hold, forces well within their bounds are taken if there are any. */
-static void mg_center(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
-  static const mg_real parts[] = {(mg_real)0.5, (mg_real)0.8, (mg_real)0.95, (mg_real)0.99, (mg_real)0.999};
-  if (report->rank >= report->active || mg_any_gives_way(c, p->n_contact)) return;
-  for (int k = 0; k < 5; k++)
-    if (mg_try_cones(c, p, parts[k], c->z, report) && !mg_any_gives_way(c, p->n_contact)) return;
-  mg_try_cones(c, p, 1, c->z, report);
+/* Those that slip get their kinetic bounds; returns how many bounds that changes. */
+static int mg_give_way(mg_context *c) {
+  int count = 0;
+  for (int g = 0; g < c->sys->n_grip; g++) {
+    const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
+    if (!c->gives[g] || c->bound_of[g] == MG_KINETIC) continue;
+    c->bound_of[g] = MG_KINETIC;
+    count += s[0] != d[0] || s[1] != d[1];
+  }
+  return count;
 }
 
 static void mg_set_course(mg_context *c, int contact, int grip, const mg_real *force) {
@@ -144,45 +165,96 @@ static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
     const int i = c->cone_contact[k];
     c->run->active[i] = (c->marks[k] & MG_PRESSES) != 0;
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      if (!c->run->active[i]) c->run->grip[g] = MG_LOOSE;
-      else if (mg_gives_way(c, k, g)) {
-        mg_set_course(c, i, g, c->z + c->cone_first[k] + 1 + c->sys->grip_row[g]);
-        c->run->grip[g] = MG_STARTING;
-      }
+      if (!c->gives[g]) continue;
+      mg_set_course(c, i, g, c->z + c->cone_first[k] + 1 + c->sys->grip_row[g]);
+      c->run->grip[g] = MG_STARTING;
     }
   }
 }
 
-static void mg_take_shares(mg_context *c, const mg_friction_problem *p, const mg_friction_report *report) {
-  const int m = c->sys->n_contact, redundant = report->active - report->rank;
-  c->run->shared = redundant > 0;
-  if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
-  if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
+static void mg_take_shares(mg_context *c, const mg_friction_problem *p) {
+  const int m = c->sys->n_contact;
   for (int i = 0; i < m + c->sys->n_below; i++) c->run->share[i] = 0;
   for (int r = 0; r < p->n; r++) {
     const int row = c->list[r];
     if (row < m) c->run->share[row] = c->z[r];
     else if (row >= c->below) c->run->share[m + row - c->below] = c->z[r];
   }
+  c->run->shared = 1;
+}
+
+static int mg_is_admissible(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (!c->run->active[i]) continue;
+    if (!(c->force[i] > 0)) return 0;
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
+      if (c->run->grip[g] == MG_STUCK && !(mg_grip_value(c, i, g) > c->set->cone * c->force[i])) return 0;
+  }
+  return 1;
+}
+
+/* Tries forces of least norm on all contacts that do not move off; where these are not admissible, the contacts are
+   left as they were. */
+static int mg_spread(mg_context *c, const mg_friction_problem *p) {
+  for (int k = 0; k < p->n_contact; k++)
+    if (mg_way_of(p, c->z, c->cone_first[k]) < mg_certain(c, p)) c->run->active[c->cone_contact[k]] = 1;
+  c->run->shared = 0;
+  mg_refresh(c);
+  if (mg_is_admissible(c)) return 1;
+  for (int k = 0; k < p->n_contact; k++) c->run->active[c->cone_contact[k]] = (c->marks[k] & MG_PRESSES) != 0;
+  c->run->shared = 1;
+  return 0;
+}
+
+/* Forces that hold all grips and are well within their bounds, if there are any. */
+static void mg_relieve(mg_context *c, const int *skip) {
+  mg_friction_report report;
+  const mg_friction_problem p = mg_pose_problem(c, skip);
+  for (mg_real less = (mg_real)0.5; less > c->set->cone; less /= 4) {
+    if (!mg_try_cones(c, &p, 1 - less, c->z, &report) || mg_mark_giving(c, &p, 1)) continue;
+    mg_take_modes(c, &p);
+    mg_take_shares(c, &p);
+    return;
+  }
+  for (int k = 0; k < p.n_contact; k++) c->run->active[c->cone_contact[k]] = 1;
+}
+
+/* Which of the forces that make the same motion are meant. Needs the problem as it was solved. */
+static void mg_settle_shares(mg_context *c, const int *skip, const mg_friction_problem *p, int giving) {
+  mg_take_shares(c, p);
+  if (mg_spread(c, p) || giving) return;
+  mg_let_go(c);
+  mg_relieve(c, skip);
+}
+
+static void mg_note_report(mg_context *c, const mg_friction_report *report) {
+  const int redundant = report->active - report->rank;
+  if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
+  if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
 
 /* Solves for the modes of the closed contacts that are not skipped. Needs the rows at run->x. */
 static int mg_choose_grips(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
+  int giving, redundant;
   for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) mg_sort_out(c, i, g);
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->gives[g] = 0;
   mg_arrest(c);
   mg_bound_all(c);
-  for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
-  mg_refresh(c);
-  mg_friction_problem p = mg_pose_problem(c, skip);
+  mg_let_go(c);
+  const mg_friction_problem p = mg_pose_problem(c, skip);
   if (p.n_contact == 0) return MG_DONE;
-  do
-    if (!mg_try_cones(c, &p, 1, c->z, &report)) return MG_NO_FRICTION;
-  while (mg_give_way(c, p.n_contact));
-  mg_center(c, &p, &report);
+  redundant = mg_oblique_rank(c, c->list, p.n) < p.n;
+  do {
+    if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
+    giving = mg_mark_giving(c, &p, redundant);
+  } while (mg_give_way(c));
+  mg_note_report(c, &report);
   mg_take_modes(c, &p);
-  mg_take_shares(c, &p, &report);
+  c->run->shared = 0;
+  if (redundant) mg_settle_shares(c, skip, &p, giving);
+  for (int g = 0; g < c->sys->n_grip; g++)
+    if (!c->run->active[mg_contact_of(c, g)]) c->run->grip[g] = MG_LOOSE;
   mg_refresh(c);
   mg_arrest(c);
   return MG_DONE;

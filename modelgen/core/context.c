@@ -33,7 +33,7 @@ static long mg_grip_size(const mg_system *s) {
 
 static long mg_grip_isize(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return 3L * s->n_grip + 4L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
+  return 4L * s->n_grip + 4L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
 }
 
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
@@ -77,6 +77,7 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   c->block = mg_take(&work, 78), c->coulomb = mg_take(&work, mg_friction_work_size((int)n, (int)k));
   c->slipped = mg_take_int(&iwork, s->n_grip), c->before = mg_take_int(&iwork, s->n_grip);
   c->bound_of = mg_take_int(&iwork, s->n_grip), c->cone_contact = mg_take_int(&iwork, k);
+  c->gives = mg_take_int(&iwork, s->n_grip);
   c->cone_first = mg_take_int(&iwork, k), c->cone_rows = mg_take_int(&iwork, k), c->marks = mg_take_int(&iwork, k);
   c->coulomb_i = mg_take_int(&iwork, mg_friction_iwork_size((int)n, (int)k));
 }

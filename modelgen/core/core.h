@@ -65,7 +65,7 @@ typedef struct {
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped;                             /* per grip: its event has fired */
-  int *before, *bound_of;                   /* per grip: its mode before a choice; what bounds it in one */
+  int *before, *bound_of, *gives;           /* per grip: its mode before a choice; in one, what bounds it, and that it slips */
   mg_real *cone, *coulomb;                  /* problem of Coulomb: MG_CONE a contact; scratch of its solver */
   int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
@@ -196,6 +196,7 @@ static void mg_lean_columns(mg_context *c, const int *list, int n);
 static void mg_hold_leaning(mg_context *c, int n, mg_real *amount);
 static void mg_add_slipping(mg_context *c);
 static mg_real mg_slipping_power(const mg_context *c);
+static int mg_oblique_rank(mg_context *c, const int *list, int n);
 static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z);
 
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */

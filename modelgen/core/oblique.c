@@ -74,14 +74,22 @@ static void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_
   for (int i = 0; i < rank; i++) mg_reflect(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
 }
 
-/* A z = -b over listed rows, A as in c->A and b as in c->b, scaled by the roots of J M^-1 J^T; of least norm so scaled
-   where A is singular. */
-static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
-  mg_real *R = c->lcp, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+/* The triangle of c->A and c->b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
+static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
   for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_product(c, list[i], list[i])), y[i] = -c->b[i] * d[i];
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) R[i + n * j] = c->A[i + n * j] * d[i] * d[j];
-  const int rank = mg_triangle(n, R, y, c->lcp_i, MG_LCP_RANK(n));
+  return mg_triangle(n, R, y, c->lcp_i, MG_LCP_RANK(n));
+}
+
+static int mg_oblique_rank(mg_context *c, const int *list, int n) {
+  return mg_scaled_triangle(c, list, n, c->lcp, c->lcp + n * n, c->lcp + n * n + n);
+}
+
+/* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
+static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
+  mg_real *R = c->lcp, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+  const int rank = mg_scaled_triangle(c, list, n, R, y, d);
   mg_solve_triangle(n, rank, R, y, x, beta);
   for (int i = 0; i < n; i++) z[c->lcp_i[i]] = x[i] * d[c->lcp_i[i]];
 }
