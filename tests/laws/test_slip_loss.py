@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import mpmath as mp
 import numpy as np
@@ -11,6 +13,9 @@ import pytest
 from modelgen.contact.kinds import ContactKind, contact_kernels
 from modelgen.geometry.frames import SEAM
 from modelgen.model import ShapeKind, Side
+from tests.curves.test_loss import Case, concentric, crossing, focal, rim
+from tests.curves.test_loss import margin as margin_of
+from tests.explicit.test_loss import DECADES, LOSSES, crossed
 from tests.laws.configurations import Array
 from tests.laws.precise import evaluate
 from tests.laws.test_loss import EPS, FORMS, SEEDS, margin, near_conforming, slope
@@ -37,6 +42,41 @@ def test_arithmetic_loses_eps_over_mu(form: str) -> None:
     assert min(margins) < 1e-8
     assert all(error * mu < 5 * EPS for mu, error in zip(margins, errors, strict=True))
     assert -1.25 < slope(margins, errors) < -0.75
+
+
+def decades(make: Callable[[float, int], Case], sizes: Array) -> tuple[Array, Array]:
+    """Least margins and errors, medians over the seeds."""
+    margins, errors = [], []
+    with mp.workdps(50):
+        for size in sizes:
+            cases = [make(float(size), seed) for seed in SEEDS]
+            margins.append(np.median([min(mu, 0.7 * flat) for mu, flat in map(margin_of, cases)]))
+            errors.append(np.median([relative_error(replace(kind, rows=6), at) for kind, at in cases]))
+    return np.array(margins), np.array(errors)
+
+
+@pytest.mark.parametrize("make", [rim, concentric, *LOSSES])
+def test_curves_and_centres_lose_eps_over_mu(make: Callable[[float, int], Case]) -> None:
+    margins, errors = decades(make, DECADES)
+    assert margins.min() < 1e-7
+    assert (errors * margins < 10 * EPS).all()
+
+
+def test_touching_curves_lose_eps_over_the_squared_sine() -> None:
+    sizes = 10.0 ** np.arange(-1, -6.1, -1)
+    _, errors = decades(lambda sine, seed: crossing(sine, 0.0, seed), sizes)
+    assert (errors * sizes**2 < 20 * EPS).all()
+
+
+def test_curves_parallel_at_a_gap_and_focal_distances_lose_nothing() -> None:
+    for make in (lambda sine, seed: crossing(sine, 0.4, seed), focal):
+        assert decades(make, 10.0 ** np.arange(-1, -12.5, -1))[1].max() < 1e-13
+
+
+def test_parallel_edges_at_a_gap_lose_eps_over_mu() -> None:
+    """Unlike the normal row, which needs no levers: those of the nearest points run away."""
+    margins, errors = decades(partial(crossed, d=0.4), DECADES)
+    assert (errors * margins < 10 * EPS).all()
 
 
 def beside(direction: Array) -> list[Array]:
