@@ -225,5 +225,5 @@ static int mg_friction_newton(mg_frictional *s, int limit, int augmented)
       return mg_friction_keep(s);
     }
   }
-  return s->residual <= s->tolerance;
+  return mg_friction_keep(s);
 }

@@ -55,14 +55,22 @@ static void mg_friction_motion(mg_frictional *s)
   }
 }
 
+/* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
+static mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y)
+{
+  const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
+  return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
+}
+
 /* Keeps y as the best if it is; returns whether it is good enough. */
 static int mg_friction_keep(mg_frictional *s)
 {
   const mg_real error = mg_friction_error(s);
-  if (!(error < s->residual)) return s->residual <= s->tolerance;
-  s->residual = error;
-  for (int i = 0; i < s->m; ++i) s->best[i] = s->y[i];
-  return error <= s->tolerance;
+  if (error < s->residual) {
+    s->residual = error;
+    for (int i = 0; i < s->m; ++i) s->best[i] = s->y[i];
+  }
+  return s->residual <= mg_friction_tolerance(s, s->best);
 }
 
 typedef struct {

@@ -111,7 +111,6 @@ static int mg_friction_scale(mg_frictional *s)
   }
   mg_friction_means(s);
   s->scale = mg_friction_size(s);
-  s->tolerance = mg_lcp_tolerance(m, 1);
   if (!mg_all_finite(m * m, s->S) || !mg_all_finite(m, s->c)) return 0;
   if (!(s->scale > 0)) s->scale = 1;
   for (int i = 0; i < m; ++i) s->c[i] /= s->scale;

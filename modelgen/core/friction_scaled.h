@@ -22,7 +22,6 @@ typedef struct {
   mg_real *e_b, *L, *X;    /* bilateral rows: scale, Cholesky factor, A_bb^-1 (A_bc, b_b) */
   mg_real *spare, *work;   /* rows of a start, 5 m; scratch of one step */
   mg_real scale, theta;    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb, 1 relaxed */
-  mg_real tolerance;       /* of the residual of y */
   mg_real residual;        /* of best */
   int sweeps, newton;
 } mg_frictional;
@@ -43,6 +42,7 @@ static mg_real mg_friction_slack(const mg_frictional *s, int contact);
 static mg_real mg_friction_error(const mg_frictional *s);
 static mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
 static void mg_friction_motion(mg_frictional *s);
+static mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y);
 static int mg_friction_keep(mg_frictional *s);
 
 /* friction_local.c */
@@ -54,9 +54,12 @@ static int mg_friction_sweep(mg_frictional *s, int sweeps);
 /* friction_newton.c */
 static int mg_friction_newton(mg_frictional *s, int limit, int augmented);
 
+/* friction_interior.c */
+static void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap);
+
 /* friction_paths.c */
-enum { MG_PATHS = 6 };
-static void mg_friction_follow(mg_frictional *s, int which);
+enum { MG_PATHS = 20 };
+static int mg_friction_follow(mg_frictional *s, int which);
 
 /* friction_proof.c */
 static int mg_friction_impossible(mg_frictional *s);

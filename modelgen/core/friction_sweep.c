@@ -55,7 +55,7 @@ static int mg_friction_sweep(mg_frictional *s, int sweeps)
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (int c = 0; c < s->n; ++c) mg_friction_change(s, sweep % 2 ? s->n - 1 - c : c);
     ++s->sweeps;
-    if (mg_friction_error(s) <= s->tolerance) break;
+    if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
   mg_friction_motion(s);
   return mg_friction_keep(s);
