@@ -24,6 +24,11 @@ def reals(values: Any) -> Array:
     return np.array(values, dtype=Real)
 
 
+def written(*values: float) -> Array:
+    """Numbers as they are written in decimals, not as doubles."""
+    return reals([Real(repr(value)) for value in values])
+
+
 def cross(a: Any, b: Any) -> Array:
     return reals([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 

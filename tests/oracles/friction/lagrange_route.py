@@ -1,7 +1,7 @@
 """A second formulation of a convex body that rolls or slides on the plane z = 0: Lagrange's equations.
 
-Coordinates are x, y of the centre of mass and three angles, R = Rz(q2) Rx(q3) Ry(q4); the height is a
-function of q3 and q4. All derivatives are CasADi's, the integrator is SciPy's DOP853.
+Coordinates are x, y of the centre of mass and three angles, R = Rz(q2) Rx(q3) Ry(q4), or Rz(q4) last; the
+height is a function of q3 and q4. All derivatives are CasADi's, the integrator is SciPy's DOP853.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ def circle_support(radius: float, axis: Any) -> Support:
 
 
 class LagrangeRoute:
-    """mu None: rolls; otherwise slides with Coulomb's friction. Resistances in m."""
+    """mu None: rolls; otherwise slides with Coulomb's friction. Resistances in m. `last`: the axis of q4."""
 
     def __init__(
         self, support: Support, mass: float, inertia: Any, mu: float | None = None,
-        resistance: tuple[float, float] = (0.0, 0.0), g: float = 9.81,
+        resistance: tuple[float, float] = (0.0, 0.0), g: float = 9.81, last: int = 1,
     ):  # fmt: skip
         q, u = ca.SX.sym("q", 5), ca.SX.sym("u", 5)
-        R = turned(q[2], 2) @ turned(q[3], 0) @ turned(q[4], 1)
+        R = turned(q[2], 2) @ turned(q[3], 0) @ turned(q[4], last)
         n = ca.SX.sym("n", 3)
         lowest = ca.Function("lowest", [n], [ca.gradient(support(n), n)])
         height = ca.Function("support", [n], [support(n)])(-R[2, :].T)
@@ -70,7 +70,7 @@ class LagrangeRoute:
         outputs = [M, bias, lift, ca.jtimes(v[2], q, u), A, ca.jtimes(slip, q, u), per_normal]
         self._parts = ca.Function("parts", [q, u], outputs)
         self._pose = ca.Function("pose", [q, u], [p, R, v, W, slip, kinetic + potential])
-        self.rolls, self.mass, self.g = mu is None, mass, g
+        self.rolls, self.mass, self.g, self.last = mu is None, mass, g, last
 
     def accelerations(self, q: Array, u: Array) -> tuple[Array, float, Array]:
         """q'', normal force, force of the no-slip rows."""
@@ -90,7 +90,11 @@ class LagrangeRoute:
     def start(self, R: Any, w: Any, p: Any = (0, 0), v: Any = None) -> tuple[Array, Array]:
         """q and u from a rotation matrix, world angular velocity and, sliding, x, y velocity."""
         R = np.asarray(R, float)
-        q = np.array([*p, np.arctan2(-R[0, 1], R[1, 1]), np.arcsin(R[2, 1]), np.arctan2(-R[2, 0], R[2, 2])])
+        if self.last == 1:
+            angles = [np.arctan2(-R[0, 1], R[1, 1]), np.arcsin(R[2, 1]), np.arctan2(-R[2, 0], R[2, 2])]
+        else:
+            angles = [np.arctan2(R[0, 2], -R[1, 2]), np.arccos(R[2, 2]), np.arctan2(R[2, 0], R[2, 1])]
+        q = np.array([*p, *angles])
         rates = np.linalg.solve(self._turns(q), np.asarray(w, float))
         u = np.concatenate([np.zeros(2), rates])
         slip = np.array(self._pose(q, u)[4]).ravel()

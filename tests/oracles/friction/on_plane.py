@@ -19,7 +19,7 @@ from tests.oracles.friction.extrapolation import Array, Field, Real, cross, marc
 
 T, P, AXES, V, W, HEAT = 0, slice(1, 4), slice(4, 13), slice(13, 16), slice(16, 19), 19
 GAMMA = slice(10, 13)
-GRAVITY = Real("9.81")
+GRAVITY, PI = Real("9.81"), Real("3.14159265358979323846264338")
 
 Reach = Callable[[Array, Array], tuple[Array, Array]]  # (gamma, gamma') -> (r, r')
 
@@ -213,7 +213,7 @@ def rolled(body: Body, x: Array, times: Any, tolerance: float = 1e-17) -> Array:
 def solid_ellipsoid(axes: Any, density: Any, **options: Any) -> Body:
     """A homogeneous solid ellipsoid."""
     a = reals(axes)
-    m = Real(4) / 3 * Real("3.14159265358979323846264338") * np.prod(a) * Real(density)
+    m = 4 * PI / 3 * np.prod(a) * Real(density)
     square = a**2
     inertia = np.diag(m / 5 * (square.sum() - square))
     return replace(Body(m, inertia, ellipsoid_reach(a)), **options)

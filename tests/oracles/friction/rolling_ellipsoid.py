@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.oracles.friction.extrapolation import Array, Real, reals
+from tests.oracles.friction.extrapolation import Array, reals, written
 from tests.oracles.friction.on_plane import (
     Body,
     V,
@@ -44,12 +44,13 @@ class Rolled:
 
 
 def body(axes: Any = SEMI_AXES) -> Body:
-    return solid_ellipsoid([Real(str(a)) for a in axes], DENSITY)
+    return solid_ellipsoid(written(*axes), DENSITY)
 
 
 def begun(ellipsoid: Body, tilt: Any = TILT, spin: Any = SPIN) -> Array:
     """The state at t = 0."""
-    c, s = np.cos(Real(str(tilt))), np.sin(Real(str(tilt)))
+    angle = written(tilt)[0]
+    c, s = np.cos(angle), np.sin(angle)
     return start(ellipsoid, [[1, 0, 0], [0, c, -s], [0, s, c]], [0, 0, spin])
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from tests.oracles.friction.extrapolation import reals
@@ -26,7 +24,6 @@ from tests.oracles.friction.on_plane import (
 from tests.oracles.friction.sphere import PushedBox, SlideToRoll, Turntable, released_on_incline
 
 RADIUS, MASS = 0.1, 2.0
-speeds = st.floats(-3, 3)
 
 
 def ball(mu: float, gravity: object = (0, 0, -9.81)) -> Body:
@@ -43,17 +40,21 @@ def test_a_thrown_ball_comes_to_roll_as_published() -> None:
     assert w == pytest.approx([0, v[0] / 0.1, 0], abs=1e-13)
 
 
-@settings(max_examples=8, deadline=None)
-@given(st.tuples(speeds, speeds), st.tuples(*[st.floats(-30, 30)] * 3), st.floats(0.05, 1.0))
+@pytest.mark.parametrize(
+    ("v", "w", "mu"),
+    [
+        ((3.0, -1.0), (5.0, 20.0, 30.0), 0.3),
+        ((-0.2, 0.5), (-9.0, 0.0, 0.0), 1.0),
+        ((0.0, 0.0), (0.0, 1.0, -4.0), 0.05),
+    ],
+)
 def test_a_ball_with_any_spin_slides_straight_into_rolling(
     v: tuple[float, float], w: tuple[float, float, float], mu: float
 ) -> None:
     thrown = SlideToRoll(RADIUS, mu, np.array([0, 0, RADIUS]), np.array([*v, 0.0]), np.array(w))
-    if np.linalg.norm(thrown.slip) < 1e-3:
-        return
     body = ball(mu)
     begin = start(body, np.eye(3), w, thrown.v)
-    half = slid(body, begin, [thrown.rolls_at / 2])[0]
+    half = slid(body, begin, [thrown.rolls_at / 2], 1e-15)[0]
     assert half[P].astype(float) == pytest.approx(thrown.at(thrown.rolls_at / 2)[0], abs=1e-13)
     end = slid_out(body, begin, 1e-15)
     p, velocity, spin = thrown.at(thrown.rolls_at)
