@@ -185,7 +185,7 @@ def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str)
 def test_tangential_rows_stand_below_the_normal_one(o: str, f: str, rows: Rows) -> None:
     one, two = side(o, "point"), side(f, "driven")
     kind = ContactKind("sliding", choose_form(one, two, rows), one, two, rows)
-    n_eta = sum(SIZES[carrier] for carrier in eta_layout(kind))
+    n_eta = sum(ETA_SIZE[carrier] for carrier in eta_layout(kind))
     wanted = (1, 3 * rows, 6 * rows, rows, n_eta, 3, 6)
     sizes = signature(contact_kernels(kind).rates)[1]
     assert sizes == dict(zip(SLIP_OUTPUTS, wanted, strict=True))
