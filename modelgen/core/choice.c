@@ -4,6 +4,16 @@
 
 enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
 
+/* The time in which slip, as it is going, is over; 0 if it is already. */
+static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
+  const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
+  const int row = mg_grip_row(c, contact, grip), spins = c->sys->grip_aspect[grip] == MG_SPIN;
+  mg_real slip[2], braking = -mg_separation(c, row) * (spins ? course[0] : mg_dot3(t, course));
+  if (!spins) braking -= mg_separation(c, row + 1) * mg_dot3(t + 3, course);
+  const mg_real along = mg_slip_along(c, contact, grip, slip);
+  return along > 0 && braking > 0 ? along / braking : 0;
+}
+
 /* A grip whose slip is dying is stuck until the forces say otherwise; one without a past is told by its slip. */
 static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
@@ -11,7 +21,8 @@ static void mg_sort_out(mg_context *c, int contact, int grip) {
   else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
   else if (*mode >= MG_STARTING && c->slipped[grip]) {
     const int turned = mg_aim(c, contact, grip); /* it has only left its course */
-    *mode = turned ? MG_SLIPPING : MG_STUCK, c->slipped[grip] = !turned && c->slipped[grip];
+    if (!turned) c->over[grip] = mg_slip_left(c, contact, grip);
+    *mode = turned ? MG_SLIPPING : MG_STUCK, c->slipped[grip] = !turned;
   }
 }
 
@@ -267,7 +278,9 @@ static void mg_report_grips(mg_context *c, mg_events *events) {
       const int before = c->before[g], now = c->run->grip[g];
       const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->sys->grip_aspect[g];
       if (before == MG_STUCK && now >= MG_STARTING) mg_emit(c, events, c->run->t, first, i, 0);
-      if (before >= MG_STARTING && now == MG_STUCK) mg_emit(c, events, c->run->t, first + 1, i, 0);
-      if (before >= MG_STARTING && now == MG_STARTING && c->slipped[g]) mg_emit(c, events, c->run->t, first + 2, i, 0);
+      if (before >= MG_STARTING && now == MG_STUCK) mg_emit(c, events, c->run->t + c->over[g], first + 1, i, 0);
+      if (before >= MG_STARTING && now == MG_STARTING && c->slipped[g])
+        mg_emit(c, events, c->run->t + c->over[g], first + 2, i, 0);
+      c->over[g] = 0;
     }
 }

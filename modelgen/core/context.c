@@ -27,7 +27,7 @@ static long mg_held_of(const mg_system *s) {
 /* What grips need: reals, ints. */
 static long mg_grip_size(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return s->n_below + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
+  return s->n_below + s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
          mg_friction_work_size((int)mg_held_of(s), s->n_closed);
 }
 
@@ -72,7 +72,8 @@ static void mg_zero(mg_real *a, long n) {
 static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long n = mg_held_of(s), k = s->n_closed;
-  c->lean = mg_take(&work, s->n_below);
+  c->lean = mg_take(&work, s->n_below), c->over = mg_take(&work, s->n_grip);
+  mg_zero(c->over, s->n_grip);
   c->cone = mg_take(&work, MG_CONE * k), c->tangents = mg_take(&work, 6L * s->n_contact);
   c->block = mg_take(&work, 78), c->coulomb = mg_take(&work, mg_friction_work_size((int)n, (int)k));
   c->slipped = mg_take_int(&iwork, s->n_grip), c->before = mg_take_int(&iwork, s->n_grip);

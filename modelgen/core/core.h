@@ -66,6 +66,7 @@ typedef struct {
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped;                             /* per grip: its event has fired */
   int *before, *bound_of, *gives;           /* per grip: its mode before a choice; in one, what bounds it, and that it slips */
+  mg_real *over;                            /* per grip: how long slip that was stopped would have gone on, s */
   mg_real *cone, *coulomb;                  /* problem of Coulomb: MG_CONE a contact; scratch of its solver */
   int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */

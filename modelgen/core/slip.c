@@ -116,10 +116,12 @@ static void mg_add_slipping(mg_context *c) {
     }
 }
 
-/* Power of the rows below into the moving bodies. */
+/* Power of the rows below into the moving bodies; the slip of a stuck grip is an error, which is no work. */
 static mg_real mg_slipping_power(const mg_context *c) {
   mg_real power = 0;
-  for (int i = c->below; i < c->n_all; i++)
-    if (c->force[i] != 0) power += c->force[i] * (c->d_dot[i] - mg_driven_rate(c, i));
+  for (int i = c->below; i < c->n_all; i++) {
+    if (c->force[i] == 0) continue;
+    power += c->force[i] * ((c->lean[i - c->below] != 0 ? c->d_dot[i] : 0) - mg_driven_rate(c, i));
+  }
   return power;
 }
