@@ -190,6 +190,7 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("explicit", "support", "implicit"),
         reference="oracles/friction/test_rolling_scenes.py::"
         "test_a_ball_on_a_turntable_goes_round_a_circle_of_its_own",
+        apart=1e-11,
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),
