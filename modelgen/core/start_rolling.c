@@ -14,6 +14,9 @@
    next step is this one; then the contact is MG_YOUNG, excused from the bound on margins until its margin is above it. */
 #include "core.h"
 
+/* How far a guess is trusted: neither how much the bodies lean, nor how fast across their azimuth; not the latter; both */
+enum { MG_WAY_KNOWN, MG_LEAN_KNOWN, MG_RATE_KNOWN };
+
 static int mg_starts_rolling(const mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->fresh[i] == MG_FRESH) return 1;
@@ -45,7 +48,8 @@ static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
 }
 
 /* Notes at the flat start what leans against what. Returns 0 where no body could. */
-static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x) {
+static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  const mg_real part = h / c->sys->time;
   mg_poses(c, t, x);
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
@@ -55,7 +59,10 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x) {
     mg_place(c, i, mg_eta_of(c, x, i), c->place + 32);
     mg_turn_in(o, normal, onset->normal), mg_turn_in(f, normal, onset->axis);
     mg_turn_in(o, c->run->outward + 3 * i, onset->outward);
-    for (int stage = 0; stage < MG_RADAU; stage++) onset->azimuth[stage] = 0;
+    for (int stage = 0; stage < MG_RADAU; stage++) {
+      const mg_real at = part * mg_stage_time(stage);
+      onset->azimuth[stage] = 0, onset->tilt[stage] = sqrt(MG_EPS) * at * at * at;
+    }
   }
   return 1;
 }
@@ -77,6 +84,14 @@ static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
   return at;
 }
 
+/* The angular velocity of f against o about a direction of the world. */
+static mg_real mg_turning(const mg_context *c, int contact, const mg_real *direction) {
+  mg_real o[3], f[3];
+  mg_out(c->pose + 12 * c->o[contact], c->twist + 6 * c->o[contact] + 3, 0, o);
+  mg_out(c->pose + 12 * c->f[contact], c->twist + 6 * c->f[contact] + 3, 0, f);
+  return mg_dot3(f, direction) - mg_dot3(o, direction);
+}
+
 /* Turns the bodies of a contact in x until they lean by `tilt` along the azimuth of `at`. */
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x) {
   const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
@@ -85,6 +100,15 @@ static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_r
   mg_cross(at->normal, change, turn);
   mg_turn_in(c->pose + 12 * body, turn, angle);
   mg_turn(x + c->sys->body_q[body] + 3, angle);
+}
+
+/* Takes the rate at which the bodies of a contact lean across their azimuth out of x. */
+static void mg_steady(const mg_context *c, int contact, const mg_lean *at, mg_real *x) {
+  const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
+  const mg_real rate = mg_turning(c, contact, at->along);
+  mg_real angle[3];
+  mg_turn_in(c->pose + 12 * body, at->along, angle);
+  for (int k = 0; k < 3; k++) x[c->sys->n_q + c->sys->body_u[body] + 3 + k] -= (turns_f ? rate : -rate) * angle[k];
 }
 
 /* Brings eta of a contact to the extremum at the present poses, as near as rounding lets it. */
@@ -98,9 +122,19 @@ static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
   return mg_finite(eta, c->n_eta[contact]);
 }
 
-/* The slope at a stage with its fresh contacts leaning along their azimuths plus `turned`, by `held` or, if that is 0,
-   as far as they do. Returns 0 where one does not lean that way. */
-static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real held, mg_real turned, mg_real *slope) {
+/* The rates of q in a slope, of the velocities that the stage really has. */
+static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
+  mg_real *x = c->x_stage, *real = c->K + (2 + 2 * MG_RADAU) * c->n_x;
+  const int n_q = c->sys->n_q;
+  for (int i = n_q; i < n_q + c->sys->n_u; i++) x[i] = mg_stage_state(c, stage)[i];
+  mg_poses(c, t, x);
+  mg_accelerations(c, t, x, real);
+  for (int i = 0; i < n_q; i++) slope[i] = real[i];
+}
+
+/* The slope at a stage with its fresh contacts leaning along their azimuths plus `turned`. Returns 0 where one does not
+   lean that way. */
+static int mg_slope_leaning(mg_context *c, mg_real t, int stage, int known, mg_real turned, mg_real *slope) {
   mg_real *x = c->x_stage;
   for (int i = 0; i < c->n_x; i++) x[i] = mg_stage_state(c, stage)[i];
   mg_poses(c, t, x);
@@ -108,25 +142,27 @@ static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real held, m
     if (c->run->fresh[i] != MG_FRESH) continue;
     mg_onset *onset = c->onset + i;
     const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-    if (!turned) onset->tilt[stage] = held > 0 ? held : mg_dot3(at.along, at.lean);
+    if (!turned && known >= MG_LEAN_KNOWN) onset->tilt[stage] = mg_dot3(at.along, at.lean);
     if (!(onset->tilt[stage] > 0)) return 0;
     mg_lean_to(c, i, &at, onset->tilt[stage], x);
+    if (known < MG_RATE_KNOWN) mg_steady(c, i, &at, x);
   }
   mg_poses(c, t, x);
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->fresh[i] == MG_FRESH && !mg_settle_fully(c, i, mg_eta_of(c, x, i))) return 0;
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
   mg_slope(c, t, x, slope);
+  if (known < MG_RATE_KNOWN) mg_follow(c, t, stage, slope);
   return 1;
 }
 
 /* Once round: the slopes at the stages, then the states by them. eta of fresh contacts is settled, not integrated. */
-static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_real held, mg_real *change) {
+static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int known, mg_real *change) {
   const mg_system *s = c->sys;
   const int first = s->n_q + s->n_u;
   c->suspect = 0;
   for (int stage = 0; stage < MG_RADAU; stage++) {
-    if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, held, 0, mg_stage_slope(c, stage))) return 0;
+    if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, known, 0, mg_stage_slope(c, stage))) return 0;
     mg_watch(c);
     for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
   }
@@ -159,7 +195,7 @@ static int mg_find_stiffness(mg_context *c, mg_real t, mg_real h) {
   mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x;
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int sign = -1; sign <= 1; sign += 2) {
-      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, 0, sign * turned, slope)) return 0;
+      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, MG_LEAN_KNOWN, sign * turned, slope)) return 0;
       for (int i = 0; i < c->sys->n_contact; i++) {
         if (c->run->fresh[i] != MG_FRESH) continue;
         mg_onset *onset = c->onset + i;
@@ -191,33 +227,42 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   return most;
 }
 
+/* Newton's step for the azimuths, and two substitutions, after which the poses have followed. Returns the largest change
+   of the second, and of the velocities by the azimuths; NAN where it fails. */
+static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int known) {
+  mg_real most = 0, change = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
+    if (!(effect <= most)) most = effect;
+  }
+  for (int twice = 0; twice < 2; twice++)
+    if (!mg_sweep(c, t, x, h, known, &change)) return (mg_real)NAN;
+  return most <= change ? change : most;
+}
+
 /* All bodies go on as they move, and lean a little along the way out. */
 static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   const int n_q = c->sys->n_q;
   mg_real change;
-  if (!mg_open_onsets(c, t, x)) return 0;
+  if (!mg_open_onsets(c, t, x, h)) return 0;
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int i = 0; i < c->n_x; i++)
       mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
+  for (int round = 0; round < 4; round++)
+    if (!mg_sweep(c, t, x, h, round < 2 ? MG_WAY_KNOWN : MG_LEAN_KNOWN, &change)) return 0;
+  if (!mg_find_stiffness(c, t, h)) return 0;
   for (int round = 0; round < 3; round++)
-    if (!mg_sweep(c, t, x, h, sqrt(MG_EPS), &change)) return 0;
-  return mg_sweep(c, t, x, h, 0, &change) && mg_find_stiffness(c, t, h);
+    if (!(mg_round(c, t, x, h, MG_LEAN_KNOWN) <= MG_MAX)) return 0;
+  return 1;
 }
 
 /* The stages of a step h. */
 static int mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   const mg_real goal = c->set->tolerance / 100;
-  mg_real before = MG_MAX, change;
+  mg_real before = MG_MAX;
   if (!mg_guess_stages(c, t, x, h)) return 0;
   for (int round = 0; round < 40; round++) {
-    mg_real most = 0;
-    for (int i = 0; i < c->sys->n_contact; i++) {
-      const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
-      if (!(effect <= most)) most = effect;
-    }
-    for (int twice = 0; twice < 2; twice++)
-      if (!mg_sweep(c, t, x, h, 0, &change)) return 0;
-    if (!(change <= most)) most = change;
+    const mg_real most = mg_round(c, t, x, h, MG_RATE_KNOWN);
     if (most <= goal) return 1;
     if (round > 5 && !(most < before)) return most <= c->set->tolerance;
     before = most;
