@@ -211,10 +211,12 @@ static mg_real *mg_stage_slope(const mg_context *c, int stage);
 static mg_real mg_stage_time(int stage);
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
 static void mg_collocated(mg_context *c, const mg_real *x);
+static mg_real mg_derivative(const mg_real *value, int stage);
 static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
 static mg_real mg_twice(int row, int column);
+static void mg_set_fresh(mg_context *c, int contact, const mg_real *outward);
 static int mg_starts_rolling(const mg_context *c);
-static mg_real mg_start_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
 static int mg_is_singular(const mg_context *c, int contact);
 
