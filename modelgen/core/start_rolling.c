@@ -56,6 +56,12 @@ static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
   for (int i = 0; i < n_q; i++) slope[i] = real[i];
 }
 
+/* The state at a stage, with quaternions of unit length, to c->x_stage. */
+static void mg_take_stage(mg_context *c, int stage) {
+  for (int i = 0; i < c->n_x; i++) c->x_stage[i] = mg_stage_state(c, stage)[i];
+  mg_normalise(c, c->x_stage);
+}
+
 /* Turns the fresh contacts of c->x_stage to lean along their azimuths at a stage plus `turned`; as far as they do, or, if
    `held`, as before. Returns 0 where one does not lean that way. */
 static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real turned) {
@@ -77,7 +83,7 @@ static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real 
 /* The slope at a stage with its fresh contacts leaning so, and turning as their azimuths do from stage to stage. */
 static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int held, mg_real turned, mg_real *slope) {
   mg_real *x = c->x_stage;
-  for (int i = 0; i < c->n_x; i++) x[i] = mg_stage_state(c, stage)[i];
+  mg_take_stage(c, stage);
   if (!mg_lean_stage(c, t, stage, held, turned)) return 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
@@ -137,7 +143,8 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   mg_onset *onset = c->onset + contact;
   mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], most = 0;
   for (int row = 0; row < MG_RADAU; row++) {
-    mg_poses(c, t + mg_stage_time(row) * h, mg_stage_state(c, row));
+    mg_take_stage(c, row);
+    mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
     const mg_lean at = mg_lean_at(c, contact, onset->azimuth[row]);
     change[row] = -mg_dot3(at.across, at.lean);
     for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
@@ -170,11 +177,9 @@ static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   const int n_q = c->sys->n_q;
   mg_real change;
   if (!mg_open_onsets(c, t, x, h)) return 0;
-  for (int stage = 0; stage < MG_RADAU; stage++) {
-    mg_real *guess = mg_stage_state(c, stage);
-    for (int i = 0; i < c->n_x; i++) guess[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
-    mg_normalise(c, guess);
-  }
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int i = 0; i < c->n_x; i++)
+      mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
   for (int round = 0; round < 2; round++)
     if (!mg_sweep(c, t, x, h, 1, &change)) return 0;
   return mg_find_stiffness(c, t, h);
