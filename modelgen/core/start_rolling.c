@@ -75,6 +75,7 @@ static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real 
       if (!(onset->tilt[stage] > 0)) return 0;
       mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
     }
+    mg_normalise(c, c->x_stage);
   }
   mg_poses(c, t, c->x_stage);
   return 1;
