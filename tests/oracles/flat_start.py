@@ -67,8 +67,7 @@ def rolled(
     """From flat at t = 0 through the times `tau`; `step` is the first that is tried."""
     session = Session(library_of(scene), accuracy)
     start_flat(session, outward, eta)
-    recording = Recording(session, tau)
-    session.run.h = step
+    recording, session.run.h = Recording(session, tau), step
     session.advance(tau[-1], 1, recording.record)
     first = float(session.run.t)
     code = session.advance(tau[-1], 20000, recording.record)
@@ -78,12 +77,12 @@ def rolled(
 
 
 def start_flat(session: Session, outward: Sequence[float], eta: Sequence[float]) -> None:
-    """The only contact starts from flat at the state, as at a hand-over."""
-    session.link[0], session.closed[0], session.active[0], session.fresh[0] = 0, 1, 1, FRESH
-    session.outward[: len(outward)] = outward
+    """Every contact starts from flat at the state, as at a hand-over, with the same way out."""
+    for i in range(session.n_contact):
+        session.link[i], session.closed[i], session.active[i], session.fresh[i] = i, 1, 1, FRESH
+        session.outward[3 * i : 3 * i + 3] = outward
     session.eta[: len(eta)] = eta
     session.run.margin_min, session.run.failed_contact = 1.0, -1
-    session.run.energy_0 = 0.0
     at_start = Recording(session, np.array([float(session.run.t)]))
     session.advance(float(session.run.t), 0, at_start.record)
     session.run.energy_0 = float(at_start.arrays["energy"][0])

@@ -1,14 +1,14 @@
 """A body with a smooth convex base on a frictionless plane, from the moment when it leaves flat.
 
-Three angles: theta, the lean of the axis from the vertical; phi, the azimuth towards which it leans; upsilon, the
-yaw. The body turns by Rz(phi) Ry(theta) Rz(upsilon - phi). With the support function H of the base, at the angle
-chi = phi - upsilon of its outward normal (in the body), the centre of mass stands at
+Three angles: theta, the lean of the axis from the vertical; phi, the azimuth towards which it leans; upsilon,
+the yaw. The body turns by Rz(phi) Ry(theta) Rz(upsilon - phi). With the support function H of the base, at
+the angle chi = phi - upsilon of its outward normal (in the body), the centre of mass stands at
 
     z = h cos theta + H(chi) sin theta,
 
-and Euler's equations hold in the frame (f1, f2, f3) of the lean: f3 along the axis, f2 horizontal. No row, no
-multiplier, no quaternion: what the core does is done nowhere here. The motion starts by its own power series in the
-time since theta = 0, order by order, and goes on with SciPy's DOP853.
+and Euler's equations hold in the frame (f1, f2, f3) of the lean: f3 along the axis, f2 horizontal. No row,
+no multiplier, no quaternion: what the core does is done nowhere here. The motion starts by its own power
+series in the time since theta = 0, order by order, and goes on with SciPy's DOP853.
 """
 
 from __future__ import annotations
@@ -167,7 +167,9 @@ class Glass:
         Fx, Fy, Tx, Ty, Tz = self.loads(tau, theta)
         e, aside = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
         point = self.above * (np.cos(theta) * theta_d * e + np.sin(theta) * phi_d * aside)
-        spin = yaw_d - phi_d  # about the axis, beside phi_d about the vertical and theta_d about the horizontal
+        spin = (
+            yaw_d - phi_d
+        )  # about the axis, beside phi_d about the vertical and theta_d about the horizontal
         turn = theta_d * aside + spin * np.sin(theta) * e
         return float(np.dot([Fx, Fy], point) + np.dot([Tx, Ty], turn) + Tz * (phi_d + spin * np.cos(theta)))
 
