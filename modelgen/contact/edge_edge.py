@@ -19,7 +19,7 @@ import casadi as ca
 
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.rows import Levers, feet, jacobian_rows, levers
+from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.contact.sides import Pair
 from modelgen.geometry.curves import STRAIGHT
 from modelgen.geometry.frames import cross, dot, zeros
@@ -40,7 +40,7 @@ class Edges:
 
 
 def edges(pair: Pair) -> Edges:
-    e_o, e_f = _directions(pair)
+    e_o, e_f = (ca.sparsify(ca.SX(STRAIGHT[side.shape.kind])) for side in (pair.o, pair.f))
     E_o, E_f = ca.mtimes(pair.o.rotation, e_o), ca.mtimes(pair.f.rotation, e_f)
     c = cross(E_o, E_f - ca.sign(dot(E_o, E_f)) * E_o)
     square = dot(c, c)
@@ -50,12 +50,6 @@ def edges(pair: Pair) -> Edges:
     b = pair.f.origin - pair.o.origin
     at = levers(pair, e_o * dot(b, A_o), -e_f * dot(b, A_f))
     return Edges(E_o, E_f, A_o, A_f, length, N, dot(N, b), at)
-
-
-def _directions(pair: Pair) -> tuple[ca.SX, ca.SX]:
-    """Unit vectors along the edges, each in its shape frame."""
-    e_o, e_f = (ca.sparsify(ca.SX(STRAIGHT[side.shape.kind])) for side in (pair.o, pair.f))
-    return e_o, e_f
 
 
 def edge_edge_rates(pair: Pair) -> Rates:
@@ -71,12 +65,23 @@ def edge_edge_rates(pair: Pair) -> Rates:
     gamma = dot(N_dot, V) + t_o * tilt_o - t_f * tilt_f
     gamma += dot(turn_o, cross(w_o, at.levers.r_o)) - dot(turn_f, cross(w_f, at.levers.r_f))
     J_o, J_f = jacobian_rows(pair, at.N, at.levers)
-    e_o, e_f = _directions(pair)
-    foot_o, foot_f = feet(pair, at.N, at.levers, e_o * t_o, e_f * t_f)
+    foot_o, foot_f = feet(pair, at.N, at.levers)
     made = {"E_o": at.E_o, "E_f": at.E_f, "V": V, "slide_o": at.E_o * t_o, "slide_f": at.E_f * t_f}
     steps = {"normal": at.N, **made}
-    turning = pair.o.seen(at.N, N_dot)
-    return Rates(at.d, J_o, J_f, gamma, zeros(1), at.N, N_dot, turning, foot_o, foot_f, steps)
+    return Rates(
+        d=at.d,
+        J_o=J_o,
+        J_f=J_f,
+        gamma=gamma,
+        eta_dot=zeros(1),
+        normal=at.N,
+        normal_rate=N_dot,
+        turning=pair.o.seen(at.N, N_dot),
+        foot_o=foot_o,
+        foot_f=foot_f,
+        passing=passing(pair, at.levers, at.E_o * t_o, at.E_f * t_f),
+        steps=steps,
+    )
 
 
 def edge_edge_place(pair: Pair) -> Placement:

@@ -15,7 +15,7 @@ import casadi as ca
 from modelgen.contact.block import chart_placement
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.points import chart_jet, chart_normal
-from modelgen.contact.rows import Levers, feet, jacobian_rows, levers
+from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.frames import cross, dot, solve2
 
@@ -70,8 +70,9 @@ def along(pair: Pair, x: ca.SX, eta_dot: ca.SX) -> ca.SX:
 
 
 def slides(pair: Pair, at: Levers, eta_dot: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Velocities of the contact points over both shapes, in their axes."""
-    return ca.jtimes(at.l_o, pair.eta, eta_dot), ca.jtimes(at.l_f, pair.eta, eta_dot)
+    """Velocities of the contact points over both shapes, world axes."""
+    over_o, over_f = ca.jtimes(at.l_o, pair.eta, eta_dot), ca.jtimes(at.l_f, pair.eta, eta_dot)
+    return ca.mtimes(pair.o.rotation, over_o), ca.mtimes(pair.f.rotation, over_f)
 
 
 def differentiated_rates(pair: Pair) -> Rates:
@@ -84,7 +85,7 @@ def differentiated_rates(pair: Pair) -> Rates:
     u_o, u_f = pair.o.twist[: pair.o.columns], pair.f.twist[: pair.f.columns]
     speed = ca.mtimes(J_o.T, u_o) + ca.mtimes(J_f.T, u_f)
     N_dot = along(pair, system.N, eta_dot)
-    foot_o, foot_f = feet(pair, system.N, system.levers, *slides(pair, system.levers, eta_dot))
+    foot_o, foot_f = feet(pair, system.N, system.levers)
     return Rates(
         d=_gap(system),
         J_o=J_o,
@@ -96,6 +97,7 @@ def differentiated_rates(pair: Pair) -> Rates:
         turning=pair.o.seen(system.N, N_dot),
         foot_o=foot_o,
         foot_f=foot_f,
+        passing=passing(pair, system.levers, *slides(pair, system.levers, eta_dot)),
         steps={
             "normal": system.N,
             "point_o": system.levers.point_o,

@@ -22,9 +22,17 @@ class Foot:
     """The contact point on one body, lever + offset N; vectors in the axes of its shape."""
 
     lever: ca.SX  # (3,) m, from the centre of mass
-    slide: ca.SX  # (3,) m/s, its rate; without an offset, the velocity of the contact point over the shape
+    slide: ca.SX | None  # (3,) m/s, its rate; None where `Rates.passing` is known
     normal: ca.SX  # (3,) N
     offset: ca.SX = field(default_factory=lambda: ca.SX(1, 1))  # (1,) m, constant: the radius of a centre
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How the material point of f passes that of o, world axes."""
+
+    V: ca.SX  # (3,) m/s, its velocity past that of o
+    pull: ca.SX  # (3,) m/s^2, the rate of V without accelerations
 
 
 @dataclass(frozen=True)
@@ -44,6 +52,7 @@ class Rates:
     turning: ca.SX  # (3,) 1/s, rate of the normal seen from o, shape axes of o
     foot_o: Foot
     foot_f: Foot
+    passing: Passing | None = None  # of forms in world axes; follows from the feet otherwise
     steps: Mapping[str, ca.SX] = field(default_factory=dict)  # what they are made of, by name, in order
     tangents: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (6,) t1, t2, world; none with one row
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.kernels import Foot, Rates
+from modelgen.contact.kernels import Foot, Passing, Rates
 from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.curves import CurveJet, curve_of
 from modelgen.geometry.frames import cross, dot
@@ -55,23 +55,28 @@ def jacobian_rows(pair: Pair, N: ca.SX, at: Levers) -> tuple[ca.SX, ca.SX]:
     return pair.o.row(-N, -moment_o), pair.f.row(N, moment_f)
 
 
-def feet(pair: Pair, N: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> tuple[Foot, Foot]:
-    """The contact points on both bodies, from slides in the axes of the shapes."""
+def feet(pair: Pair, N: ca.SX, at: Levers) -> tuple[Foot, Foot]:
+    """The contact points on both bodies."""
     return (
-        Foot(at.l_o, slide_o, ca.mtimes(pair.o.rotation.T, N)),
-        Foot(at.l_f, slide_f, ca.mtimes(pair.f.rotation.T, N)),
+        Foot(at.l_o, None, ca.mtimes(pair.o.rotation.T, N)),
+        Foot(at.l_f, None, ca.mtimes(pair.f.rotation.T, N)),
     )
 
 
-def gap_bias(pair: Pair, N: ca.SX, N_dot: ca.SX, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> ca.SX:
+def passing(pair: Pair, at: Levers, slide_o: ca.SX, slide_f: ca.SX) -> Passing:
+    """V_f - V_o, and w_f x (w_f x r_f + slide_f) - w_o x (w_o x r_o + slide_o)."""
+    w_o, w_f = pair.o.spin_world, pair.f.spin_world
+    pull = cross(w_f, cross(w_f, at.r_f) + slide_f) - cross(w_o, cross(w_o, at.r_o) + slide_o)
+    return Passing(at.velocity_f - at.velocity_o, pull)
+
+
+def gap_bias(N: ca.SX, N_dot: ca.SX, past: Passing) -> ca.SX:
     """Corollary 3.2 (3.11) in compact form, with the two centripetal signs of the print reversed.
 
     gamma = N.(w_f x (w_f x r_f) - w_o x (w_o x r_o)) + N_dot.(V_f - V_o) + N.(w_f x slide_f - w_o x slide_o),
     slide = velocity (3,) of the contact point over its surface, world axes.
     """
-    w_o, w_f = pair.o.spin_world, pair.f.spin_world
-    pull = cross(w_f, cross(w_f, at.r_f) + slide_f) - cross(w_o, cross(w_o, at.r_o) + slide_o)
-    return dot(N, pull) + dot(N_dot, at.velocity_f - at.velocity_o)
+    return dot(N, past.pull) + dot(N_dot, past.V)
 
 
 def rates_of(
@@ -86,19 +91,20 @@ def rates_of(
 ) -> Rates:
     """All rates from N, the levers, and the motion of the contact points over the surfaces."""
     J_o, J_f = jacobian_rows(pair, N, at)
-    over = ca.mtimes(pair.o.rotation.T, slide_o), ca.mtimes(pair.f.rotation.T, slide_f)
-    foot_o, foot_f = feet(pair, N, at, *over)
+    foot_o, foot_f = feet(pair, N, at)
+    past = passing(pair, at, slide_o, slide_f)
     return Rates(
         d=dot(N, at.point_f - at.point_o),
         J_o=J_o,
         J_f=J_f,
-        gamma=gap_bias(pair, N, N_dot, at, slide_o, slide_f),
+        gamma=gap_bias(N, N_dot, past),
         eta_dot=eta_dot,
         normal=N,
         normal_rate=N_dot,
         turning=pair.o.seen(N, N_dot),
         foot_o=foot_o,
         foot_f=foot_f,
+        passing=past,
         steps={
             "normal": N,
             "point_o": at.point_o,

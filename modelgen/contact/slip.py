@@ -89,38 +89,52 @@ def with_tangential_rows(pair: Pair, rates: Rates, rows: int) -> Rates:
 
 def slip_rows(pair: Pair, rates: Rates, frame: SlipFrame) -> Rows:
     """t1.V and t2.V."""
-    past = pair.f.velocity - pair.o.velocity
-    o = _material(pair.o, rates.foot_o, frame.T_o, frame.tilt)
-    f = _material(pair.f, rates.foot_f, frame.T_f, frame.tilt)
-    slip = ca.mtimes(frame.T_w.T, past) + f.slip - o.slip
-    speed = dot(rates.normal, past) + f.speed - o.speed
+    past = _past(pair, rates, frame)
+    moments_o, moments_f = _moments(rates.foot_o, frame.T_o), _moments(rates.foot_f, frame.T_f)
     t = ca.horzsplit(frame.T_w)
-    J_o = ca.vertcat(*(pair.o.row(-t[k], -o.moments[k]) for k in range(2)))
-    J_f = ca.vertcat(*(pair.f.row(t[k], f.moments[k]) for k in range(2)))
-    return Rows(J_o, J_f, f.pull - o.pull + frame.rate(slip, speed), {"slip": slip})
+    J_o = ca.vertcat(*(pair.o.row(-t[k], -moments_o[k]) for k in range(2)))
+    J_f = ca.vertcat(*(pair.f.row(t[k], moments_f[k]) for k in range(2)))
+    return Rows(J_o, J_f, past.pull + frame.rate(past.slip, past.speed), {"slip": past.slip})
+
+
+def _moments(foot: Foot, T: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """l x t1 and l x t2 of l = lever + offset N, shape axes: N x t1 = t2, N x t2 = -t1."""
+    t1, t2 = ca.horzsplit(T)
+    return cross(foot.lever, t1) + foot.offset * t2, cross(foot.lever, t2) - foot.offset * t1
 
 
 @dataclass(frozen=True)
-class Material:
-    """The contact point as a material point of one body, with l = lever + offset N."""
+class Past:
+    """A velocity, of one material point or of one past another, and its rate without accelerations."""
 
-    moments: tuple[ca.SX, ca.SX]  # (3,) m, l x t1, l x t2, shape axes
-    slip: ca.SX  # (2,) m/s, (w x l).t
-    speed: ca.SX  # (1,) m/s, (w x l).N
-    pull: ca.SX  # (2,) m/s^2, w x (w x l + l_dot).t
+    slip: ca.SX  # (2,) m/s, along t1, t2
+    speed: ca.SX  # (1,) m/s, along N
+    pull: ca.SX  # (2,) m/s^2, along t1, t2
 
 
-def _material(side: Partner, foot: Foot, T: ca.SX, tilt: ca.SX) -> Material:
-    """With N x t1 = t2 and N x t2 = -t1 for the offset, whose end moves by offset N_dot."""
-    n, offset, (t1, t2) = foot.normal, foot.offset, ca.horzsplit(T)
-    carried = cross(side.spin, foot.lever)
-    along = ca.mtimes(T.T, side.spin)
-    pull = ca.mtimes(T.T, cross(side.spin, carried + foot.slide))
-    return Material(
-        moments=(cross(foot.lever, t1) + offset * t2, cross(foot.lever, t2) - offset * t1),
+def _past(pair: Pair, rates: Rates, frame: SlipFrame) -> Past:
+    """V and its rate."""
+    known, N, to_frame = rates.passing, rates.normal, frame.T_w.T
+    if known is not None:
+        return Past(ca.mtimes(to_frame, known.V), dot(N, known.V), ca.mtimes(to_frame, known.pull))
+    between = pair.f.velocity - pair.o.velocity
+    o = _carried(pair.o, rates.foot_o, frame.T_o, frame.tilt)
+    f = _carried(pair.f, rates.foot_f, frame.T_f, frame.tilt)
+    slip = ca.mtimes(to_frame, between) + f.slip - o.slip
+    return Past(slip, dot(N, between) + f.speed - o.speed, f.pull - o.pull)
+
+
+def _carried(side: Partner, foot: Foot, T: ca.SX, tilt: ca.SX) -> Past:
+    """w x l, and w x (w x l + l_dot), whose offset moves by offset N_dot."""
+    assert foot.slide is not None
+    n, offset, spin = foot.normal, foot.offset, side.spin
+    carried = cross(spin, foot.lever)
+    along = ca.mtimes(T.T, spin)
+    pull = ca.mtimes(T.T, cross(spin, carried + foot.slide))
+    return Past(
         slip=ca.mtimes(T.T, carried) + offset * ca.vertcat(along[1], -along[0]),
         speed=dot(n, carried),
-        pull=pull + offset * dot(n, side.spin) * ca.vertcat(-tilt[1], tilt[0]),
+        pull=pull + offset * dot(n, spin) * ca.vertcat(-tilt[1], tilt[0]),
     )
 
 

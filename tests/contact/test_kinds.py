@@ -74,7 +74,7 @@ SLIDING = {  # instructions of the rates with 1, 3 and 6 rows, in the cheapest f
     ("sphere", "free", "general", "sphere"): (71, 368, 427),
     ("plane", "fixed", "identity", "circle"): (67, 131, 152),
     ("plane", "fixed", "identity", "point"): (62, 125, 146),
-    ("edge", "free", "general", "edge"): (322, 630, 709),
+    ("edge", "free", "general", "edge"): (322, 582, 681),
 }
 
 
