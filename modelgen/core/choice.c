@@ -19,7 +19,7 @@ static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
   if (!c->run->closed[contact]) *mode = MG_LOOSE;
   else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
-  else if (*mode >= MG_STARTING && c->slipped[grip]) {
+  else if (*mode >= MG_ONSET && c->slipped[grip]) {
     const int turned = mg_aim(c, contact, grip); /* it has only left its course */
     if (!turned) c->over[grip] = mg_slip_left(c, contact, grip);
     *mode = turned ? MG_SLIPPING : MG_STUCK, c->slipped[grip] = !turned;
@@ -49,7 +49,7 @@ static void mg_bound_all(mg_context *c) {
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
       int *mode = c->run->grip + g;
       if (c->run->closed[i] && *mode == MG_LOOSE) *mode = MG_STUCK;
-      c->bound_of[g] = *mode >= MG_STARTING ? MG_KNOWN : MG_STATIC;
+      c->bound_of[g] = *mode >= MG_ONSET ? MG_KNOWN : MG_STATIC;
     }
 }
 
@@ -171,6 +171,12 @@ static void mg_set_course(mg_context *c, int contact, int grip, const mg_real *f
   if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
 }
 
+/* Slip begins where the force has reached its bound, which then stays as it is: there is no acceleration at first. */
+static int mg_begins_gently(const mg_context *c, int grip) {
+  const mg_real *s = c->sys->grip_static + 2 * grip, *d = c->sys->grip_kinetic + 2 * grip;
+  return c->before[grip] == MG_STUCK && c->slipped[grip] && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
+}
+
 static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->cone_contact[k];
@@ -178,7 +184,7 @@ static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
       if (!c->gives[g]) continue;
       mg_set_course(c, i, g, c->z + c->cone_first[k] + 1 + c->sys->grip_row[g]);
-      c->run->grip[g] = MG_STARTING;
+      c->run->grip[g] = mg_begins_gently(c, g) ? MG_ONSET : MG_STARTING;
     }
   }
 }
@@ -277,9 +283,9 @@ static void mg_report_grips(mg_context *c, mg_events *events) {
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
       const int before = c->before[g], now = c->run->grip[g];
       const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->sys->grip_aspect[g];
-      if (before == MG_STUCK && now >= MG_STARTING) mg_emit(c, events, c->run->t, first, i, 0);
-      if (before >= MG_STARTING && now == MG_STUCK) mg_emit(c, events, c->run->t + c->over[g], first + 1, i, 0);
-      if (before >= MG_STARTING && now == MG_STARTING && c->slipped[g])
+      if (before == MG_STUCK && now >= MG_ONSET) mg_emit(c, events, c->run->t, first, i, 0);
+      if (before >= MG_ONSET && now == MG_STUCK) mg_emit(c, events, c->run->t + c->over[g], first + 1, i, 0);
+      if (before >= MG_ONSET && now >= MG_ONSET && now != MG_SLIPPING && c->slipped[g])
         mg_emit(c, events, c->run->t + c->over[g], first + 2, i, 0);
       c->over[g] = 0;
     }

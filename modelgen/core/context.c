@@ -27,7 +27,7 @@ static long mg_held_of(const mg_system *s) {
 /* What grips need: reals, ints. */
 static long mg_grip_size(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return s->n_below + s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
+  return s->n_below + 2L * s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
          mg_friction_work_size((int)mg_held_of(s), s->n_closed);
 }
 
@@ -76,6 +76,7 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long n = mg_held_of(s), k = s->n_closed;
   c->lean = mg_take(&work, s->n_below), c->over = mg_take(&work, s->n_grip);
+  c->steer = mg_take(&work, s->n_grip);
   mg_zero(c->over, s->n_grip);
   c->cone = mg_take(&work, MG_CONE * k), c->tangents = mg_take(&work, 6L * s->n_contact);
   c->block = mg_take(&work, 78), c->coulomb = mg_take(&work, mg_friction_work_size((int)n, (int)k));
@@ -124,7 +125,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   c->sys = sys, c->set = set, c->run = run;
   c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0;
   c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
-  c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = 0;
+  c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = c->steering = 0;
   mg_carve(c, work, iwork);
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * c->n_all); /* J and MJ: the columns a kind lacks stay zero */

@@ -65,6 +65,8 @@ typedef struct {
   mg_real *normal, *tangents;               /* per contact 3; 6 */
   mg_real *block;                           /* rows of one contact as its kernel gives them: 6, 6 and 1 a row */
   mg_real *lean;                            /* per row below: its part of a slipping contact's force, over -N */
+  mg_real *steer;                           /* per grip: angle from its course at which slip that begins is taken to be */
+  int steering;                             /* steer is meant */
   int leaning;                              /* forces are sought: rows of slipping grips go with their normal rows */
   mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
@@ -222,6 +224,13 @@ static int mg_grips_fired(mg_context *c);
 static int mg_first_slipped(const mg_context *c);
 static int mg_grips_suspect(const mg_context *c);
 static void mg_aim_all(mg_context *c);
+static int mg_starts_slipping(const mg_context *c);
+static void mg_slip_on(mg_context *c);
+static void mg_steered(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along);
+static mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
+static int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor);
+static void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
 static int mg_choose_grips(mg_context *c, const int *skip);
 static void mg_report_grips(mg_context *c, mg_events *events);
 static int mg_impact_with_friction(mg_context *c, mg_events *events);
@@ -261,6 +270,7 @@ static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope
 static mg_real *mg_stage_state(const mg_context *c, int stage);
 static mg_real *mg_stage_slope(const mg_context *c, int stage);
 static mg_real mg_stage_time(int stage);
+static mg_real mg_stage_weight(int row, int column);
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
 static void mg_collocated(mg_context *c, const mg_real *x);
 static mg_real mg_derivative(const mg_real *value, int stage);

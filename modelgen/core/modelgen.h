@@ -96,9 +96,9 @@ typedef struct {
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
 } mg_settings;
 
-/* What a grip of a contact that carries force does: it holds; it is about to slip, or has, and is slower yet than
-   slip_speed; it slips along what its rows tell. */
-enum { MG_LOOSE = 0, MG_STUCK = 1, MG_STARTING = 2, MG_SLIPPING = 3 };
+/* What a grip of a contact that carries force does: it holds; it slips from now on, of the second order in time; it has
+   begun to and is slower yet than slip_speed; it slips along what its rows tell. */
+enum { MG_LOOSE = 0, MG_STUCK = 1, MG_ONSET = 2, MG_STARTING = 3, MG_SLIPPING = 4 };
 
 enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2 }; /* a contact that starts from flat; that did, its margin still small */
 

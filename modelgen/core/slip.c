@@ -28,6 +28,7 @@ static void mg_lean_of(mg_context *c, int contact, int grip) {
   mg_real slip[2], sign = mg_slip_along(c, contact, grip, slip) < 0 ? -1 : 1;
   const mg_real least = 2 * mg_slip_rest(c, grip);
   if (rows == 1) slip[0] = course[0], sign = 1;
+  else if (c->steering && c->run->grip[grip] == MG_ONSET) mg_steered(c, contact, grip, c->steer[grip], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= least * least)
     slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
   const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], size = sqrt(a * a + b * b);
@@ -36,7 +37,7 @@ static void mg_lean_of(mg_context *c, int contact, int grip) {
 }
 
 static int mg_is_slipping(const mg_context *c, int contact, int grip) {
-  return c->run->active[contact] && c->run->grip[grip] >= MG_STARTING;
+  return c->run->active[contact] && c->run->grip[grip] >= MG_ONSET;
 }
 
 /* The leans of all rows below, 0 of those that do not slip, with M^-1 J^T of those that do. */
