@@ -54,6 +54,11 @@ class Record:
             moved |= (column != column[:1]).any(axis=(0, 2))
         return [int(i) for i in np.flatnonzero(moved)]
 
+    @property
+    def has_friction(self) -> bool:
+        """Whether any contact ever slipped, or felt friction."""
+        return any(bool(self.columns[name].any()) for name in ("friction", "contact_torque", "slip"))
+
     def contact_curve(self, contact: int, side: str) -> Array:
         """(n, 3) m: the contact point on side "o" or "f" in axes of that body's centre of mass."""
         body = int(self.pairs[contact, 0 if side == "o" else 1])

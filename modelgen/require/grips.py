@@ -23,5 +23,6 @@ def grips_of(pair: ContactPair, first: int) -> tuple[Grip, ...]:
     slip = Grip("slip", 0, 2, static, kinetic)
     if direction is not None:
         slip = Grip("slip", 0, 2, static, kinetic, first, direction)
-    resistances = ("spin", SPIN, 1, pair.spinning_resistance), ("roll", ROLL, 2, pair.rolling_resistance)
-    return (slip, *(Grip(name, row, rows, (m, m), (m, m)) for name, row, rows, m in resistances if m))
+    spin, roll = ((m, m) for m in (pair.spinning_resistance, pair.rolling_resistance))
+    grips = (slip, Grip("spin", SPIN, 1, spin, spin), Grip("roll", ROLL, 2, roll, roll))
+    return tuple(grip for grip in grips if grip.kinetic[0])

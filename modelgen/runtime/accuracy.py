@@ -65,7 +65,7 @@ class Accuracy:
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
         rest_speed: approach below rest_speed L/T is caught without bounce.
-        slip_speed: slip below slip_speed L/T sticks if the forces let it; spin and rolling below slip_speed/T.
+        slip_speed: slip below slip_speed L/T sticks if the forces let it; spin, rolling below slip_speed/T.
         cone: a contact whose friction has reached its bound is tried with this part less of it.
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.

@@ -22,7 +22,7 @@ class Recording:
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
-            **{name: (n, nc, 3) for name in ("friction", "torque", "slip")},
+            **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {

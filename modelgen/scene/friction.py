@@ -1,9 +1,10 @@
-"""The friction of a contact pair: one coefficient, a static and a kinetic one, or two along axes of a body."""
+"""The friction of a contact pair: one coefficient, a static and a kinetic one, or two along axes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from modelgen.scene.fields import Field, Sequence, Table
 from modelgen.scene.place import Place
@@ -58,11 +59,12 @@ class FrictionValue:
         return {"anyOf": [COEFFICIENT.schema(), _TABLE.schema()]}
 
 
-def _from_table(values: Mapping[str, tuple[float, ...] | None], place: Place) -> Friction | None:
+def _from_table(values: Mapping[str, Any], place: Place) -> Friction | None:
     written = [values[key] for key in ("static", "kinetic") if values[key] is not None]
     if not written:
         raise place.error("no coefficient", "static, kinetic or both", "write friction = 0.3")
-    (s1, s2), (k1, k2) = (values[key] or written[0] for key in ("static", "kinetic"))
+    s1, s2 = values["static"] or written[0]
+    k1, k2 = values["kinetic"] or written[0]
     if s1 < k1 or s2 < k2:
         found = f"static {_shown(s1, s2)} below kinetic {_shown(k1, k2)}"
         raise place.error(found, "static friction is no less than kinetic", "exchange them")
@@ -70,7 +72,9 @@ def _from_table(values: Mapping[str, tuple[float, ...] | None], place: Place) ->
     _check_direction((s1, s2, k1, k2), direction, place)
     if not s1:
         return None
-    return Friction((s1, s2), (k1, k2), None if direction is None else (direction[0], direction[1], direction[2]))
+    return Friction(
+        (s1, s2), (k1, k2), None if direction is None else (direction[0], direction[1], direction[2])
+    )
 
 
 def _check_direction(found: tuple[float, ...], direction: tuple[float, ...] | None, place: Place) -> None:

@@ -79,8 +79,10 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
             "remove it",
         )
     _check_resistance(values, place)
-    keys = ("restitution", "form", "normal", "features", "points")
-    keys += ("friction", "rolling_resistance", "spinning_resistance")
+    keys = (
+        *("restitution", "form", "normal", "features", "points"),
+        *("friction", "rolling_resistance", "spinning_resistance"),
+    )
     return ContactPair((first, second), **{key: values[key] for key in keys})
 
 

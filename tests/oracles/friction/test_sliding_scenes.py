@@ -11,7 +11,7 @@ from modelgen import Accuracy
 from modelgen.scene import build as make
 from tests.oracles.friction.on_plane import P, T, V, W, rotation_of, slid_out, solid_ellipsoid, start
 from tests.oracles.friction.sphere import SlideToRoll
-from tests.oracles.pieces import G, TABLE, ball, imbalance, ran, times
+from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, times
 from tests.running import run
 
 ON_TABLE = ("ball", "table")
