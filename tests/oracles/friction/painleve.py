@@ -76,11 +76,11 @@ class Rod:
 
 @dataclass(frozen=True)
 class BrakeShoe:
-    """An arm on a hinge at height h above a moving belt, its shoe a distance b along the belt from the hinge.
+    """An arm on a hinge at height h above a moving belt, its shoe a distance b along it from the hinge.
 
-    `load` is the moment that presses the shoe on; the belt runs from the shoe to the hinge (side = +1) or from
-    the hinge to the shoe (-1). Moments about the hinge: N (b - side mu h) = load. Friction that presses the
-    shoe on, the more it rubs, jams for mu >= b / h: no rubbing state then carries the load.
+    `load` is the moment that presses the shoe on; the belt runs from the shoe to the hinge (side = +1) or
+    from the hinge to the shoe (-1). Moments about the hinge: N (b - side mu h) = load. Friction that presses
+    the shoe on, the more it rubs, jams for mu >= b / h: no rubbing state then carries the load.
     """
 
     height: float = 0.1
