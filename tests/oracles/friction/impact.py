@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.special import ellipk
 
 Array = np.ndarray[Any, Any]
 DIRECTIONS = 720  # looked at for roots
@@ -166,3 +167,8 @@ def at_once(v: Array, masses: Array, e: float) -> Array:
         if (impulse >= -1e-14).all() and (weighed @ J.T @ impulse + aim >= -1e-14).all():
             return np.asarray(v + weighed.T @ impulse)
     raise AssertionError("no set of blows obeys the law")
+
+
+def quarter_swing(angle: float, length: float, g: float = 9.81) -> float:
+    """Time in which a ball of a cradle, let go at rest at an angle, comes to the others."""
+    return float(np.sqrt(length / g) * ellipk(np.sin(angle / 2) ** 2))

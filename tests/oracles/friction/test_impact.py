@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from tests.oracles.friction.impact import Planar, at_once, chained, inverse_mass, newton
+from tests.oracles.friction.impact import Planar, at_once, chained, inverse_mass, newton, quarter_swing
 
 RNG = np.random.default_rng(5)
 
@@ -123,3 +124,11 @@ def test_blows_in_a_line_keep_momentum_and_gain_no_energy(v: list[float], e: flo
     for after in ([chained(speeds, masses, e)] if e > 0.4 else []) + [at_once(speeds, masses, e)]:
         assert masses @ after == pytest.approx(masses @ speeds, abs=1e-10)
         assert masses @ after**2 <= masses @ speeds**2 + 1e-10
+
+
+def test_a_ball_of_a_cradle_comes_down_in_a_quarter_of_its_period() -> None:
+    down = lambda _, y: [y[1], -9.81 / 0.3 * np.sin(y[0])]  # noqa: E731
+    bottom = lambda _, y: y[0]  # noqa: E731
+    bottom.terminal = True
+    ran = solve_ivp(down, (0, 1), [0.7, 0.0], "DOP853", events=[bottom], rtol=1e-13, atol=1e-14)
+    assert ran.t[-1] == pytest.approx(quarter_swing(0.7, 0.3), abs=1e-12)
