@@ -10,6 +10,7 @@ from modelgen.evidence.bodies import check_body
 from modelgen.evidence.contacts import check_contact, sample
 from modelgen.evidence.drawing import Partnership, partnership
 from modelgen.evidence.findings import Finding, Status
+from modelgen.evidence.joints import Drawn, check_coordinates, check_limit, check_rows, check_spring, draw
 from modelgen.evidence.loads import check_load
 from modelgen.evidence.proofs import must_be_proved, prove
 from modelgen.evidence.right_hand_side import check_rhs
@@ -20,6 +21,7 @@ OF_BODIES = ("pose", "motion", "energy", "path")
 OF_SHAPES = ("surface", "curve", "point")
 OF_CONTACTS = ("rates", "place", "angle")
 OF_SEARCH = ("aim", "seek")
+OF_JOINTS = ("rows", "coordinates")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +68,8 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
     if role in OF_SHAPES:
         numbers = lengths_of(model, formula.kind)
         return check_shape(function, model.shape_kinds[formula.kind], numbers, n, seed)
+    if is_of_joint(formula, model):
+        return _of_joint(formula, model, drawn_joints(formula, model, n, seed))
     if role in OF_CONTACTS:
         return check_contact(role, function, sample(partnership_of(model, formula.kind), n, seed))
     if role in OF_SEARCH:
@@ -73,6 +77,42 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
     if role == "wrench":
         return check_load(function, model.load_kinds[formula.kind], n, seed)
     return check_rhs(function, derivation, n, seed)
+
+
+def is_of_joint(formula: Formula, model: Model) -> bool:
+    """Rows and coordinates of joints, their limits, which count among the contacts, and their springs."""
+    if formula.role == "wrench":
+        return bool(model.load_kinds[formula.kind].joint)
+    return formula.role in OF_JOINTS or is_of_limit(formula, model)
+
+
+def is_of_limit(formula: Formula, model: Model) -> bool:
+    """Whether it is of a limit of a joint."""
+    return formula.role in OF_CONTACTS and formula.kind >= len(model.contact_kinds)
+
+
+def drawn_joints(formula: Formula, model: Model, n: int, seed: int) -> list[Drawn]:
+    """Configurations of the first joint of the kind that the formula is of, with its own numbers."""
+    if formula.role == "wrench":
+        load = next(load for load in model.loads if load.kind == formula.kind)
+        return draw(model.load_kinds[formula.kind].joint, load.parameters, n, seed)
+    if is_of_limit(formula, model):
+        index = formula.kind - len(model.contact_kinds)
+        limit = next(limit for limit in model.limits if limit.kind == index)
+        return draw(model.limit_kinds[index].kind, limit.parameters, n, seed)
+    joint = next(joint for joint in model.joints if joint.kind == formula.kind)
+    return draw(model.joint_kinds[formula.kind].kind, joint.parameters, n, seed)
+
+
+def _of_joint(formula: Formula, model: Model, drawn: list[Drawn]) -> list[Finding]:
+    role, function = formula.role, formula.function
+    if role == "wrench":
+        return check_spring(function, model.load_kinds[formula.kind], drawn)
+    if role == "rows":
+        return check_rows(function, model.joint_kinds[formula.kind], drawn)
+    if role == "coordinates":
+        return check_coordinates(function, drawn)
+    return check_limit(role, function, model.limit_kinds[formula.kind - len(model.contact_kinds)], drawn)
 
 
 def partnership_of(model: Model, kind: int) -> Partnership:

@@ -39,8 +39,9 @@ def page(source: str, facts: Mapping[str, Any]) -> str:
         ("singularities", "Singular configurations", "".join(map(_singularity, facts["singularities"]))),
         ("errata", "Errata of the paper", _errata(facts["errata"])),
     ]
-    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in sections)
-    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in sections)
+    filled = [section for section in sections if section[2]]
+    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in filled)
+    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in filled)
     head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
     text = f"<body>{_opening(source)}<p>{contents}</p>{body}</body>"
     return f'<!DOCTYPE html><html lang="en"><head>{head}</head>{text}</html>\n'

@@ -12,7 +12,7 @@ from modelgen.contact.kinds import FORMS
 from modelgen.derive import Derivation, Formula
 from modelgen.evidence.proofs import MUST_BE_PROVED, must_be_proved
 from modelgen.evidence.verify import verified
-from modelgen.report.derivation import kind_scene
+from modelgen.report.kind_scenes import kind_scene
 
 N = 12
 PAIRS = {
