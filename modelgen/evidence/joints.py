@@ -120,8 +120,8 @@ def check_rows(function: ca.Function, kind: JointKind, drawn: Sequence[Drawn]) -
     findings = [
         _compared(name, f"{formula}{MOTION}", [f[k] for f in found], [w[k] for w in wanted])
         for k, (name, formula) in enumerate(
-            (("value", ""), ("J", "J u + bias = value_dot; "),
-             ("gamma1", "J u_dot + gamma1 = value_ddot; "), ("bias", "bodies at rest; "))
+            (("value", ""), ("J", "J u + bias is the rate of value; "),
+             ("gamma1", "J u_dot + gamma1 is its second derivative; "), ("bias", "bodies at rest; "))
         )
     ]  # fmt: skip
     held = [values.ravel()[: len(values.ravel()) - (kind.motion is not None)] for values in kept]

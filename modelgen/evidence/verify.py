@@ -15,7 +15,7 @@ from modelgen.evidence.loads import check_load
 from modelgen.evidence.proofs import must_be_proved, prove
 from modelgen.evidence.right_hand_side import check_rhs
 from modelgen.evidence.shapes import check_search, check_shape
-from modelgen.model import Model
+from modelgen.model import JointKind, LimitKind, LoadKind, Model
 
 OF_BODIES = ("pose", "motion", "energy", "path")
 OF_SHAPES = ("surface", "curve", "point")
@@ -91,28 +91,35 @@ def is_of_limit(formula: Formula, model: Model) -> bool:
     return formula.role in OF_CONTACTS and formula.kind >= len(model.contact_kinds)
 
 
+def joint_kind(formula: Formula, model: Model) -> JointKind | LimitKind | LoadKind:
+    """The kind that a formula of a joint, of a limit or of a spring is of."""
+    if formula.role == "wrench":
+        return model.load_kinds[formula.kind]
+    if is_of_limit(formula, model):
+        return model.limit_kinds[formula.kind - len(model.contact_kinds)]
+    return model.joint_kinds[formula.kind]
+
+
 def drawn_joints(formula: Formula, model: Model, n: int, seed: int) -> list[Drawn]:
     """Configurations of the first joint of the kind that the formula is of, with its own numbers."""
-    if formula.role == "wrench":
+    kind = joint_kind(formula, model)
+    if isinstance(kind, LoadKind):
         load = next(load for load in model.loads if load.kind == formula.kind)
-        return draw(model.load_kinds[formula.kind].joint, load.parameters, n, seed)
-    if is_of_limit(formula, model):
-        index = formula.kind - len(model.contact_kinds)
-        limit = next(limit for limit in model.limits if limit.kind == index)
-        return draw(model.limit_kinds[index].kind, limit.parameters, n, seed)
-    joint = next(joint for joint in model.joints if joint.kind == formula.kind)
-    return draw(model.joint_kinds[formula.kind].kind, joint.parameters, n, seed)
+        return draw(kind.joint, load.parameters, n, seed)
+    entries, first = (
+        (model.limits, len(model.contact_kinds)) if isinstance(kind, LimitKind) else (model.joints, 0)
+    )
+    entry = next(entry for entry in entries if entry.kind == formula.kind - first)
+    return draw(kind.kind, entry.parameters, n, seed)
 
 
 def _of_joint(formula: Formula, model: Model, drawn: list[Drawn]) -> list[Finding]:
-    role, function = formula.role, formula.function
-    if role == "wrench":
-        return check_spring(function, model.load_kinds[formula.kind], drawn)
-    if role == "rows":
-        return check_rows(function, model.joint_kinds[formula.kind], drawn)
-    if role == "coordinates":
-        return check_coordinates(function, drawn)
-    return check_limit(role, function, model.limit_kinds[formula.kind - len(model.contact_kinds)], drawn)
+    function, kind = formula.function, joint_kind(formula, model)
+    if isinstance(kind, LoadKind):
+        return check_spring(function, kind, drawn)
+    if isinstance(kind, LimitKind):
+        return check_limit(formula.role, function, kind, drawn)
+    return check_rows(function, kind, drawn) if formula.role == "rows" else check_coordinates(function, drawn)
 
 
 def partnership_of(model: Model, kind: int) -> Partnership:

@@ -13,12 +13,13 @@ import sympy as sp
 
 from modelgen.codegen.emit import emit
 from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.sentence import parameters_of_joint
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.evidence.configuration import inputs_at, substituted
 from modelgen.evidence.symbolic import LONGEST, Line, definition, leading_to
-from modelgen.evidence.verify import claimed, is_of_limit, verified
+from modelgen.evidence.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
 from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
 from modelgen.joint.rows import coordinates_kernel, rows_kernel
 from modelgen.model import Model
@@ -58,8 +59,12 @@ GROUPS = {
 }  # of the manifest's kinds, by the role of a formula
 NARROW = 14  # operations in one line of a page
 OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
+OF_JOINTS: Mapping[str, Mapping[str, str]] = {  # what the names of bodies and contacts mean for a joint
+    "parameters": {"meaning": "both frames in the axes of the centres of mass, the length L, the joint's own"}
+}
 _ANGLE = {"meaning": "angle of the joint, whole turns counted", "unit": "rad", "frame": "", "equation": ""}
 OF_A_LIMIT: Mapping[str, Mapping[str, str]] = {  # what the names of a contact mean for a limit of a joint
+    **OF_JOINTS,
     "eta": _ANGLE,
     "eta_next": {**_ANGLE, "meaning": "the angle of the poses nearest to eta"},
     "eta_dot": {**_ANGLE, "meaning": "its rate", "unit": "rad/s"},
@@ -141,7 +146,7 @@ def _facts(
     kernel_outputs = [port["name"] for port in entry["outputs"]]
     steps = dict.fromkeys(line.output for line in written if line.output not in ("", *kernel_outputs))
     outputs = [port for port in entry["outputs"] if only in (None, port["name"])]
-    own = OF_A_LIMIT if is_of_limit(formula, model) else {}
+    own = OF_A_LIMIT if is_of_limit(formula, model) else OF_JOINTS if is_of_joint(formula, model) else {}
     return {
         "name": formula.name,
         "role": formula.role,
@@ -207,13 +212,18 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
         ]
         loads = sum(len(load.parameters) for load in model.loads)
         return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
-    if is_of_limit(formula, model):
-        kind = kinds["limit"][formula.kind - len(model.contact_kinds)]
-    elif formula.role in GROUPS:
-        kind = kinds[GROUPS[formula.role]][formula.kind]
-    else:
+    if is_of_joint(formula, model):
+        return {"parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model))))}
+    if formula.role not in GROUPS:
         return {}
-    return {"parameters": list(map(_identifier, _listed(kind)))}
+    return {"parameters": list(map(_identifier, _listed(kinds[GROUPS[formula.role]][formula.kind])))}
+
+
+def _of_frames(name: str) -> str:
+    """`a.R_xx` is `frame_a_xx`, `a.p_x` is `origin_a_x`: bodies have the letters R and p themselves."""
+    side, _, rest = name.partition(".")
+    letter, _, axes = rest.partition("_")
+    return f"{'frame' if letter == 'R' else 'origin'}_{side}_{axes}" if rest else name
 
 
 

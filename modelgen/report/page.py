@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from modelgen.report import mathml
 from modelgen.report.raster import colour, data_uri
 from modelgen.report.typeset import status_text, tree
 
@@ -88,9 +89,9 @@ def _formula(facts: Mapping[str, Any]) -> str:
 def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
     rows = [
         (
-            indexed(f["quantity"]),
+            named(f["quantity"]),
             _badge(f["status"]),
-            escape(f["route"]),
+            worded(f["route"]),
             str(f["n"] or ""),
             _error(f["worst"]) if f["n"] else "",
         )
@@ -101,8 +102,8 @@ def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
 
 def _ports(facts: Mapping[str, Any]) -> str:
     rows = [
-        (kind, indexed(port["name"]), "×".join(map(str, port.get("shape", ()))), escape(port["unit"]),
-         escape(port["frame"]), escape("; ".join(filter(None, (port["meaning"], port["equation"])))))
+        (kind, named(port["name"]), "×".join(map(str, port.get("shape", ()))), indexed(port["unit"]),
+         escape(port["frame"]), worded("; ".join(filter(None, (port["meaning"], port["equation"])))))
         for group, kind in (("inputs", "in"), ("outputs", "out"), ("steps", "step"))
         for port in facts[group]
         if port.get("shape") != [0]
@@ -119,7 +120,8 @@ def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
         while depths and depths[-1] >= depth:
             depths.pop()
             parts.append("</details>")
-        label = f'<span class="eq">{line["value"]}</span> <span class="v">= {line["number"]:.6g}</span>'
+        number = f' <span class="v">= {line["number"] + 0.0:.6g}</span>' if line["uses"] else ""
+        label = f'<span class="eq">{line["value"]}</span>{number}'
         if above:
             more = ", " if after and following == depth else " above"
             parts.append(f'<span class="leaf v">{indexed(line["key"])}{more}</span>')
@@ -191,6 +193,18 @@ def indexed(text: str) -> str:
     """`_x` as an index, `^x` as an exponent, in escaped text."""
     below = re.sub(r"_(\w+)", lambda found: f"<sub>{found[1].replace('_', ',')}</sub>", escape(text))
     return re.sub(r"\^(\w+)", r"<sup>\1</sup>", below)
+
+
+def named(name: str) -> str:
+    """A quantity by its symbol, as the formulas write it."""
+    return mathml.block(mathml.symbol(name))
+
+
+def worded(text: str) -> str:
+    """Words with `x_dot` as a letter with its dot."""
+    marks = {"_dot": "\u0307", "_ddot": "\u0308"}
+    dotted = re.sub(r"(?<![A-Za-z])([A-Za-z])(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
+    return escape(dotted.replace("->", "→"))
 
 
 def _error(value: float | None) -> str:

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen import __version__
-from modelgen.cli import app
+from modelgen.cli.commands import app
 from modelgen.scene.read import read_text
 
 ROOT = Path(__file__).parents[2]

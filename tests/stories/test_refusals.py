@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -96,7 +98,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], None]:
 
         def changed(self: Session, *arguments: Any) -> int:
             calls.append(1)
-            if len(calls) < 3:
+            if len(calls) != 3:
                 return advance(self, *arguments)
             if isinstance(end, int):
                 return end
@@ -122,7 +124,26 @@ def test_a_run_that_ends_early_keeps_what_was_computed(
     assert answer.json["outcome"] == outcome
     record = load(tmp_path / "run.npz")
     assert record.summary["outcome"] == outcome
-    assert 0 < record.columns["t"][-1] <= answer.json["t_end"] < 1e3
+    assert 0 < record.columns["t"][-1] == answer.json["t_end"] < 1e3
+    assert "the last sample is the state then" in answer.err
+
+
+STOP_AT = """
+import sys
+class Stop:
+    def find_spec(self, name, path=None, target=None):
+        if name == sys.argv[1]:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+from modelgen.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["modelgen.cli.commands", "typer", "rich.progress"])
+def test_an_interrupt_while_the_verbs_load_is_no_traceback(module: str) -> None:
+    ended = subprocess.run([sys.executable, "-c", STOP_AT, module], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")
 
 
 def test_interrupt_before_the_run_is_no_traceback(
