@@ -24,6 +24,7 @@ from modelgen.evidence.verify import (
     lengths_of,
     partnership_of,
 )
+from modelgen.model import Model
 
 Numbers = Mapping[str, Sequence[float]]
 

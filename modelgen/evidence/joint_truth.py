@@ -1,4 +1,4 @@
-"""The independent route of joints: what each kind keeps, from the relative placement of its frames, in 50 digits.
+"""The independent route of joints: what each kind keeps, from the placement of its frames, in 50 digits.
 
 The second frame stands in the first at r with rotation Q. Bodies move by p + v t + a t^2/2 and
 R (I + h + h^2/2), h = hat(w t + w_dot t^2/2), exact to second order; everything is differenced in t.
@@ -25,12 +25,12 @@ _NAMED = {"abs": mp.fabs, "min": min, "max": max, "sign": mp.sign}
 
 @dataclass(frozen=True)
 class Frames:
-    """Both frames of a joint at one instant: positions (3), rotations (3,3), world; angles count by length."""
+    """Both frames of a joint at one instant: positions (3), rotations (3,3), world."""
 
     t: Any
     origins: tuple[Any, Any]
     turns: tuple[Any, Any]
-    length: Any
+    length: Any  # m, by which angles count
     numbers: Sequence[Any]
 
     @property

@@ -16,6 +16,7 @@ from modelgen.joint.limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
 
 Array = np.ndarray[Any, Any]
+Motions = tuple[tuple[Array, Array, Array], ...]
 MOTION = "differences, in 50 digits, of the relative placement of the frames along the motion"
 TOGETHER = "the coordinates by which the frames were put together"
 POWER = "differences of the coordinate, in 50 digits, along each direction of motion"
@@ -32,7 +33,7 @@ class Drawn:
     """Two bodies with a joint between them: moving at random, and put together as the joint wants."""
 
     t: float
-    motions: tuple[tuple[Array, Array, Array], ...]  # (pose, twist, accel) of both bodies
+    motions: Motions  # (pose, twist, accel) of both bodies
     parameters: Array
     coordinates: tuple[float, ...]  # of the joint, where it is put together
     together: Array  # pose of the second body
@@ -60,9 +61,7 @@ def draw(kind: str, parameters: Sequence[float], n: int, seed: int) -> list[Draw
 
 def _drawn(kind: str, parameters: Array, random: np.random.Generator) -> Drawn:
     size = parameters[24]
-    motions = tuple(
-        (_pose(random, size), random.normal(size=6), random.normal(size=6)) for _ in range(2)
-    )
+    motions = tuple((_pose(random, size), random.normal(size=6), random.normal(size=6)) for _ in range(2))
     coordinates, r, Q = _relative(kind, parameters, random)
     if kind == "gear":
         return Drawn(random.uniform(0.1, 1.0), motions, parameters, (), motions[1][0])
@@ -90,14 +89,15 @@ def _relative(
     if kind in ("distance", "rope"):
         direction = random.normal(size=3)
         far = numbers[0] if kind == "distance" else size * random.uniform(0.2, 2.0)
-        r = far * direction / np.linalg.norm(direction)
-        return (float(far),), r, Rotation.random(random_state=random).as_matrix()
+        span = far * direction / np.linalg.norm(direction)
+        return (float(far),), span, Rotation.random(random_state=random).as_matrix()
     if kind == "spherical":
         return (), np.zeros(3), Rotation.random(random_state=random).as_matrix()
     values = random.uniform(-1.5, 1.5, len(STEPS.get(kind, ())))
     if kind == "screw":
         values[0] = numbers[0] * values[1] / (2 * np.pi)
-    r, Q = np.zeros(3), np.eye(3)
+    r: Array = np.zeros(3)
+    Q: Array = np.eye(3)
     for step, value in zip(STEPS.get(kind, ()), values, strict=True):
         word, axis = step.split()
         r = r + value * np.eye(3)["xyz".index(axis)] if word == "shift" else r
@@ -105,45 +105,64 @@ def _relative(
     return tuple(map(float, values)), r, Q
 
 
+Both = Mapping[str, tuple[Any, Any]]  # what was found and what was wanted, by quantity
+
+
 def check_rows(function: ca.Function, kind: JointKind, drawn: Sequence[Drawn]) -> list[Finding]:
     """Rows vanish where the joint holds; off it they, J u + bias and J u_dot + gamma1 are as differenced."""
-    found, wanted, kept = [], [], []
-    for at in drawn:
-        value, J, gamma, bias = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
-        J = J.reshape(-1, 12)
-        found.append((value, J @ at.u + bias, J @ at.u_dot + gamma, bias))
-        still = tuple((pose, np.zeros(6), np.zeros(6)) for pose, _, _ in at.motions)
-        moved = differenced(lambda h, at=at: _rows(kind, at.motions, at, h))
-        wanted.append((*moved, differenced(lambda h, at=at, still=still: _rows(kind, still, at, h))[1]))
-        pose_a, twist_a, _, twist_b = at.moving
-        kept.append(np.asarray(function(at.t, pose_a, twist_a, at.together, twist_b, at.parameters)[0]))
-    findings = [
-        _compared(name, f"{formula}{MOTION}", [f[k] for f in found], [w[k] for w in wanted])
-        for k, (name, formula) in enumerate(
-            (("value", ""), ("J", "J u + bias is the rate of value; "),
-             ("gamma1", "J u_dot + gamma1 is its second derivative; "), ("bias", "bodies at rest; "))
-        )
-    ]  # fmt: skip
-    held = [values.ravel()[: len(values.ravel()) - (kind.motion is not None)] for values in kept]
-    if kind.kind == "gear" or not held[0].size:
+    routes = {
+        "value": MOTION,
+        "J": f"J u + bias is the rate of value; {MOTION}",
+        "gamma1": f"J u_dot + gamma1 is its second derivative; {MOTION}",
+        "bias": f"bodies at rest; {MOTION}",
+    }
+    findings = _gathered(routes, [_off_the_joint(function, kind, at) for at in drawn])
+    if kind.kind == "gear":
         return findings
-    size = float(drawn[0].parameters[24])
-    rest = [1.0 + values / size for values in held]
-    return [*findings, _compared("value", f"zero at {TOGETHER}", rest, [np.ones_like(x) for x in rest])]
+    held = {"value": f"zero at {TOGETHER}"}
+    return [*findings, *_gathered(held, [_on_the_joint(function, kind, at) for at in drawn])]
 
 
-def _rows(kind: JointKind, motions: Sequence[Any], at: Drawn, h: Any) -> list[Any]:
-    return rows_of(kind.kind, kind.motion, frames_at(motions, at.parameters, at.t, h))
+def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
+    def rows(motions: Motions) -> tuple[Array, Array, Array]:
+        return differenced(
+            lambda h: rows_of(kind.kind, kind.motion, frames_at(motions, at.parameters, at.t, h))
+        )
+
+    value, flat, gamma, bias = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
+    J = flat.reshape(-1, 12)
+    wanted, first, second = rows(at.motions)
+    still = tuple((pose, np.zeros(6), np.zeros(6)) for pose, _, _ in at.motions)
+    return {
+        "value": (value, wanted), "J": (J @ at.u + bias, first),
+        "gamma1": (J @ at.u_dot + gamma, second), "bias": (bias, rows(still)[1]),
+    }  # fmt: skip
 
 
-def _compared(name: str, route: str, found: Sequence[Array], wanted: Sequence[Array]) -> Finding:
-    return compared(name, route, np.array(found).T, np.array(wanted).T)
+def _on_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
+    """Beside ones, so that zero is told against the length; without the row of a given motion."""
+    pose_a, twist_a, _, twist_b = at.moving
+    value = np.asarray(function(at.t, pose_a, twist_a, at.together, twist_b, at.parameters)[0]).ravel()
+    kept = value[: len(value) - (kind.motion is not None)]
+    return {"value": (1.0 + kept / at.parameters[24], np.ones_like(kept))}
+
+
+def _gathered(routes: Mapping[str, str], entries: Sequence[Both]) -> list[Finding]:
+    """One finding a quantity, over all configurations."""
+    return [
+        compared(name, route, *(np.array([entry[name][k] for entry in entries]).T for k in (0, 1)))
+        for name, route in routes.items()
+    ]
 
 
 def check_coordinates(function: ca.Function, drawn: Sequence[Drawn]) -> list[Finding]:
     """The coordinates are those that the frames were put together by."""
-    found = [np.asarray(function(at.motions[0][0], at.together, at.parameters)).ravel() for at in drawn]
-    return [_compared("coordinate", TOGETHER, found, [np.array(at.coordinates) for at in drawn])]
+
+    def at_one(at: Drawn) -> Both:
+        found = function(at.motions[0][0], at.together, at.parameters)
+        return {"coordinate": (np.asarray(found).ravel(), at.coordinates)}
+
+    return _gathered({"coordinate": TOGETHER}, list(map(at_one, drawn)))
 
 
 def first_coordinate(kind: str, at: Drawn) -> tuple[float, float, float]:
@@ -161,28 +180,30 @@ def limit_numbers(kind: LimitKind, at: Drawn) -> tuple[Array, float, float]:
 
 
 def check_limit(role: str, function: ca.Function, kind: LimitKind, drawn: Sequence[Drawn]) -> list[Finding]:
-    """`rates` or `place` of a limit."""
-    return (_limit_rates if role == "rates" else _limit_place)(function, kind, drawn)
+    """`rates` or `place` of a limit; an angle is found from within half a turn."""
+    less, axis, origin = "the coordinate less its bound", "z axis of the first frame", "origin of the frame"
+    rates = {"d": less, "J": f"J u = d_dot; {MOTION}", "gamma": f"J u_dot + gamma = d_ddot; {MOTION}",
+             "eta_dot": MOTION, "normal": axis}  # fmt: skip
+    place = {"eta_next": "the coordinate, from within half a turn", "d": less, "normal": axis,
+             "residual": "how far eta was off", "point_o": origin, "point_f": origin}  # fmt: skip
+    if role == "rates":
+        return _gathered(rates, [_limit_rates(function, kind, at) for at in drawn])
+    off = np.random.default_rng(7).uniform(-3.0, 3.0, (len(drawn), int(is_turn(kind.kind))))
+    return _gathered(place, [_limit_place(function, kind, *each) for each in zip(drawn, off, strict=True)])
 
 
-def _limit_rates(function: ca.Function, kind: LimitKind, drawn: Sequence[Drawn]) -> list[Finding]:
-    found, wanted = [], []
-    for at in drawn:
-        eta, lever, bound = limit_numbers(kind, at)
-        value, rate, second = first_coordinate(kind.kind, at)
-        out = [np.asarray(x).ravel() for x in function(*at.moving, eta, at.parameters)]
-        d, J, gamma = out[0], np.concatenate(out[1:3]), out[3]
-        found.append((d, [J @ at.u], J @ at.u_dot + gamma, out[4], out[5]))
-        counted = eta[0] if eta.size else value
-        axis = np.sign(lever) * _axis(at)
-        wanted.append(([lever * (counted - bound)], [lever * rate], [lever * second], [rate][: eta.size], axis))
-    names = ("d", "J", "gamma", "eta_dot", "normal")
-    routes = ("the coordinate less its bound", f"J u = d_dot; {MOTION}",
-              f"J u_dot + gamma = d_ddot; {MOTION}", MOTION, "z axis of the first frame")  # fmt: skip
-    return [
-        _compared(name, route, [f[k] for f in found], [w[k] for w in wanted])
-        for k, (name, route) in enumerate(zip(names, routes, strict=True))
-    ]
+def _limit_rates(function: ca.Function, kind: LimitKind, at: Drawn) -> Both:
+    eta, lever, bound = limit_numbers(kind, at)
+    value, rate, second = first_coordinate(kind.kind, at)
+    d, J_o, J_f, gamma, eta_dot, normal = (
+        np.asarray(x).ravel() for x in function(*at.moving, eta, at.parameters)
+    )
+    J, counted = np.concatenate([J_o, J_f]), eta[0] if eta.size else value
+    return {
+        "d": (d, [lever * (counted - bound)]), "J": ([J @ at.u], [lever * rate]),
+        "gamma": (J @ at.u_dot + gamma, [lever * second]), "eta_dot": (eta_dot, [rate][: eta.size]),
+        "normal": (normal, np.sign(lever) * _axis(at)),
+    }  # fmt: skip
 
 
 def _axis(at: Drawn) -> Array:
@@ -190,57 +211,45 @@ def _axis(at: Drawn) -> Array:
     return np.asarray(R @ at.parameters[9:12])
 
 
-def _limit_place(function: ca.Function, kind: LimitKind, drawn: Sequence[Drawn]) -> list[Finding]:
-    """From within half a turn the angle is found, and residual says how far it was."""
-    found, wanted = [], []
-    random = np.random.default_rng(7)
-    for at in drawn:
-        eta, lever, bound = limit_numbers(kind, at)
-        value, _, _ = first_coordinate(kind.kind, at)
-        off = random.uniform(-3.0, 3.0, eta.size)
-        pose_a, _, pose_b, _ = at.moving
-        out = [np.asarray(x).ravel() for x in function(pose_a, pose_b, eta + off, at.parameters)]
-        found.append((out[0], out[1], out[2], out[4], out[5], out[6]))
-        counted = (eta + off)[0] if eta.size else value
-        origins = [np.array([float(x) for x in p]) for p in _origins(at)]
-        wanted.append((eta, [lever * (counted - bound)], [0.0, *(np.abs(off) if eta.size else [0.0])],
-                       np.sign(lever) * _axis(at), *origins))  # fmt: skip
-    names = ("eta_next", "d", "residual", "normal", "point_o", "point_f")
-    routes = ("the coordinate, from within half a turn", "the coordinate less its bound",
-              "how far eta was off", "z axis of the first frame", "origin of the frame",
-              "origin of the frame")  # fmt: skip
-    return [
-        _compared(name, route, [f[k] for f in found], [w[k] for w in wanted])
-        for k, (name, route) in enumerate(zip(names, routes, strict=True))
-    ]
-
-
-def _origins(at: Drawn) -> tuple[Any, Any]:
-    return frames_at(at.motions, at.parameters, 0.0, 0.0).origins
+def _limit_place(function: ca.Function, kind: LimitKind, at: Drawn, off: Array) -> Both:
+    eta, lever, bound = limit_numbers(kind, at)
+    counted = (eta + off)[0] if eta.size else first_coordinate(kind.kind, at)[0]
+    pose_a, _, pose_b, _ = at.moving
+    out = [np.asarray(x).ravel() for x in function(pose_a, pose_b, eta + off, at.parameters)]
+    frames = frames_at(at.motions, at.parameters, 0.0, 0.0)
+    turned = [0.0, *(np.abs(off) if eta.size else [0.0])]
+    origins = [np.array([float(x) for x in origin]) for origin in frames.origins]
+    return {
+        "eta_next": (out[0], eta), "d": (out[1], [lever * (counted - bound)]),
+        "normal": (out[4], np.sign(lever) * _axis(at)), "residual": (out[2], turned),
+        "point_o": (out[5], origins[0]), "point_f": (out[6], origins[1]),
+    }  # fmt: skip
 
 
 def check_spring(function: ca.Function, kind: LoadKind, drawn: Sequence[Drawn]) -> list[Finding]:
     """Virtual work: the wrench is -(k (c - rest) + damping c_dot) dc along each of twelve directions."""
-    found, wanted = [], []
-    for at in drawn:
-        stiffness, damping, rest = at.parameters[-3:]
-        value, rate, _ = first_coordinate(kind.joint, at)
-        off = value - rest
-        off = np.arctan2(np.sin(off), np.cos(off)) if is_turn(kind.joint) else off
-        push = -stiffness * off - damping * rate
-        out = [np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters)]
-        found.append(np.concatenate(out))
-        wanted.append(push * np.array([_slope(kind.joint, at, k) for k in range(12)]))
-    halves = ((f"wrench_{side}", slice(6 * k, 6 * k + 6)) for k, side in enumerate("ab"))
-    return [
-        _compared(name, f"virtual work; {POWER}", [f[part] for f in found], [w[part] for w in wanted])
-        for name, part in halves
-    ]
+    routes = {f"wrench_{side}": f"virtual work; {POWER}" for side in "ab"}
+    return _gathered(routes, [_pushed(function, kind, at) for at in drawn])
+
+
+def _pushed(function: ca.Function, kind: LoadKind, at: Drawn) -> Both:
+    stiffness, damping, rest = at.parameters[-3:]
+    value, rate, _ = first_coordinate(kind.joint, at)
+    off = value - rest
+    off = np.arctan2(np.sin(off), np.cos(off)) if is_turn(kind.joint) else off
+    slopes = np.array([_slope(kind.joint, at, k) for k in range(12)])
+    wanted = -(stiffness * off + damping * rate) * slopes
+    on_a, on_b = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
+    return {"wrench_a": (on_a, wanted[:6]), "wrench_b": (on_b, wanted[6:])}
 
 
 def _slope(kind: str, at: Drawn, direction: int) -> float:
     """Derivative of the first coordinate along one of twelve unit twists."""
     unit = np.eye(12)[direction]
-    twists = (unit[:6], unit[6:])
-    motions = tuple((pose, twist, np.zeros(6)) for (pose, _, _), twist in zip(at.motions, twists, strict=True))
-    return float(differenced(lambda h: COORDINATES[kind](frames_at(motions, at.parameters, 0.0, h))[:1])[1][0])
+    motions = tuple(
+        (pose, twist, np.zeros(6))
+        for (pose, _, _), twist in zip(at.motions, (unit[:6], unit[6:]), strict=True)
+    )
+    return float(
+        differenced(lambda h: COORDINATES[kind](frames_at(motions, at.parameters, 0.0, h))[:1])[1][0]
+    )

@@ -155,7 +155,9 @@ FORMS: Mapping[str, JointForm] = {
         (Coordinate("distance", "length", _distance),),
         ("distance",),
     ),
-    "rope": JointForm("nothing; distance: |r|", lambda m, _: [], (Coordinate("distance", "length", _distance),)),
+    "rope": JointForm(
+        "nothing; distance: |r|", lambda m, _: [], (Coordinate("distance", "length", _distance),)
+    ),
     "gear": JointForm(
         "L sin(n_a turn_a + n_b turn_b)/|(n_a, n_b)| = 0, turns about z_a and z_b since the start",
         lambda m, numbers: [_mesh(m, numbers)],

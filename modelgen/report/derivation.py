@@ -60,7 +60,9 @@ GROUPS = {
 NARROW = 14  # operations in one line of a page
 OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
 OF_JOINTS: Mapping[str, Mapping[str, str]] = {  # what the names of bodies and contacts mean for a joint
-    "parameters": {"meaning": "both frames in the axes of the centres of mass, the length L, the joint's own"}
+    "parameters": {
+        "meaning": "origin c and rotation Q of both frames, axes of the bodies; the length; the joint's own"
+    }
 }
 _ANGLE = {"meaning": "angle of the joint, whole turns counted", "unit": "rad", "frame": "", "equation": ""}
 OF_A_LIMIT: Mapping[str, Mapping[str, str]] = {  # what the names of a contact mean for a limit of a joint
@@ -153,8 +155,8 @@ def _facts(
         "quantity": only or "",
         "citation": formula.citation,
         "statement": _statement(formula, model),
-        "inputs": [_explained(port) | own.get(port["name"], {}) for port in entry["inputs"]],
-        "outputs": [_explained(port) | own.get(port["name"], {}) for port in outputs],
+        "inputs": [{**_explained(port), **own.get(port["name"], {})} for port in entry["inputs"]],
+        "outputs": [{**_explained(port), **own.get(port["name"], {})} for port in outputs],
         "steps": [_explained({"name": name, "unit": notation(name).unit}) for name in steps],
         "instructions": formula.instructions,
         "definition": [_line(line, numbers[line], style) for line in written],
@@ -169,7 +171,9 @@ def _explained(port: Mapping[str, Any]) -> dict[str, Any]:
 
 def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
     """Name and value as written, the number, and what the value is made of."""
-    uses = sorted(map(str, line.value.free_symbols))
+    uses = sorted(
+        map(str, line.value.free_symbols), key=lambda name: (name.rstrip("0123456789"), len(name), name)
+    )
     known = {"number": number, "key": str(line.target), "uses": uses}
     if style == "text":
         return {"name": str(line.target), "value": sp.sstr(line.value), **known}
@@ -213,18 +217,21 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
         loads = sum(len(load.parameters) for load in model.loads)
         return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
     if is_of_joint(formula, model):
-        return {"parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model))))}
+        rows = formula.function.numel_out("J") // 12 if formula.role == "rows" else 0
+        return {
+            "parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model)))),
+            "J": [f"J_{row + 1}_{side}_{k + 1}" for row in range(rows) for side in "ab" for k in range(6)],
+        }
     if formula.role not in GROUPS:
         return {}
     return {"parameters": list(map(_identifier, _listed(kinds[GROUPS[formula.role]][formula.kind])))}
 
 
 def _of_frames(name: str) -> str:
-    """`a.R_xx` is `frame_a_xx`, `a.p_x` is `origin_a_x`: bodies have the letters R and p themselves."""
+    """`a.R_xx` is `Q_a_xx`, `a.p_x` is `c_a_x`: the poses of the bodies have the letters R and p."""
     side, _, rest = name.partition(".")
     letter, _, axes = rest.partition("_")
-    return f"{'frame' if letter == 'R' else 'origin'}_{side}_{axes}" if rest else name
-
+    return f"{'Q' if letter == 'R' else 'c'}_{side}_{axes}" if rest else name
 
 
 def _listed(kind: Mapping[str, Any]) -> list[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from modelgen.contact.kinds import FORMS
 from modelgen.errors import ModelgenError, nearest
 from modelgen.joint.kinds import FORMS as JOINTS
@@ -42,7 +44,7 @@ def _numbers(name: str) -> tuple[float, ...]:
     return {"screw": (0.2,), "distance": (0.8,), "gear": (*TEETH, *at_rest, *at_rest)}.get(name, ())
 
 
-def _optional(name: str, moved: bool) -> dict[str, object]:
+def _optional(name: str, moved: bool) -> dict[str, Any]:
     if moved:
         return {"motion": MOTION}
     if name not in LIMITED:
@@ -62,8 +64,8 @@ def pair_scene(kind: str) -> Scene:
     if len(shapes) != 2 or not all(shape in SHAPES for shape in shapes):
         unknown = next((shape for shape in shapes if shape not in SHAPES), kind)
         allowed = (
-            f"a scene file; SHAPE-SHAPE or SHAPE-SHAPE:FORM with shapes {', '.join(SHAPES)}; or a joint, JOINT "
-            f"or JOINT:motion, with joints {', '.join(JOINTS)}"
+            f"a scene file; SHAPE-SHAPE or SHAPE-SHAPE:FORM with shapes {', '.join(SHAPES)}; "
+            f"or JOINT or JOINT:motion with joints {', '.join(JOINTS)}"
         )
         raise ModelgenError("inspect", f"no kind {kind!r}", allowed, nearest(unknown, (*SHAPES, *JOINTS)))
     if form and form not in FORMS:

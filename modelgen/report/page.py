@@ -11,6 +11,7 @@ from modelgen.report import mathml
 from modelgen.report.raster import colour, data_uri
 from modelgen.report.typeset import status_text, tree
 
+GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "Gamma": "Γ"}
 STYLE = """
 body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
 color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
@@ -20,7 +21,7 @@ td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical
 overflow-wrap:break-word}th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}
 pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
 math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
-mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.15em .2em}
+mfrac>*{math-style:normal}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.3em .2em}
 .eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
 overflow-x:auto;padding:.1rem 0}
 .tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
@@ -113,7 +114,8 @@ def _ports(facts: Mapping[str, Any]) -> str:
 
 def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
     """Nested by <details>, which need no script; the exported quantities are open."""
-    nodes = list(tree(definition))
+    zeros = [line["key"] for line in definition if _is_zero(line)]
+    nodes = list(tree([line for line in definition if not _is_zero(line)]))
     parts: list[str] = []
     depths: list[int] = []
     for (depth, line, above), (following, _, after) in zip(nodes, [*nodes[1:], (0, {}, False)], strict=True):
@@ -124,13 +126,19 @@ def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
         label = f'<span class="eq">{line["value"]}</span>{number}'
         if above:
             more = ", " if after and following == depth else " above"
-            parts.append(f'<span class="leaf v">{indexed(line["key"])}{more}</span>')
+            parts.append(f'<span class="leaf v">{named(line["key"])}{more}</span>')
         elif following > depth:
             parts.append(f"<details{' open' if depth == 0 else ''}><summary>{label}</summary>")
             depths.append(depth)
         else:
             parts.append(f'<div class="leaf">{label}</div>')
-    return "".join(parts) + "</details>" * len(depths)
+    rest = f'<div class="leaf">{", ".join(map(named, zeros))} = 0</div>' if zeros else ""
+    return "".join(parts) + "</details>" * len(depths) + rest
+
+
+def _is_zero(line: Mapping[str, Any]) -> bool:
+    """Whether a line only says that an output is zero, whatever the inputs are."""
+    return not line["uses"] and line["number"] == 0
 
 
 def _shape(facts: Mapping[str, Any]) -> str:
@@ -141,7 +149,7 @@ def _shape(facts: Mapping[str, Any]) -> str:
         if check is not None:
             text = f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
         lines = "".join(f'<div><span class="eq">{line}</span></div>' for line in entry["mathml"])
-        rows.append(f"<p>{escape(entry['meaning'])} {text}</p>{lines}")
+        rows.append(f"<p>{worded(entry['meaning'])} {text}</p>{lines}")
     none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
     return f"<h3>{escape(facts['name'])}</h3>{''.join(rows)}{none}"
 
@@ -201,10 +209,11 @@ def named(name: str) -> str:
 
 
 def worded(text: str) -> str:
-    """Words with `x_dot` as a letter with its dot."""
+    """Words with `x_dot` as a letter with its dot, `x_f` with its index, and Greek letters."""
+    text = re.sub(r"\b(sigma|mu|eta|gamma|Gamma)(?=\b|_)", lambda found: GREEK[found[1]], text)
     marks = {"_dot": "\u0307", "_ddot": "\u0308"}
-    dotted = re.sub(r"(?<![A-Za-z])([A-Za-z])(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
-    return escape(dotted.replace("->", "→"))
+    dotted = re.sub(r"(?<!\w)(\w)(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
+    return indexed(dotted.replace("->", "→"))
 
 
 def _error(value: float | None) -> str:

@@ -26,7 +26,9 @@ def joint(kind: str) -> Derivation:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
     derivation = joint(kind)
-    of_joint = [f for f in derivation.formulas if f.role in ("rows", "coordinates", "rates", "place", "wrench")]
+    of_joint = [
+        f for f in derivation.formulas if f.role in ("rows", "coordinates", "rates", "place", "wrench")
+    ]
     assert of_joint
     for formula in of_joint:
         verdict = verified(formula, derivation, N, 3)
