@@ -263,8 +263,9 @@ SCENE = Table(
         Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
         Field(
             "observe",
-            Sequence(Text(r"^[A-Za-z][A-Za-z0-9_]*\.[a-z_]+$", "body.quantity is allowed"), None),
-            "what must be computed, such as ball.position; empty: everything",
+            Sequence(Text(r"^[A-Za-z][^.\s]*\.[a-z_]+$", "name.quantity is allowed"), None),
+            "what must be computed: quantities of bodies, contacts and joints, such as ball.position, "
+            "ball-bowl.force, elbow.coordinates; empty: everything",
             default=(),
         ),
         Field("fold", Switch(), "numbers become constants of the generated code", default=False),
