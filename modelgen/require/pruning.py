@@ -43,7 +43,7 @@ def points_of(load: Load) -> tuple[Vector, ...]:
 
 
 def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
-    """Raises SceneError for an observed name that is no quantity of a body, of a contact or of a joint; limits
+    """Raises SceneError for an observed name that is no quantity of a body, contact or joint; limits
     such as `elbow:min` count as contacts."""
     limits = [
         f"{joint.name}:{end}"
