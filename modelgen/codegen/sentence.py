@@ -129,7 +129,9 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
 
 
 def _limit_kind(kind: LimitKind) -> dict[str, Any]:
-    return asdict(kind) | {"parameters": parameters_of_joint(kind)}
+    named = {key: value for key, value in asdict(kind).items() if key != "coordinate"}
+    further = {"coordinate": kind.coordinate} if kind.coordinate else {}
+    return {**named, **further, "parameters": parameters_of_joint(kind)}
 
 
 def _joint_parameters(kind: str) -> list[str]:

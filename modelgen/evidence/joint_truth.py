@@ -100,6 +100,7 @@ COORDINATES: Mapping[str, Callable[[Frames], list[Any]]] = {
     "screw": lambda f: [f.r[2], turned_about_z(f)],
     "universal": lambda f: [mp.atan2(f.Q[2, 1], f.Q[1, 1]), mp.atan2(f.Q[0, 2], f.Q[0, 0])],
     "planar": lambda f: [f.r[0], f.r[1], turned_about_z(f)],
+    "spherical": lambda f: [mp.acos(f.Q[2, 2])],
     "distance": lambda f: [mp.norm(f.r)],
     "rope": lambda f: [mp.norm(f.r)],
 }
@@ -107,6 +108,7 @@ GIVEN: Mapping[str, Callable[[Frames, Any], Any]] = {
     "revolute": lambda f, angle: f.length * _off_turn(f, angle),
     "prismatic": lambda f, lift: f.r[2] - lift,
     "screw": lambda f, lift: f.r[2] - lift,
+    "distance": lambda f, distance: mp.norm(f.r) - distance,
 }
 
 
@@ -114,7 +116,8 @@ def rows_of(kind: str, motion: Expression | None, f: Frames) -> list[Any]:
     """The rows of a kind, that of a given motion last."""
     if motion is None:
         return ROWS[kind](f)
-    return [*ROWS[kind](f), GIVEN[kind](f, precise(motion.tree, f.t))]
+    held = [] if kind == "distance" else ROWS[kind](f)  # a given distance takes the place of the constant one
+    return [*held, GIVEN[kind](f, precise(motion.tree, f.t))]
 
 
 def precise(node: Node, t: Any) -> Any:

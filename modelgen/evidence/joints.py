@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import mpmath as mp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -92,7 +93,8 @@ def _relative(
         span = far * direction / np.linalg.norm(direction)
         return (float(far),), span, Rotation.random(random_state=random).as_matrix()
     if kind == "spherical":
-        return (), np.zeros(3), Rotation.random(random_state=random).as_matrix()
+        turn = Rotation.random(random_state=random).as_matrix()
+        return (float(np.arccos(turn[2, 2])),), np.zeros(3), turn
     values = random.uniform(-1.5, 1.5, len(STEPS.get(kind, ())))
     if kind == "screw":
         values[0] = numbers[0] * values[1] / (2 * np.pi)
@@ -171,12 +173,24 @@ def first_coordinate(kind: str, at: Drawn) -> tuple[float, float, float]:
     return tuple(float(x[0]) for x in moved)  # type: ignore[return-value]
 
 
-def limit_numbers(kind: LimitKind, at: Drawn) -> tuple[Array, float, float]:
-    """eta (0,) or (1,), two turns on; the lever of the gap; and the bound."""
+def limit_numbers(kind: LimitKind, at: Drawn) -> tuple[Array, float]:
+    """eta (0,) or (1,), two turns on; and the sign of the gap."""
     value, _, _ = first_coordinate(kind.kind, at)
-    eta = np.array([value + 4 * np.pi] if is_turn(kind.kind) else [])
-    lever = (-1.0 if kind.upper else 1.0) * (float(at.parameters[24]) if is_turn(kind.kind) else 1.0)
-    return eta, lever, float(at.parameters[-1])
+    return np.array([value + 4 * np.pi] if is_turn(kind.kind) else []), -1.0 if kind.upper else 1.0
+
+
+def gap_of(kind: LimitKind, at: Drawn, *turns: float) -> tuple[float, float, float]:
+    """How far the coordinate, and `turns` beside it, is from the bound, and its derivatives."""
+    bound, sign = float(at.parameters[-1]), -1 if kind.upper else 1
+    length, turned = float(at.parameters[24]), sum(turns)
+
+    def gap(h: Any) -> list[Any]:
+        value = COORDINATES[kind.kind](frames_at(at.motions, at.parameters, at.t, h))[kind.coordinate]
+        if kind.kind == "spherical":
+            return [sign * length * (mp.cos(bound) - mp.cos(value)) / mp.sin(bound)]
+        return [sign * (length if is_turn(kind.kind) else 1) * (value + turned - bound)]
+
+    return tuple(float(x[0]) for x in differenced(gap))  # type: ignore[return-value]
 
 
 def check_limit(role: str, function: ca.Function, kind: LimitKind, drawn: Sequence[Drawn]) -> list[Finding]:
@@ -193,16 +207,16 @@ def check_limit(role: str, function: ca.Function, kind: LimitKind, drawn: Sequen
 
 
 def _limit_rates(function: ca.Function, kind: LimitKind, at: Drawn) -> Both:
-    eta, lever, bound = limit_numbers(kind, at)
-    value, rate, second = first_coordinate(kind.kind, at)
+    eta, sign = limit_numbers(kind, at)
+    value, rate, _ = first_coordinate(kind.kind, at)
+    gap, first, second = gap_of(kind, at, *(eta - value))
     d, J_o, J_f, gamma, eta_dot, normal = (
         np.asarray(x).ravel() for x in function(*at.moving, eta, at.parameters)
     )
-    J, counted = np.concatenate([J_o, J_f]), eta[0] if eta.size else value
+    J = np.concatenate([J_o, J_f])
     return {
-        "d": (d, [lever * (counted - bound)]), "J": ([J @ at.u], [lever * rate]),
-        "gamma": (J @ at.u_dot + gamma, [lever * second]), "eta_dot": (eta_dot, [rate][: eta.size]),
-        "normal": (normal, np.sign(lever) * _axis(at)),
+        "d": (d, [gap]), "J": ([J @ at.u], [first]), "gamma": (J @ at.u_dot + gamma, [second]),
+        "eta_dot": (eta_dot, [rate][: eta.size]), "normal": (normal, sign * _axis(at)),
     }  # fmt: skip
 
 
@@ -212,16 +226,15 @@ def _axis(at: Drawn) -> Array:
 
 
 def _limit_place(function: ca.Function, kind: LimitKind, at: Drawn, off: Array) -> Both:
-    eta, lever, bound = limit_numbers(kind, at)
-    counted = (eta + off)[0] if eta.size else first_coordinate(kind.kind, at)[0]
+    eta, sign = limit_numbers(kind, at)
+    gap, _, _ = gap_of(kind, at, *(eta + off - first_coordinate(kind.kind, at)[0]))
     pose_a, _, pose_b, _ = at.moving
     out = [np.asarray(x).ravel() for x in function(pose_a, pose_b, eta + off, at.parameters)]
     frames = frames_at(at.motions, at.parameters, 0.0, 0.0)
-    turned = [0.0, *(np.abs(off) if eta.size else [0.0])]
     origins = [np.array([float(x) for x in origin]) for origin in frames.origins]
     return {
-        "eta_next": (out[0], eta), "d": (out[1], [lever * (counted - bound)]),
-        "normal": (out[4], np.sign(lever) * _axis(at)), "residual": (out[2], turned),
+        "eta_next": (out[0], eta), "d": (out[1], [gap]), "normal": (out[4], sign * _axis(at)),
+        "residual": (out[2], [0.0, *(np.abs(off) if eta.size else [0.0])]),
         "point_o": (out[5], origins[0]), "point_f": (out[6], origins[1]),
     }  # fmt: skip
 

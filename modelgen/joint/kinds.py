@@ -12,10 +12,10 @@ from typing import Literal
 
 import casadi as ca
 
-from modelgen.geometry.frames import dot
+from modelgen.geometry.frames import cross, dot
 from modelgen.joint.meeting import Meeting
 
-Measure = Literal["angle", "length"]
+Measure = Literal["angle", "length", "tilt"]  # a tilt: an angle from 0 to pi, in which nothing turns whole
 Value = Callable[[Meeting, ca.SX], ca.SX]  # of the frames and the kind's own numbers
 
 
@@ -37,6 +37,7 @@ class JointForm:
     coordinates: tuple[Coordinate, ...] = ()
     numbers: tuple[str, ...] = ()  # the kind's own parameters
     given: Callable[[Meeting, ca.SX], ca.SX] | None = None  # the row that holds the coordinate at a value
+    moves: bool = False  # that row takes the place of the others, which hold the coordinate where it is
 
 
 def _together(m: Meeting) -> list[ca.SX]:
@@ -66,6 +67,10 @@ def _lift(m: Meeting, _: ca.SX) -> ca.SX:
 
 def _distance(m: Meeting, _: ca.SX) -> ca.SX:
     return ca.sqrt(dot(m.span, m.span))
+
+
+def _tilt(m: Meeting, _: ca.SX) -> ca.SX:
+    return ca.atan2(ca.norm_2(cross(m.axis("za"), m.axis("zb"))), m.cosine("za", "zb"))
 
 
 def _sine_off(m: Meeting, angle: ca.SX) -> ca.SX:
@@ -120,7 +125,9 @@ FORMS: Mapping[str, JointForm] = {
         lambda m, _: [*_on_axis(m), *_parallel(m)],
         (_LIFT, _TURN),
     ),
-    "spherical": JointForm("r = 0", lambda m, _: _together(m)),
+    "spherical": JointForm(
+        "r = 0; tilt: from z_a to z_b", lambda m, _: _together(m), (Coordinate("tilt", "tilt", _tilt),)
+    ),
     "universal": JointForm(
         "r = 0, L x_a.y_b = 0; angle_x: from y_a to y_b about x_a, angle_y: from x_a to x_b about y_b",
         lambda m, _: [*_together(m), m.length * m.cosine("xa", "yb")],
@@ -150,10 +157,12 @@ FORMS: Mapping[str, JointForm] = {
         given=lambda m, lift: m.along("za") - lift,
     ),
     "distance": JointForm(
-        "|r| - distance = 0",
+        "|r| - distance = 0; distance: |r|",
         lambda m, numbers: [_distance(m, numbers) - numbers[0]],
         (Coordinate("distance", "length", _distance),),
         ("distance",),
+        given=lambda m, distance: _distance(m, distance) - distance,
+        moves=True,
     ),
     "rope": JointForm(
         "nothing; distance: |r|", lambda m, _: [], (Coordinate("distance", "length", _distance),)

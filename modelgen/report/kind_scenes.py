@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from modelgen.contact.kinds import FORMS
@@ -13,7 +14,13 @@ from modelgen.scene.types import Body, ContactPair, Joint, Pose, Scene, Shape, V
 
 MOTION = parse_expression("0.2*sin(3*t)", ("t",))
 TEETH = (17.0, 40.0)
-LIMITED = ("revolute", "prismatic", "cylindrical", "universal", "screw", "rope")
+SPRUNG = ("revolute", "prismatic", "cylindrical", "universal", "screw")
+LIMITED: Mapping[str, dict[str, Any]] = {  # bounds of the first coordinate, and of the second
+    **{kind: {"limits": (-1.0, 1.0)} for kind in SPRUNG},
+    "rope": {"limits": (0.1, 1.0)},
+    "spherical": {"limits": (0.1, 1.0)},
+    "planar": {"limits": (-1.0, 1.0), "limits_y": (-0.5, 0.5)},
+}
 
 
 def kind_scene(kind: str) -> Scene:
@@ -47,11 +54,8 @@ def _numbers(name: str) -> tuple[float, ...]:
 def _optional(name: str, moved: bool) -> dict[str, Any]:
     if moved:
         return {"motion": MOTION}
-    if name not in LIMITED:
-        return {}
-    least = -1.0 if name != "rope" else 0.1
-    limits = {"limits": (least, 1.0), "restitution": 0.5}
-    return limits if name == "rope" else {**limits, "stiffness": 40.0, "damping": 0.7, "rest": 0.3}
+    limits = {**LIMITED[name], "restitution": 0.5} if name in LIMITED else {}
+    return {**limits, "stiffness": 40.0, "damping": 0.7, "rest": 0.3} if name in SPRUNG else limits
 
 
 def pair_scene(kind: str) -> Scene:

@@ -22,6 +22,7 @@ from modelgen.scene.types import (
 BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 CONTACT_QUANTITIES = ("force", "gap")
 JOINT_QUANTITIES = ("coordinates", "force", "torque")
+_ENDS = ("min", "max", "y_min", "y_max")  # of the limits of a joint
 _TURNING = frozenset({"wx", "wy", "wz", "qw", "qx", "qy", "qz"})
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -48,7 +49,7 @@ def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
     limits = [
         f"{joint.name}:{end}"
         for joint in scene.joints
-        for end, bound in zip(("min", "max"), joint.limits, strict=True)
+        for end, bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True)
         if bound is not None
     ]
     known = {f"{body.name}.{quantity}" for body in scene.bodies for quantity in BODY_QUANTITIES}
