@@ -11,7 +11,7 @@ from modelgen.report import mathml
 from modelgen.report.raster import colour, data_uri
 from modelgen.report.typeset import status_text, tree
 
-GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "Gamma": "Γ"}
+GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
 STYLE = """
 body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
 color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
@@ -210,7 +210,7 @@ def named(name: str) -> str:
 
 def worded(text: str) -> str:
     """Words with `x_dot` as a letter with its dot, `x_f` with its index, and Greek letters."""
-    text = re.sub(r"\b(sigma|mu|eta|gamma|Gamma)(?=\b|_)", lambda found: GREEK[found[1]], text)
+    text = re.sub(r"\b(sigma|mu|eta|gamma1|gamma|Gamma)(?=\b|_)", lambda found: GREEK[found[1]], text)
     marks = {"_dot": "\u0307", "_ddot": "\u0308"}
     dotted = re.sub(r"(?<!\w)(\w)(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
     return indexed(dotted.replace("->", "→"))
