@@ -201,13 +201,13 @@ def _unfolded(kind: BodyKind | ShapeKind) -> bool:
 
 
 def _two_spheres(kind: ContactKind) -> bool:
-    """Centres in the origins of their bodies, numbers left as parameters."""
+    """Centres in the origins of their bodies, numbers left as parameters, the normal row alone."""
     sides = (kind.o, kind.f)
     plain = all(
         s.placement == "identity" and s.shape.kind in ("sphere", "point") and _unfolded(s.shape)
         for s in sides
     )
-    return kind.form == "explicit" and plain
+    return kind.form == "explicit" and kind.rows == 1 and plain
 
 
 MUST_BE_PROVED: Mapping[str, tuple[str, Callable[..., bool], Callable[..., list[Finding]]]] = {  # by role
@@ -225,7 +225,8 @@ def must_be_proved(formula: Formula, model: Model) -> bool:
     if formula.role not in MUST_BE_PROVED:
         return False
     group, applies, _ = MUST_BE_PROVED[formula.role]
-    return bool(applies(getattr(model, group)[formula.kind]))
+    kinds = getattr(model, group)
+    return formula.kind < len(kinds) and bool(applies(kinds[formula.kind]))  # limits follow the contacts
 
 
 def prove(formula: Formula, model: Model) -> list[Finding]:
