@@ -1,73 +1,83 @@
-"""A sprung ball that rolls and slips in turn along a line, in closed form; and the orders of accuracy."""
+"""The references along a line: each piece obeys Newton and Coulomb, and meets the next."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from modelgen import Accuracy
-from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from tests.oracles.friction.sprung_ball import SprungBall
-from tests.oracles.pieces import TABLE, ball, imbalance, ran
-
-TIGHT = Accuracy.tight()
-END = 1.5
-SPRING = [{"between": ["ball", "table"], "anchors": [[0, 0, 0], [0, 0, 0.1]], "stiffness": 40.0}]
-
-
-def swung(start: float, accuracy: Accuracy = TIGHT) -> Trajectory:
-    contact = [{"between": ["ball", "table"], "friction": 0.2}]
-    bodies = [ball("ball", [start, 0, 0.1]), TABLE]
-    return ran(bodies, END, contact, accuracy, samples=1, spring=SPRING)
+from tests.oracles.friction.stick_slip import (
+    SLIP,
+    STICK,
+    BeltOscillator,
+    Motion,
+    PulledToAndFro,
+    pulled_harder,
+    thrown_up_incline,
+)  # fmt: skip
 
 
-def error(start: float, accuracy: Accuracy) -> float:
-    x, v, _ = SprungBall(start).run(END)
-    path = swung(start, accuracy)
-    return abs(path.p[-1, 0, 0] - x) + abs(path.v[-1, 0, 0] - v)
+def obeys(motion: Motion, until: float, accel: object, surface: float = 0.0) -> None:
+    """Pieces are continuous in place and speed; `accel(t, x, mode, side)` is each slip's acceleration."""
+    bounds = [piece.start for piece in motion.pieces] + [until]
+    for piece, start, end in zip(motion.pieces, bounds[:-1], bounds[1:], strict=True):
+        if end <= start:
+            continue
+        lasts = end - start
+        for share in (0.2, 0.5, 0.8):
+            s, h = share * lasts, 1e-4 * lasts
+            x, v = piece.at(s)
+            before, after = piece.at(s - h), piece.at(s + h)
+            assert (after[0] - before[0]) / (2 * h) == pytest.approx(v, abs=1e-6)
+            if piece.mode == SLIP:
+                side = np.sign(v - surface)
+                slope = (after[1] - before[1]) / (2 * h)
+                assert slope == pytest.approx(accel(start + s, x, side), abs=1e-5)  # type: ignore[operator]
+            else:
+                assert v == surface
+    for before_piece, piece in zip(motion.pieces, motion.pieces[1:], strict=False):
+        assert before_piece.at(piece.start - before_piece.start) == pytest.approx(piece.at(0.0), abs=1e-13)
 
 
-@pytest.mark.parametrize("start", [0.18, 0.25, 0.5, 1.0])
-def test_a_sprung_ball_rolls_slips_and_turns_round_as_in_closed_form(start: float) -> None:
-    x, v, events = SprungBall(start).run(END)
-    path = swung(start)
-    assert [e.kind for e in path.events] == [kind for kind, _ in events] != []
-    assert [e.t for e in path.events] == pytest.approx([t for _, t in events], abs=1e-11)
-    assert path.p[-1, 0, 0] == pytest.approx(x, abs=1e-12)
-    assert path.v[-1, 0, 0] == pytest.approx(v, abs=1e-11)
-    assert imbalance(path) < 1e-13
+@pytest.mark.parametrize(("x", "v"), [(0.0, 0.2), (0.0, 0.0), (-0.08, 0.2), (0.05, 1.5), (0.03, -0.4)])
+def test_a_block_on_a_belt_sticks_and_slips(x: float, v: float) -> None:
+    belt = BeltOscillator()
+    motion = belt.motion(x, v, 5.0)
+    obeys(motion, 5.0, lambda _t, x, side: -100 * x - side * 0.3 * 9.81, surface=0.2)
+    modes = [mode for _, mode in motion.events]
+    assert modes.count(STICK) >= 2
+    # a stick ends where the spring is as strong as static friction
+    for piece, after in zip(motion.pieces, motion.pieces[1:], strict=False):
+        if piece.mode == STICK:
+            assert 100 * piece.at(after.start - piece.start)[0] == pytest.approx(0.4 * 9.81, abs=1e-12)
 
 
-def test_runge_kutta_keeps_order_four_through_stick_and_slip() -> None:
-    steps = END / np.array([60, 100, 160, 250, 400])
-    errors = [error(0.25, TIGHT.fixed_step(float(h))) for h in steps]
-    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(4, abs=0.4)
+def test_the_cycle_on_a_belt_has_its_known_period() -> None:
+    belt = BeltOscillator()
+    slips = [t for t, mode in belt.motion(0.0, 0.2, 6.0).events if mode == SLIP]
+    # Den Hartog's cycle: slip through pi + 2 arctan(v / (w l)), stick over 2 l, l = (mu_s - mu_k) m g / k
+    size = 0.1 * 9.81 / 100
+    slip = (np.pi + 2 * np.arctan(0.2 / 10 / size)) / 10
+    assert np.diff(slips) == pytest.approx(slip + 2 * size / 0.2, abs=1e-13)
 
 
-def test_dormand_and_prince_keep_order_eight_through_stick_and_slip() -> None:
-    tolerances = 10.0 ** -np.arange(4, 12)
-    counts = [swung(0.25, replace(TIGHT, tolerance=float(tol))).steps for tol in tolerances]
-    errors = [error(0.25, replace(TIGHT, tolerance=float(tol))) for tol in tolerances]
-    assert np.polyfit(np.log(counts), np.log(errors), 1)[0] < -7.5
+@pytest.mark.parametrize(("mu_static", "ends"), [(0.7, STICK), (0.5, SLIP)])
+def test_a_block_thrown_up_an_incline_stays_or_returns(mu_static: float, ends: str) -> None:
+    motion = thrown_up_incline(0.5, 2.0, mu_static, 0.4)
+    assert motion.pieces[-1].mode == ends
+    fall, rub = 9.81 * np.sin(0.5), 0.4 * 9.81 * np.cos(0.5)
+    obeys(motion, 1.0, lambda _t, _x, side: -fall - side * rub)
 
 
-def test_slip_that_turns_while_it_dies_costs_no_digits_but_a_fixed_step_its_order() -> None:
-    egg = make.dynamic(
-        "egg", make.ellipsoid(0.1, 0.07, 0.05), density=1000.0, position=[0, 0, 0.05],
-        velocity=[1.0, 0.3, 0.0], angular_velocity=[0, 0, 10.0],
-    )  # fmt: skip
+def test_a_block_that_is_pulled_harder_lets_go() -> None:
+    motion = pulled_harder(2.0, 3.0, 0.5, 0.4)
+    assert motion.events == ((pytest.approx(0.5 * 2 * 9.81 / 3), SLIP),)
+    obeys(motion, 5.0, lambda t, _x, _side: 3 * t / 2 - 0.4 * 9.81)
 
-    def end(accuracy: Accuracy) -> np.ndarray:
-        contact = [{"between": ["egg", "table"], "friction": 0.3}]
-        return ran([egg, TABLE], 0.6, contact, accuracy, samples=1).p[-1, 0]
 
-    exact = end(replace(TIGHT, tolerance=1e-16, slip_speed=1e-8))
-    tolerances = 10.0 ** -np.arange(5, 14)
-    errors = [np.abs(end(replace(TIGHT, tolerance=float(tol))) - exact).max() for tol in tolerances]
-    assert (np.array(errors) < 100 * tolerances).all()
-    steps = 0.6 / np.array([60, 100, 160, 250, 400, 640, 1000])
-    errors = [np.abs(end(TIGHT.fixed_step(float(h))) - exact).max() for h in steps]
-    assert 1.3 < np.polyfit(np.log(steps), np.log(errors), 1)[0] < 2.5
+@pytest.mark.parametrize(("pull", "sticks"), [(5.0, True), (12.0, False), (2.5, True)])
+def test_a_block_that_is_pulled_to_and_fro_stops_in_every_half_period(pull: float, sticks: bool) -> None:
+    motion = PulledToAndFro(pull=pull).motion(6.0)
+    obeys(motion, 6.0, lambda t, _x, side: pull * np.sin(4 * t) - side * 0.3 * 9.81)
+    modes = [mode for t, mode in motion.events if t > 1]
+    assert (STICK in [*modes, motion.pieces[-1].mode]) == sticks
+    assert (SLIP in modes) == (pull > 0.3 * 9.81)
