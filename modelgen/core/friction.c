@@ -20,6 +20,18 @@ static int mg_friction_try(mg_frictional *s, int rounds)
   return 0;
 }
 
+/* A guess may be the solution, or near it; leaves y there. */
+static int mg_friction_warm(mg_frictional *s, const mg_real *z)
+{
+  const int guessed = mg_max_abs(s->given->n, z) > 0;
+  mg_friction_take(s, z);
+  mg_friction_motion(s);
+  if (mg_friction_keep(s)) return 1;
+  if (guessed && mg_friction_newton(s, MG_FRICTION_SWEEPS, 1)) return 1;
+  mg_friction_take(s, z);
+  return 0;
+}
+
 static int mg_friction_mark(const mg_frictional *s, int contact)
 {
   const mg_real radius = s->y[s->normal[contact]];
@@ -49,9 +61,8 @@ static int mg_friction_judge(mg_frictional *s, mg_real *z, int *marks, mg_fricti
 
 static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_friction_report *report)
 {
-  mg_friction_take(s, z);
   report->starts = 1;
-  mg_friction_try(s, MG_FRICTION_ROUNDS);
+  if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
   if (mg_friction_judge(s, z, marks, report)) return;
   if (mg_friction_impossible(s)) {
     report->outcome = MG_FRICTION_INFEASIBLE;

@@ -73,10 +73,10 @@ def impossible(seed: int) -> FrictionProblem:
 
 
 def with_bilateral(problem: FrictionProblem, rng: np.random.Generator, count: int) -> FrictionProblem:
-    """The same with `count` bilateral rows after the contacts, at which b is 0."""
-    n = problem.n
-    root = np.linalg.cholesky(problem.A + 1e-3 * np.trace(problem.A) / n * np.eye(n))
-    J = np.vstack([root, rng.normal(size=(count, n)) * np.sqrt(np.trace(problem.A) / n)])
+    """Its contacts with a little more mobility, and `count` bilateral rows after them, at which b is 0."""
+    n, size = problem.n, np.sqrt(np.trace(problem.A) / problem.n)
+    root = np.linalg.cholesky(problem.A + 1e-3 * size**2 * np.eye(n))
+    J = np.vstack([np.hstack([root, np.zeros((n, count))]), rng.normal(size=(count, n + count)) * size])
     return replace(problem, A=_symmetric(J @ J.T), b=np.append(problem.b, np.zeros(count)))
 
 
