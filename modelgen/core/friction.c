@@ -32,6 +32,11 @@ static int mg_friction_warm(mg_frictional *s, const mg_real *z)
   return 0;
 }
 
+static mg_real mg_friction_speed(const mg_frictional *s, int part)
+{
+  return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
+}
+
 static int mg_friction_mark(const mg_frictional *s, int contact)
 {
   const mg_real radius = s->y[s->normal[contact]];
@@ -41,7 +46,7 @@ static int mg_friction_mark(const mg_frictional *s, int contact)
     const int row = s->part_row[p];
     mg_real q[2] = {0, 0};
     for (int i = 0; i < s->part_dim[p]; ++i) q[i] = s->y[row + i] - s->v[row + i] / s->rho[p];
-    if (mg_friction_norm(s->part_dim[p], q) > radius) mark |= s->part_mark[p];
+    if (mg_friction_norm(s->part_dim[p], q) > radius && mg_friction_speed(s, p) > MG_LCP_CAP) mark |= s->part_mark[p];
   }
   return mark;
 }
@@ -88,6 +93,10 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
   mg_friction_solve(&s, z, marks, report);
   report->sweeps = s.sweeps;
   report->newton = s.newton;
-  if (problem->tell && report->outcome == MG_FRICTION_SOLVED) mg_friction_tell(&s, marks, report);
+  if (problem->tell && report->outcome == MG_FRICTION_SOLVED) {
+    const int strict = mg_friction_even(&s, marks, report);
+    mg_friction_judge(&s, z, marks, report);
+    mg_friction_tell(&s, strict, report);
+  }
   return report->outcome;
 }

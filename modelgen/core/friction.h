@@ -18,7 +18,7 @@ enum { MG_CONE = 4 }; /* mu along t1, along t2; spinning resistance, rolling res
 typedef struct {
   int n, n_contact;
   int law;               /* MG_COULOMB or MG_RELAXED */
-  int tell;              /* rank, active and unique are wanted */
+  int tell;              /* rank, active and unique are wanted, and of forces that are not unique those of least norm */
   const int *first;      /* per contact: row of N; other rows of the contact follow it */
   const int *rows;       /* per contact: 1 N; 3 and t1, t2; 6 and spin about N, rolling about t1, t2 */
   const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read */

@@ -33,53 +33,6 @@ static int mg_friction_impossible(mg_frictional *s)
   return report.outcome == MG_LCP_INFEASIBLE;
 }
 
-/* Columns of D: how the forces may grow. A slip's force grows with N, one that sticks on its own. */
-static int mg_friction_directions(const mg_frictional *s, const int *marks, mg_real *D, int *strict)
-{
-  const int m = s->m;
-  int k = 0;
-  *strict = 1;
-  for (int c = 0; c < s->n; ++c) {
-    const mg_real force = s->y[s->normal[c]];
-    const int normal = k;
-    if (!marks[c]) continue;
-    *strict &= force > (mg_real)sqrt(MG_EPS);
-    for (int i = 0; i < m; ++i) D[i + k * m] = i == s->normal[c];
-    ++k;
-    for (int p = s->part[c]; p < s->part[c + 1]; ++p)
-      for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) {
-        if (marks[c] & s->part_mark[p]) {
-          D[i + normal * m] = force > 0 ? s->y[i] / force : 0;
-          continue;
-        }
-        for (int j = 0; j < m; ++j) D[j + k * m] = i == j;
-        ++k;
-        *strict &= mg_friction_norm(s->part_dim[p], s->y + s->part_row[p]) < force * (1 - (mg_real)sqrt(MG_EPS));
-      }
-  }
-  return k;
-}
-
-/* Rank of D'S D with unit diagonal. */
-static int mg_friction_rank(const mg_frictional *s, int k, const mg_real *D, mg_real *G, mg_real *image, int *order)
-{
-  const int m = s->m;
-  for (int j = 0; j < k; ++j) {
-    for (int i = 0; i < m; ++i) image[i] = 0;
-    for (int l = 0; l < m; ++l)
-      for (int i = 0; i < m; ++i) image[i] += s->S[i + l * m] * D[l + j * m];
-    for (int i = 0; i < k; ++i) {
-      mg_real sum = 0;
-      for (int l = 0; l < m; ++l) sum += D[l + i * m] * image[l];
-      G[i + j * k] = sum;
-    }
-  }
-  for (int i = 0; i < k; ++i) image[i] = mg_diagonal_scale(G[i + i * k]);
-  for (int j = 0; j < k; ++j)
-    for (int i = 0; i < k; ++i) G[i + j * k] /= image[i] * image[j];
-  return mg_cholesky_pivoted(k, G, order, MG_LCP_RANK(k));
-}
-
 /* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */
 static mg_real mg_friction_bound(int k, const mg_real *M)
 {
@@ -131,15 +84,9 @@ static int mg_friction_one_only(const mg_frictional *s)
   return s->theta >= 1 || (mg_real)parts * mg_friction_tangential_bound(s) * inverse < 1;
 }
 
-static void mg_friction_tell(mg_frictional *s, const int *marks, mg_friction_report *report)
+/* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
+static void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report)
 {
-  mg_real *D = s->work, *G = D + s->m * s->m, *image = G + s->m * s->m;
-  int strict;
-  for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
-  report->active = mg_friction_directions(s, marks, D, &strict);
-  report->rank = mg_friction_rank(s, report->active, D, G, image, s->iwork);
-  report->active += s->n_bilateral;
-  report->rank += s->rank;
   if (!mg_friction_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;
   else if (s->rank == s->n_bilateral && mg_friction_one_only(s)) report->unique = MG_UNIQUE;

@@ -45,9 +45,13 @@ def feasible(seed: int, most: int = CONTACTS) -> FrictionProblem:
     exists (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011), theorem 1).
     """
     rng = np.random.default_rng(seed)
-    contacts = int(rng.integers(1, most + 1))
+    return drawn(rng, int(rng.integers(1, most + 1)), deficient=bool(rng.random() < 0.5))
+
+
+def drawn(rng: np.random.Generator, contacts: int, deficient: bool) -> FrictionProblem:
+    """One of them; deficient: few bodies, and more rows than ways to move from a few contacts on."""
     few, many = (1, max(2, contacts // 3 + 1)), (max(1, (contacts + 1) // 2), contacts + 2)
-    bodies = int(rng.integers(*(few if rng.random() < 0.5 else many)))
+    bodies = int(rng.integers(*(few if deficient else many)))
     mobility = _mobility(rng, bodies, int(rng.choice(DECADES)))
     mu = rng.uniform(0, 2, contacts) if rng.random() < 0.5 else np.full(contacts, rng.choice(FRICTION))
     if rng.random() < 0.5:
@@ -70,6 +74,14 @@ def impossible(seed: int) -> FrictionProblem:
     b[-3] -= rng.uniform(0.1, 1) * np.abs(problem.b).max()
     mu = np.append(problem.cone[:, 0], problem.cone[0, 0])
     return FrictionProblem.of(turn @ problem.A @ turn.T, b, mu)
+
+
+def mild(seed: int) -> FrictionProblem:
+    """1 to 4 contacts, well-conditioned, with friction so weak that there is one answer for every b; any units."""
+    rng = np.random.default_rng(seed)
+    n = 3 * int(rng.integers(1, 5))
+    J = np.hstack([np.eye(n), 0.2 * rng.normal(size=(n, n)) / np.sqrt(n)]) * 10 ** rng.uniform(-2, 2)
+    return FrictionProblem.of(J @ J.T, J @ rng.normal(size=2 * n), rng.uniform(0.01, 0.3, n // 3))
 
 
 def with_bilateral(problem: FrictionProblem, rng: np.random.Generator, count: int) -> FrictionProblem:
