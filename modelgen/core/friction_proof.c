@@ -13,6 +13,24 @@ static int mg_friction_symmetric(const mg_frictional *s)
   return odd <= MG_LCP_RANK(m) * largest;
 }
 
+/* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
+   program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
+static int mg_friction_unbounded(mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real *shift = s->spare, size, work = 0, bound = 0;
+  for (int c = 0; c < s->n; ++c) shift[c] = 0;
+  mg_friction_interior(s, shift, 0);
+  size = mg_max_abs(m, s->y);
+  mg_friction_motion(s);
+  for (int i = 0; i < m; ++i) {
+    const mg_real image = (mg_real)fabs(s->v[i] - s->c[i]) / size;
+    work += s->c[i] * s->y[i] / size;
+    bound = image > bound ? image : bound;
+  }
+  return -work > bound / (mg_real)sqrt(MG_EPS) && -work > mg_lcp_tolerance(m, 1) * (mg_real)m;
+}
+
 /* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
    then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
    only where it has no other rows. */
@@ -30,7 +48,8 @@ static int mg_friction_impossible(mg_frictional *s)
   }
   if (symmetric) mg_qp(n, N, b, 50 * n + 100, z, active, &report, z + n, active + n);
   else mg_enumerate(n, N, b, z, &report, z + n, active);
-  return report.outcome == MG_LCP_INFEASIBLE;
+  if (report.outcome == MG_LCP_INFEASIBLE) return 1;
+  return symmetric && s->theta >= 1 && mg_friction_unbounded(s);
 }
 
 /* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */

@@ -1,7 +1,8 @@
 """Siconos on problems with friction: an independent nonsmooth library, in a Python of its own.
 
-Run as a program, `python siconos_fc3d.py IN OUT`, it solves a JSON list of {A, b, mu, z} and writes {z, w, info, seconds,
-error, given}: Siconos's answer, how it ended, its own error of it, and its error of the forces z that were given.
+Run as a program, `python siconos_fc3d.py IN OUT`, it solves a JSON list of {A, b, mu, z} and writes {z, w,
+info, seconds, error, given}: Siconos's answer, how it ended, its own error of it, and its error of the
+forces z that were given.
 """
 
 from __future__ import annotations

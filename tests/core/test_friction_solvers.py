@@ -8,7 +8,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.runtime.friction import FrictionProblem, Motion, Outcome, coulomb, polyhedral, relaxation, solver
+from modelgen.runtime.friction import (
+    FrictionProblem,
+    Motion,
+    Outcome,
+    coulomb,
+    polyhedral,
+    relaxation,
+    solver,
+)
 from modelgen.runtime.friction.mpcc import Conditions, minimise
 from tests.core.frictional import feasible, mild
 
@@ -16,9 +24,9 @@ SLOPE, GRAVITY = 0.5, 9.81
 
 
 def block(mu: float, speed: float = 0.0) -> FrictionProblem:
-    """A point mass on a slope, one step of 1 s in velocities; t1 is downhill, `speed` downhill at the start."""
+    """A point mass on a slope, one step of 1 s in velocities; t1 and the `speed` it has are downhill."""
     fall = GRAVITY * np.array([-np.cos(SLOPE), np.sin(SLOPE), 0])
-    return FrictionProblem.of(np.eye(3), fall + [0, speed, 0], [mu])
+    return FrictionProblem.of(np.eye(3), fall + np.array([0, speed, 0]), [mu])
 
 
 @pytest.mark.parametrize("name", ["coulomb", "relaxation", "polyhedral", "mpcc"])
@@ -84,7 +92,7 @@ def test_where_coulombs_answer_is_unique_all_exact_solvers_agree(lcp: Any) -> No
 
 def test_what_the_reference_finds_the_core_confirms(lcp: Any) -> None:
     """On problems of all kinds: started at IPOPT's forces, the core stays at its motion."""
-    found = [(p, solver("mpcc")(p, lcp)) for p in map(lambda seed: feasible(seed, 4), range(200, 220))]
+    found = [(p, solver("mpcc")(p, lcp)) for p in (feasible(seed, 4) for seed in range(200, 220))]
     solved = [(p, reference) for p, reference in found if reference.outcome is Outcome.SOLVED]
     assert len(solved) >= 16
     for problem, reference in solved:
@@ -101,7 +109,13 @@ PROGRAMS: dict[str, tuple[ca.SX, list[tuple[ca.SX, ca.SX]], list[ca.SX], list[fl
     "kth2": (x + (y - 1) ** 2, [(x, y)], [], [1, 1], 0),
     "kth3": ((x - 1) ** 2 / 2 + (y - 1) ** 2, [(x, y)], [], [0.5, 1], 0.5),
     "ralph2": (x**2 + y**2 - 4 * x * y, [(x, y)], [], [1, 1], 0),
-    "scholtes1": ((x + 1) ** 2 + (y - 2.5) ** 2 + (z + 1) ** 2, [(y - ca.exp(x) - ca.exp(z), x)], [z], [0, 2, 0], 2),
+    "scholtes1": (
+        (x + 1) ** 2 + (y - 2.5) ** 2 + (z + 1) ** 2,
+        [(y - ca.exp(x) - ca.exp(z), x)],
+        [z],
+        [0, 2, 0],
+        2,
+    ),
     "scholtes3": (((x - 1) ** 2 + (y - 1) ** 2) / 2, [(x, y)], [], [1e-4, 1e-4], 0.5),
     "scholtes5": ((x - 1) ** 2 + (y - 2) ** 2 + (z + 1) ** 2, [(x, z), (y, z)], [], [1, 1, 1], 1),
     "jr1": ((x - 1) ** 2 + y**2, [(y, y - x)], [], [0.5, 1], 0.5),
@@ -113,7 +127,9 @@ PROGRAMS: dict[str, tuple[ca.SX, list[tuple[ca.SX, ca.SX]], list[ca.SX], list[fl
 def test_programs_of_macmpec_end_at_their_optimum(name: str) -> None:
     """S. Leyffer, MacMPEC; the values by hand but for scholtes1."""
     objective, pairs, above, start, value = PROGRAMS[name]
-    answer = minimise(ca.vertcat(*X), objective, Conditions(pairs=pairs), [*start, *[0.0] * (3 - len(start))], above=above)
+    answer = minimise(
+        ca.vertcat(*X), objective, Conditions(pairs=pairs), [*start, *[0.0] * (3 - len(start))], above=above
+    )
     assert answer.objective == pytest.approx(value, abs=1e-6)
     assert answer.complementarity <= 1e-5
     assert answer.violation <= 1e-6

@@ -26,14 +26,17 @@ class _Problem(ctypes.Structure):
     )
 
 
-def coulomb(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None) -> FrictionSolution:
+def coulomb(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
+) -> FrictionSolution:
     """Coulomb's law as it stands: no approximation.
 
-    Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the natural
-    map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these fail, from
-    interior points of convex problems whose normal rows are shifted by the slip that came out before (V. Acary,
-    F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011), 155-175), and along paths from softened matrices.
-    What it loses: a solution may exist and not be found (NOT_FOUND), and of several it returns one.
+    Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the
+    natural map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these
+    fail, from interior points of convex problems whose normal rows are shifted by the slip that came out
+    before (V. Acary, F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011), 155-175), and along paths from
+    softened matrices. What it loses: a solution may exist and not be found (NOT_FOUND), and of several it
+    returns one.
 
     Args:
         start: (n,) a guess of the forces, such as those of the step before; none by default.
@@ -44,13 +47,15 @@ def coulomb(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | N
     return _call(problem, library, "coulomb", start)
 
 
-def relaxation(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None) -> FrictionSolution:
+def relaxation(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
+) -> FrictionSolution:
     """The convex program min z'Az/2 + b'z over the friction cones.
 
-    M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible, with w
-    unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding bodies lift off
-    at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step). Exact where all contacts
-    stick or open, or mu = 0. Arguments and errors as for `coulomb`.
+    M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible,
+    with w unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding
+    bodies lift off at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step).
+    Exact where all contacts stick or open, or mu = 0. Arguments and errors as for `coulomb`.
     """
     return _call(problem, library, "relaxed", start)
 
@@ -84,7 +89,12 @@ def _call(
     iwork = np.empty(int(cdll.mg_friction_iwork_size(n, count)), dtype=np.intc)
     report = _report(z.dtype)
     cdll.mg_friction(
-        ctypes.byref(record), _pointer(z), _pointer(marks), ctypes.byref(report), _pointer(work), _pointer(iwork)
+        ctypes.byref(record),
+        _pointer(z),
+        _pointer(marks),
+        ctypes.byref(report),
+        _pointer(work),
+        _pointer(iwork),
     )
     del alive
     return FrictionSolution(

@@ -49,11 +49,11 @@ def minimise(
     above: Sequence[ca.SX] = (),
     relaxations: Sequence[float] = RELAXATIONS,
 ) -> MpccSolution:
-    """min objective(x) subject to `conditions` and above >= 0: a mathematical program with complementarity constraints.
+    """min objective(x) subject to `conditions` and above >= 0: a program with complementarity constraints.
 
-    S. Scholtes, SIAM J. Optim. 11 (2001), 918-936: G H = 0 is relaxed to G H <= tau, tau falling, each from the
-    solution before. It ends at a C-stationary point, which need not be the least of all; and no constraint
-    qualification holds at tau = 0, so that multipliers may grow without bound.
+    S. Scholtes, SIAM J. Optim. 11 (2001), 918-936: G H = 0 is relaxed to G H <= tau, tau falling, each from
+    the solution before. It ends at a C-stationary point, which need not be the least of all; and no
+    constraint qualification holds at tau = 0, so that multipliers may grow without bound.
 
     Args:
         x: (n,) the unknowns, all expressions are of these.
@@ -77,7 +77,9 @@ def minimise(
     measure = ca.Function("measure", [x], [objective, ca.fmin(first, second), equal, other])
     value, smaller, error, slack = (np.array(part).ravel() for part in measure(at))
     worst = max(np.abs(error).max(initial=0.0), (-slack).max(initial=0.0))
-    return MpccSolution(at, float(value[0]), float(np.abs(smaller).max(initial=0.0)), float(worst), iterations)
+    return MpccSolution(
+        at, float(value[0]), float(np.abs(smaller).max(initial=0.0)), float(worst), iterations
+    )
 
 
 def coulomb_conditions(problem: FrictionProblem, z: ca.SX, w: ca.SX, speed: ca.SX) -> Conditions:
