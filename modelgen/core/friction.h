@@ -10,7 +10,7 @@
 
 /* MG_COULOMB is the law above. MG_RELAXED replaces w_n by w_n - |mu w_t| - ..: for symmetric A the optimum of the convex
    program min z'Az/2 + b'z over the cones (Anitescu and Tasora, Comput. Optim. Appl. 47 (2010), 207-235). It is
-   exact for contacts that stick or open; one that slips moves off at mu |w_t|. */
+   exact for contacts that stick, or open faster than mu |w_t|; all others move off at mu |w_t|. */
 enum { MG_COULOMB = 0, MG_RELAXED = 1 };
 
 enum { MG_CONE = 4 }; /* mu along t1, along t2; spinning resistance, rolling resistance, m */

@@ -55,7 +55,8 @@ def relaxation(
     M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible,
     with w unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding
     bodies lift off at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step).
-    Exact where all contacts stick or open, or mu = 0. Arguments and errors as for `coulomb`.
+    Contacts that open more slowly than that are pushed too. Exact where all stick or open faster, or mu = 0.
+    Its program can be infeasible where Coulomb's law has a solution. Arguments and errors as for `coulomb`.
     """
     return _call(problem, library, "relaxed", start)
 
