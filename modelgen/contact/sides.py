@@ -6,21 +6,23 @@ fixed body, an identity pose or a body without rotation makes zero is zero struc
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 
 from modelgen.geometry.frames import (
     POSE_SIZE,
+    SEAM,
     TWIST_SIZE,
     Frame,
+    cross,
     frame_of,
     identity_frame,
     zeros,
 )
 from modelgen.geometry.surface import shape_parameters
 from modelgen.model import ContactKind, ShapeKind, Side
+from modelgen.notation import ETA_SIZE
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class Partner:
     rotation: ca.SX  # (3,3) shape axes -> world
     spin: ca.SX  # (3,) rad/s, shape axes
     arm: ca.SX  # (3,) m, shape axes, from the centre of mass to the shape's origin
+    seam: float = 0.0  # of `tangent_frame` on it
 
     @property
     def origin(self) -> ca.SX:
@@ -49,6 +52,10 @@ class Partner:
     def spin_world(self) -> ca.SX:
         return ca.mtimes(self.rotation, self.spin)
 
+    def seen(self, direction: ca.SX, rate: ca.SX) -> ca.SX:
+        """The rate (3,) in shape axes of a world direction with the given world rate, seen from the body."""
+        return ca.mtimes(self.rotation.T, rate) - cross(self.spin, ca.mtimes(self.rotation.T, direction))
+
     def row(self, linear: ca.SX, angular: ca.SX) -> ca.SX:
         """The columns of J as (columns,): `linear` in world axes, `angular` in shape axes."""
         if self.columns == TWIST_SIZE:
@@ -56,7 +63,7 @@ class Partner:
         return linear if self.columns else ca.SX(0, 1)
 
 
-def partner(side: Side, name: str) -> Partner:
+def partner(side: Side, name: str, seam: float = 0.0) -> Partner:
     """The symbols of one side; `name` is "o" or "f"."""
     posed = not (side.motion == "fixed" and side.pose == "identity")
     pose = ca.SX.sym(f"pose_{name}", POSE_SIZE if posed else 0)
@@ -82,18 +89,11 @@ def partner(side: Side, name: str) -> Partner:
         rotation=ca.mtimes(body.rotation, placement.rotation),
         spin=ca.mtimes(placement.rotation.T, twist[3:6]) if turning else zeros(3),
         arm=ca.mtimes(placement.rotation.T, placement.position),
+        seam=seam,
     )
 
 
-Layout = tuple[str, str]  # how eta carries the points of o and f: a key of SIZES each
-SIZES: Mapping[str, int] = {
-    "none": 0,
-    "chart": 2,
-    "point": 3,
-    "curve": 1,
-    "signed_curve": 3,
-    "sign": 1,
-}  # entries of eta
+Layout = tuple[str, str]  # how eta carries the points of o and f: a key of ETA_SIZE each
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,8 @@ class Pair:
 
 def pair(kind: ContactKind, layout: Layout) -> Pair:
     """Symbols of a contact whose eta has the given layout."""
-    size_o, size_f = SIZES[layout[0]], SIZES[layout[1]]
+    size_o, size_f = ETA_SIZE[layout[0]], ETA_SIZE[layout[1]]
     eta = ca.SX.sym("eta", size_o + size_f)
-    return Pair(partner(kind.o, "o"), partner(kind.f, "f"), layout, eta, eta[:size_o], eta[size_o:])
+    seam = SEAM if kind.rows > 1 else 0.0
+    o, f = partner(kind.o, "o", seam), partner(kind.f, "f", seam)
+    return Pair(o, f, layout, eta, eta[:size_o], eta[size_o:])

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
+from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import redundancy
 from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
 CONTINUE, FULL = 1, 2
 
 
@@ -43,6 +43,8 @@ class Session:
         self.closed = np.zeros(n_contact + 1, dtype=np.intc)
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
+        self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
+        self.outward = self._reals(3 * n_contact + 3)
         self.run = self.tables.Run()
         self.link = np.full(n_contact + 1, -1, dtype=np.intc)
         self.moved = self._reals(len(sentence["pairs"]) + len(sentence["limits"]) + 1)
