@@ -73,7 +73,7 @@ static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_frict
     report->outcome = MG_FRICTION_INFEASIBLE;
     return;
   }
-  for (int path = 0; path < MG_PATHS; ++path) {
+  for (int path = 0; path < MG_PATHS && report->starts != s->given->starts; ++path) {
     ++report->starts;
     mg_friction_follow(s, path);
     if (mg_friction_judge(s, z, marks, report)) return;

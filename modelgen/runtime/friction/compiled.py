@@ -23,11 +23,12 @@ class _Problem(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
         *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
+        ("starts", ctypes.c_int),
     )
 
 
 def coulomb(
-    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None, starts: int = 0
 ) -> FrictionSolution:
     """Coulomb's law as it stands: no approximation.
 
@@ -40,11 +41,12 @@ def coulomb(
 
     Args:
         start: (n,) a guess of the forces, such as those of the step before; none by default.
+        starts: starting points at most, the guess among them; 0: all, which may take seconds for 20 contacts.
 
     Raises:
         SimulationError: a record that does not fit together, or a start of another shape.
     """
-    return _call(problem, library, "coulomb", start)
+    return _call(problem, library, "coulomb", start, starts)
 
 
 def relaxation(
@@ -58,7 +60,7 @@ def relaxation(
     Contacts that open more slowly than that are pushed too. Exact where all stick or open faster, or mu = 0.
     Its program can be infeasible where Coulomb's law has a solution. Arguments and errors as for `coulomb`.
     """
-    return _call(problem, library, "relaxed", start)
+    return _call(problem, library, "relaxed", start, 0)
 
 
 def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: Law = "coulomb") -> float:
@@ -76,9 +78,9 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
 
 
 def _call(
-    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None
+    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None, starts: int
 ) -> FrictionSolution:
-    record, alive = _record(problem, library, law)
+    record, alive = _record(problem, library, law, starts)
     cdll, n, count = library.cdll, problem.n, len(problem.first)
     z = np.zeros(n, dtype=library.dtype)
     if start is not None and np.shape(start) != z.shape:
@@ -119,14 +121,16 @@ def motion(problem: FrictionProblem, z: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(problem.A.astype(z.dtype) @ z + problem.b)
 
 
-def _record(problem: FrictionProblem, library: CoreLibrary, law: Law) -> tuple[_Problem, tuple[Any, ...]]:
+def _record(
+    problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0
+) -> tuple[_Problem, tuple[Any, ...]]:
     """The record for the core, and the arrays that must live as long as it does."""
     real = library.dtype
     A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
     cone = np.ascontiguousarray(problem.cone, dtype=real)
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
     pointers = (_pointer(array) for array in (first, rows, cone, A, b))
-    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers), (A, b, cone, first, rows)
+    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts), (A, b, cone, first, rows)
 
 
 def _report(dtype: np.dtype[Any]) -> Any:
