@@ -20,6 +20,23 @@ static int mg_friction_try(mg_frictional *s, int rounds)
   return 0;
 }
 
+/* A guess may be the solution, or near it; leaves y there. */
+static int mg_friction_warm(mg_frictional *s, const mg_real *z)
+{
+  const int guessed = mg_max_abs(s->given->n, z) > 0;
+  mg_friction_take(s, z);
+  mg_friction_motion(s);
+  if (mg_friction_keep(s)) return 1;
+  if (guessed && mg_friction_newton(s, MG_FRICTION_SWEEPS, 1)) return 1;
+  mg_friction_take(s, z);
+  return 0;
+}
+
+static mg_real mg_friction_speed(const mg_frictional *s, int part)
+{
+  return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
+}
+
 static int mg_friction_mark(const mg_frictional *s, int contact)
 {
   const mg_real radius = s->y[s->normal[contact]];
@@ -29,7 +46,7 @@ static int mg_friction_mark(const mg_frictional *s, int contact)
     const int row = s->part_row[p];
     mg_real q[2] = {0, 0};
     for (int i = 0; i < s->part_dim[p]; ++i) q[i] = s->y[row + i] - s->v[row + i] / s->rho[p];
-    if (mg_friction_norm(s->part_dim[p], q) > radius) mark |= s->part_mark[p];
+    if (mg_friction_norm(s->part_dim[p], q) > radius && mg_friction_speed(s, p) > MG_LCP_CAP) mark |= s->part_mark[p];
   }
   return mark;
 }
@@ -49,15 +66,14 @@ static int mg_friction_judge(mg_frictional *s, mg_real *z, int *marks, mg_fricti
 
 static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_friction_report *report)
 {
-  mg_friction_take(s, z);
   report->starts = 1;
-  mg_friction_try(s, MG_FRICTION_ROUNDS);
+  if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
   if (mg_friction_judge(s, z, marks, report)) return;
   if (mg_friction_impossible(s)) {
     report->outcome = MG_FRICTION_INFEASIBLE;
     return;
   }
-  for (int path = 0; path < MG_PATHS; ++path) {
+  for (int path = 0; path < MG_PATHS && report->starts != s->given->starts; ++path) {
     ++report->starts;
     mg_friction_follow(s, path);
     if (mg_friction_judge(s, z, marks, report)) return;
@@ -77,6 +93,10 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
   mg_friction_solve(&s, z, marks, report);
   report->sweeps = s.sweeps;
   report->newton = s.newton;
-  if (problem->tell && report->outcome == MG_FRICTION_SOLVED) mg_friction_tell(&s, marks, report);
+  if (problem->tell && report->outcome == MG_FRICTION_SOLVED) {
+    const int strict = mg_friction_even(&s, marks, report);
+    mg_friction_judge(&s, z, marks, report);
+    mg_friction_tell(&s, strict, report);
+  }
   return report->outcome;
 }

@@ -10,7 +10,7 @@
 
 /* MG_COULOMB is the law above. MG_RELAXED replaces w_n by w_n - |mu w_t| - ..: for symmetric A the optimum of the convex
    program min z'Az/2 + b'z over the cones (Anitescu and Tasora, Comput. Optim. Appl. 47 (2010), 207-235). It is
-   exact for contacts that stick or open; one that slips moves off at mu |w_t|. */
+   exact for contacts that stick, or open faster than mu |w_t|; all others move off at mu |w_t|. */
 enum { MG_COULOMB = 0, MG_RELAXED = 1 };
 
 enum { MG_CONE = 4 }; /* mu along t1, along t2; spinning resistance, rolling resistance, m */
@@ -18,11 +18,12 @@ enum { MG_CONE = 4 }; /* mu along t1, along t2; spinning resistance, rolling res
 typedef struct {
   int n, n_contact;
   int law;               /* MG_COULOMB or MG_RELAXED */
-  int tell;              /* rank, active and unique are wanted */
+  int tell;              /* rank, active and unique are wanted, and of forces that are not unique those of least norm */
   const int *first;      /* per contact: row of N; other rows of the contact follow it */
   const int *rows;       /* per contact: 1 N; 3 and t1, t2; 6 and spin about N, rolling about t1, t2 */
   const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read */
   const mg_real *A, *b;  /* rows that belong to no contact are bilateral: w = 0, any force */
+  int starts;            /* starting points at most, 0: all that are known; each may take a hundred times the first */
 } mg_friction_problem;
 
 enum { MG_FRICTION_SOLVED = 0,

@@ -1,7 +1,7 @@
 /* Which rows carry force, and where everything lies in the scratch. */
 #include "friction_scaled.h"
 
-enum { MG_FRICTION_SQUARES = 6, MG_FRICTION_VECTORS = 28, MG_FRICTION_INTS = 12 };
+enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
 
 MG_API int mg_friction_work_size(int n, int n_contact)
 {

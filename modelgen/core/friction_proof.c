@@ -13,6 +13,24 @@ static int mg_friction_symmetric(const mg_frictional *s)
   return odd <= MG_LCP_RANK(m) * largest;
 }
 
+/* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
+   program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
+static int mg_friction_unbounded(mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real *shift = s->spare, size, work = 0, bound = 0;
+  for (int c = 0; c < s->n; ++c) shift[c] = 0;
+  mg_friction_interior(s, shift, 0);
+  size = mg_max_abs(m, s->y);
+  mg_friction_motion(s);
+  for (int i = 0; i < m; ++i) {
+    const mg_real image = (mg_real)fabs(s->v[i] - s->c[i]) / size;
+    work += s->c[i] * s->y[i] / size;
+    bound = image > bound ? image : bound;
+  }
+  return -work > bound / (mg_real)sqrt(MG_EPS) && -work > mg_lcp_tolerance(m, 1) * (mg_real)m;
+}
+
 /* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
    then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
    only where it has no other rows. */
@@ -30,54 +48,8 @@ static int mg_friction_impossible(mg_frictional *s)
   }
   if (symmetric) mg_qp(n, N, b, 50 * n + 100, z, active, &report, z + n, active + n);
   else mg_enumerate(n, N, b, z, &report, z + n, active);
-  return report.outcome == MG_LCP_INFEASIBLE;
-}
-
-/* Columns of D: how the forces may grow. A slip's force grows with N, one that sticks on its own. */
-static int mg_friction_directions(const mg_frictional *s, const int *marks, mg_real *D, int *strict)
-{
-  const int m = s->m;
-  int k = 0;
-  *strict = 1;
-  for (int c = 0; c < s->n; ++c) {
-    const mg_real force = s->y[s->normal[c]];
-    const int normal = k;
-    if (!marks[c]) continue;
-    *strict &= force > (mg_real)sqrt(MG_EPS);
-    for (int i = 0; i < m; ++i) D[i + k * m] = i == s->normal[c];
-    ++k;
-    for (int p = s->part[c]; p < s->part[c + 1]; ++p)
-      for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) {
-        if (marks[c] & s->part_mark[p]) {
-          D[i + normal * m] = force > 0 ? s->y[i] / force : 0;
-          continue;
-        }
-        for (int j = 0; j < m; ++j) D[j + k * m] = i == j;
-        ++k;
-        *strict &= mg_friction_norm(s->part_dim[p], s->y + s->part_row[p]) < force * (1 - (mg_real)sqrt(MG_EPS));
-      }
-  }
-  return k;
-}
-
-/* Rank of D'S D with unit diagonal. */
-static int mg_friction_rank(const mg_frictional *s, int k, const mg_real *D, mg_real *G, mg_real *image, int *order)
-{
-  const int m = s->m;
-  for (int j = 0; j < k; ++j) {
-    for (int i = 0; i < m; ++i) image[i] = 0;
-    for (int l = 0; l < m; ++l)
-      for (int i = 0; i < m; ++i) image[i] += s->S[i + l * m] * D[l + j * m];
-    for (int i = 0; i < k; ++i) {
-      mg_real sum = 0;
-      for (int l = 0; l < m; ++l) sum += D[l + i * m] * image[l];
-      G[i + j * k] = sum;
-    }
-  }
-  for (int i = 0; i < k; ++i) image[i] = mg_diagonal_scale(G[i + i * k]);
-  for (int j = 0; j < k; ++j)
-    for (int i = 0; i < k; ++i) G[i + j * k] /= image[i] * image[j];
-  return mg_cholesky_pivoted(k, G, order, MG_LCP_RANK(k));
+  if (report.outcome == MG_LCP_INFEASIBLE) return 1;
+  return symmetric && s->theta >= 1 && mg_friction_unbounded(s);
 }
 
 /* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */
@@ -131,15 +103,9 @@ static int mg_friction_one_only(const mg_frictional *s)
   return s->theta >= 1 || (mg_real)parts * mg_friction_tangential_bound(s) * inverse < 1;
 }
 
-static void mg_friction_tell(mg_frictional *s, const int *marks, mg_friction_report *report)
+/* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
+static void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report)
 {
-  mg_real *D = s->work, *G = D + s->m * s->m, *image = G + s->m * s->m;
-  int strict;
-  for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
-  report->active = mg_friction_directions(s, marks, D, &strict);
-  report->rank = mg_friction_rank(s, report->active, D, G, image, s->iwork);
-  report->active += s->n_bilateral;
-  report->rank += s->rank;
   if (!mg_friction_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;
   else if (s->rank == s->n_bilateral && mg_friction_one_only(s)) report->unique = MG_UNIQUE;

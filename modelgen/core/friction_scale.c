@@ -33,10 +33,18 @@ static void mg_friction_factor(mg_frictional *s)
   s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k));
 }
 
+/* What is left of row and column i is rounding: the bilateral rows hold it. */
+static void mg_friction_clear(mg_frictional *s, int i)
+{
+  for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
+}
+
 /* S and c less what the bilateral rows take: S_cc - S_cb S_bb^-1 S_bc. */
 static void mg_friction_eliminate(mg_frictional *s)
 {
   const int m = s->m;
+  mg_real *before = s->y;
+  for (int i = 0; i < m; ++i) before[i] = (mg_real)fabs(s->S[i + i * m]);
   mg_friction_factor(s);
   for (int j = 0; j <= m; ++j) {
     mg_real *x = s->X + j * s->n_bilateral, *target = j < m ? s->S + j * m : s->c;
@@ -51,6 +59,8 @@ static void mg_friction_eliminate(mg_frictional *s)
         target[i] -= s->e[i] * mg_friction_entry(s, s->row[i], s->bilateral[b]) * s->e_b[b] * x[k];
     }
   }
+  for (int i = 0; i < m; ++i)
+    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear(s, i);
 }
 
 static void mg_friction_means(mg_frictional *s)

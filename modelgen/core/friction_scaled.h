@@ -63,6 +63,9 @@ static int mg_friction_follow(mg_frictional *s, int which);
 
 /* friction_proof.c */
 static int mg_friction_impossible(mg_frictional *s);
-static void mg_friction_tell(mg_frictional *s, const int *marks, mg_friction_report *report);
+static void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report);
+
+/* friction_even.c */
+static int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report);
 
 #endif

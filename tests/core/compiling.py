@@ -13,10 +13,10 @@ import numpy as np
 
 CORE = Path(__file__).parents[2] / "modelgen" / "core"
 SOURCES = (
-    "active_solve", "enumerate", "friction", "friction_interior", "friction_layout", "friction_local",
-    "friction_newton", "friction_paths", "friction_proof", "friction_residual", "friction_scale",
-    "friction_sweep", "lcp_basis", "lcp_cholesky", "lcp_minimum_norm", "lcp_residual", "lemke", "qp", "qp_pivot",
-    "qp_refine", "qp_small",
+    "active_solve", "enumerate", "friction", "friction_even", "friction_interior", "friction_layout",
+    "friction_local", "friction_newton", "friction_paths", "friction_proof", "friction_residual",
+    "friction_scale", "friction_sweep", "lcp_basis", "lcp_cholesky", "lcp_minimum_norm", "lcp_residual",
+    "lemke", "qp", "qp_pivot", "qp_refine", "qp_small",
 )  # fmt: skip
 WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wconversion")
 REALS: dict[str, tuple[tuple[str, ...], Any]] = {

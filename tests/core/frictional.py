@@ -40,14 +40,18 @@ def natural_map(problem: FrictionProblem, forces: NDArray[Any], relaxed: bool = 
 def feasible(seed: int, most: int = CONTACTS) -> FrictionProblem:
     """1 to `most` contacts, A of full rank or not, friction 0 to 2, masses over 0 to 6 decades; two kinds.
 
-    A solution was put in: forces and motions that obey the law are drawn, b = w - A z. Or there is a velocity at
-    which every contact opens faster than mu times its slip, and b = J v is in the range of A: then a solution
-    exists (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011), theorem 1).
+    A solution was put in: forces and motions that obey the law are drawn, b = w - A z. Or there is a
+    velocity at which every contact opens faster than mu times its slip, and b = J v is in the range of A:
+    then a solution exists (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011), theorem 1).
     """
     rng = np.random.default_rng(seed)
-    contacts = int(rng.integers(1, most + 1))
+    return drawn(rng, int(rng.integers(1, most + 1)), deficient=bool(rng.random() < 0.5))
+
+
+def drawn(rng: np.random.Generator, contacts: int, deficient: bool) -> FrictionProblem:
+    """One of them; deficient: few bodies, with more rows than ways to move from some contacts on."""
     few, many = (1, max(2, contacts // 3 + 1)), (max(1, (contacts + 1) // 2), contacts + 2)
-    bodies = int(rng.integers(*(few if rng.random() < 0.5 else many)))
+    bodies = int(rng.integers(*(few if deficient else many)))
     mobility = _mobility(rng, bodies, int(rng.choice(DECADES)))
     mu = rng.uniform(0, 2, contacts) if rng.random() < 0.5 else np.full(contacts, rng.choice(FRICTION))
     if rng.random() < 0.5:
@@ -61,7 +65,7 @@ def feasible(seed: int, most: int = CONTACTS) -> FrictionProblem:
 
 
 def impossible(seed: int) -> FrictionProblem:
-    """A feasible problem with one contact more: the first from behind, whose normal motion sums to less than 0."""
+    """A feasible problem with one contact more: the first from behind, normal motions summing to < 0."""
     problem = feasible(seed, CONTACTS - 1)
     rng = np.random.default_rng(seed)
     turn = np.vstack([np.eye(problem.n), np.zeros((3, problem.n))])
@@ -72,11 +76,19 @@ def impossible(seed: int) -> FrictionProblem:
     return FrictionProblem.of(turn @ problem.A @ turn.T, b, mu)
 
 
+def mild(seed: int) -> FrictionProblem:
+    """1 to 4 contacts, well-conditioned, friction so weak that each b has one answer; any units."""
+    rng = np.random.default_rng(seed)
+    n = 3 * int(rng.integers(1, 5))
+    J = np.hstack([np.eye(n), 0.2 * rng.normal(size=(n, n)) / np.sqrt(n)]) * 10 ** rng.uniform(-2, 2)
+    return FrictionProblem.of(J @ J.T, J @ rng.normal(size=2 * n), rng.uniform(0.01, 0.3, n // 3))
+
+
 def with_bilateral(problem: FrictionProblem, rng: np.random.Generator, count: int) -> FrictionProblem:
-    """The same with `count` bilateral rows after the contacts, at which b is 0."""
-    n = problem.n
-    root = np.linalg.cholesky(problem.A + 1e-3 * np.trace(problem.A) / n * np.eye(n))
-    J = np.vstack([root, rng.normal(size=(count, n)) * np.sqrt(np.trace(problem.A) / n)])
+    """Its contacts with a little more mobility, and `count` bilateral rows after them, at which b is 0."""
+    n, size = problem.n, np.sqrt(np.trace(problem.A) / problem.n)
+    root = np.linalg.cholesky(problem.A + 1e-3 * size**2 * np.eye(n))
+    J = np.vstack([np.hstack([root, np.zeros((n, count))]), rng.normal(size=(count, n + count)) * size])
     return replace(problem, A=_symmetric(J @ J.T), b=np.append(problem.b, np.zeros(count)))
 
 
@@ -94,7 +106,9 @@ def _mobility(rng: np.random.Generator, bodies: int, decades: int) -> NDArray[An
         axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         at = 6 * body
         inverse[at : at + 3, at : at + 3] = np.eye(3) / m
-        inverse[at + 3 : at + 6, at + 3 : at + 6] = axes @ np.diag(1 / (m * rng.uniform(0.05, 0.6, 3))) @ axes.T
+        inverse[at + 3 : at + 6, at + 3 : at + 6] = (
+            axes @ np.diag(1 / (m * rng.uniform(0.05, 0.6, 3))) @ axes.T
+        )
     return inverse
 
 

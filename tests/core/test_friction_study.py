@@ -9,7 +9,7 @@ import pytest
 from modelgen.runtime.friction import Outcome, coulomb
 from tests.core.frictional import feasible, impossible, natural_map
 
-FEW, MANY, NONE = 250, 6000, 1000
+FEW, MANY, NONE = 250, 5000, 500
 ENOUGH = 1e-9
 
 

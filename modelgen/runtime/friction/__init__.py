@@ -1,4 +1,6 @@
-"""Solvers of one step with Coulomb friction, by name: one record, one certificate, what each loses in its docstring.
+"""Solvers of one step with Coulomb friction, by name, with one record and one certificate.
+
+What each approximates and loses stands in its docstring.
 
     coulomb      the law as it stands, in the core
     relaxation   the convex program over the friction cones, in the core

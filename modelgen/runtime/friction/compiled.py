@@ -23,36 +23,44 @@ class _Problem(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
         *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
+        ("starts", ctypes.c_int),
     )
 
 
-def coulomb(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None) -> FrictionSolution:
+def coulomb(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None, starts: int = 0
+) -> FrictionSolution:
     """Coulomb's law as it stands: no approximation.
 
-    Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the natural
-    map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these fail, from
-    interior points of convex problems whose normal rows are shifted by the slip that came out before (V. Acary,
-    F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011), 155-175), and along paths from softened matrices.
-    What it loses: a solution may exist and not be found (NOT_FOUND), and of several it returns one.
+    Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the
+    natural map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these
+    fail, from interior points of convex problems whose normal rows are shifted by the slip that came out
+    before (V. Acary, F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011), 155-175), and along paths from
+    softened matrices. What it loses: a solution may exist and not be found (NOT_FOUND), and of several it
+    returns one.
 
     Args:
         start: (n,) a guess of the forces, such as those of the step before; none by default.
+        starts: starting points at most, the guess among them; 0: all, which may take seconds for 20 contacts.
 
     Raises:
         SimulationError: a record that does not fit together, or a start of another shape.
     """
-    return _call(problem, library, "coulomb", start)
+    return _call(problem, library, "coulomb", start, starts)
 
 
-def relaxation(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None) -> FrictionSolution:
+def relaxation(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
+) -> FrictionSolution:
     """The convex program min z'Az/2 + b'z over the friction cones.
 
-    M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible, with w
-    unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding bodies lift off
-    at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step). Exact where all contacts
-    stick or open, or mu = 0. Arguments and errors as for `coulomb`.
+    M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible,
+    with w unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding
+    bodies lift off at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step).
+    Contacts that open more slowly than that are pushed too. Exact where all stick or open faster, or mu = 0.
+    Its program can be infeasible where Coulomb's law has a solution. Arguments and errors as for `coulomb`.
     """
-    return _call(problem, library, "relaxed", start)
+    return _call(problem, library, "relaxed", start, 0)
 
 
 def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: Law = "coulomb") -> float:
@@ -70,9 +78,9 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
 
 
 def _call(
-    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None
+    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None, starts: int
 ) -> FrictionSolution:
-    record, alive = _record(problem, library, law)
+    record, alive = _record(problem, library, law, starts)
     cdll, n, count = library.cdll, problem.n, len(problem.first)
     z = np.zeros(n, dtype=library.dtype)
     if start is not None and np.shape(start) != z.shape:
@@ -84,7 +92,12 @@ def _call(
     iwork = np.empty(int(cdll.mg_friction_iwork_size(n, count)), dtype=np.intc)
     report = _report(z.dtype)
     cdll.mg_friction(
-        ctypes.byref(record), _pointer(z), _pointer(marks), ctypes.byref(report), _pointer(work), _pointer(iwork)
+        ctypes.byref(record),
+        _pointer(z),
+        _pointer(marks),
+        ctypes.byref(report),
+        _pointer(work),
+        _pointer(iwork),
     )
     del alive
     return FrictionSolution(
@@ -108,14 +121,16 @@ def motion(problem: FrictionProblem, z: NDArray[Any]) -> NDArray[Any]:
         return np.asarray(problem.A.astype(z.dtype) @ z + problem.b)
 
 
-def _record(problem: FrictionProblem, library: CoreLibrary, law: Law) -> tuple[_Problem, tuple[Any, ...]]:
+def _record(
+    problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0
+) -> tuple[_Problem, tuple[Any, ...]]:
     """The record for the core, and the arrays that must live as long as it does."""
     real = library.dtype
     A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
     cone = np.ascontiguousarray(problem.cone, dtype=real)
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
     pointers = (_pointer(array) for array in (first, rows, cone, A, b))
-    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers), (A, b, cone, first, rows)
+    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts), (A, b, cone, first, rows)
 
 
 def _report(dtype: np.dtype[Any]) -> Any:

@@ -38,10 +38,10 @@ class SlidingAnswer:
 def sliding(problem: FrictionProblem, slip: ArrayLike) -> SlidingAnswer:
     """Contacts with 3 rows that slide in given directions: f = -N mu (mu s) / |mu s| is known but for N.
 
-    What remains is a complementarity problem of N with a matrix A_nn - A_nt mu (mu s) / |mu s| that is not symmetric,
-    and no P-matrix where friction is strong: then it may have no or several solutions (P. Painleve, C. R. Acad. Sci.
-    121 (1895), 112-115; P. Lotstedt, Z. Angew. Math. Mech. 61 (1981), 605-615). All 2^n sets of pressing
-    contacts are tried; a basis whose matrix is singular is left out.
+    What remains is a complementarity problem of N with a matrix A_nn - A_nt mu (mu s) / |mu s| that is not
+    symmetric, and no P-matrix where friction is strong: then it may have no or several solutions (P.
+    Painleve, C. R. Acad. Sci. 121 (1895), 112-115; P. Lotstedt, Z. Angew. Math. Mech. 61 (1981), 605-615).
+    All 2^n sets of pressing contacts are tried; a basis whose matrix is singular is left out.
 
     Args:
         problem: accelerations at this instant; bilateral rows are allowed.
@@ -57,7 +57,11 @@ def sliding(problem: FrictionProblem, slip: ArrayLike) -> SlidingAnswer:
         allowed = f"at most {CONTACTS_MAX} contacts of 3 rows, slip of shape (n_contact, 2)"
         raise SimulationError("sliding contacts", found, allowed)
     matrix, vector = _normal_problem(problem, velocity)
-    answers = [z for pressing in product([False, True], repeat=count) if (z := _basis(matrix, vector, pressing)) is not None]
+    answers = [
+        z
+        for pressing in product([False, True], repeat=count)
+        if (z := _basis(matrix, vector, pressing)) is not None
+    ]
     forces = _distinct(answers)
     accelerations = _distinct([matrix @ z + vector for z in answers])
     return SlidingAnswer(_verdict(len(forces), len(accelerations)), tuple(forces), tuple(accelerations))

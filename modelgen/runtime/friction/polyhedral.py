@@ -32,12 +32,12 @@ class _Lcp:
 def polyhedral(problem: FrictionProblem, library: CoreLibrary, facets: int = FACETS) -> FrictionSolution:
     """Cones with `facets` sides inscribed in Coulomb's, solved by Lemke's method.
 
-    D. E. Stewart, J. C. Trinkle, Int. J. Numer. Methods Eng. 39 (1996), 2673-2691; M. Anitescu, F. A. Potra,
-    Nonlinear Dyn. 14 (1997), 231-247: a solution exists and Lemke's method finds it in velocities and impulses.
-    What it loses: friction is weaker by up to 1 - cos(pi/facets) between the corners and points along the facets'
-    corners instead of against the slip (up to pi/facets off), so that turning t1, t2 changes the answer, and a slip
-    along one direction drifts towards a corner. `coulomb_residual` measures the error; it falls with
-    1/facets. The problem has 2 + facets rows a contact.
+    D. E. Stewart, J. C. Trinkle, Int. J. Numer. Methods Eng. 39 (1996), 2673-2691; M. Anitescu, F. A.
+    Potra, Nonlinear Dyn. 14 (1997), 231-247: a solution exists and Lemke's method finds it in velocities
+    and impulses. What it loses: friction is weaker by up to 1 - cos(pi/facets) between the corners and
+    points along the facets' corners instead of against the slip (up to pi/facets off), so that turning t1,
+    t2 changes the answer, and a slip along one direction drifts towards a corner. `coulomb_residual`
+    measures the error; it falls with 1/facets. The problem has 2 + facets rows a contact.
 
     Args:
         facets: sides of each disc, >= 3; spinning has two whatever this is.
@@ -80,7 +80,7 @@ def _without_bilateral(problem: FrictionProblem) -> tuple[Any, tuple[NDArray[Any
 def _columns(problem: FrictionProblem, facets: int) -> _Lcp:
     count = len(problem.first)
     columns = [np.eye(problem.n)[:, row] for row in problem.first]
-    disc, normal = [-1] * count, []
+    disc, normal = [-1] * count, list[int]()
     for contact in range(count):
         for _, rows, mu in problem.discs(contact):
             for direction in _corners(len(rows), facets):
@@ -101,7 +101,7 @@ def _corners(axes: int, facets: int) -> NDArray[Any]:
 
 
 def _assemble(lcp: _Lcp, A: NDArray[Any], b: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """[D'A D  E; N - E'  0]: facets slide no faster than their disc's multiplier, which is 0 within the cone."""
+    """[D'A D  E; N - E'  0]: no facet slides faster than its disc's multiplier, 0 within the cone."""
     size, discs = lcp.D.shape[1], len(lcp.normal)
     E = np.zeros((size, discs))
     N = np.zeros((discs, size))

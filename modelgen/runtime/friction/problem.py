@@ -19,13 +19,15 @@ class Outcome(Enum):
     """How a problem with friction ended; the value says what to do. The first four: core/friction.h."""
 
     SOLVED = "the answer satisfies the law that the solver solves, to its residual"
-    INFEASIBLE = "proved: no forces at all keep every contact from penetrating; check b and what drives the bodies"
+    INFEASIBLE = (
+        "proved: no forces at all keep every contact from penetrating; check b and what drives the bodies"
+    )
     NOT_FOUND = "no start led to a solution, and there may be none; step in velocities and impulses instead"
     NOT_FINITE = "the data hold NaN, infinity, a negative coefficient, or leave the range of the real type"
 
 
 class Motion(IntFlag):
-    """What a contact does; no flag: it opens. A contact that presses without SLIPS sticks. Bits: core/friction.h."""
+    """What a contact does; no flag: it opens. PRESSES without SLIPS: it sticks. Bits: core/friction.h."""
 
     OPEN = 0
     PRESSES = 1
@@ -149,5 +151,7 @@ def _cone(friction: NDArray[Any]) -> NDArray[Any]:
         friction = np.repeat(friction[:, None], 2, axis=1)
     if friction.ndim != 2 or friction.shape[1] not in (2, CONE):
         found = f"friction of shape {friction.shape}"
-        raise SimulationError("problem with friction", found, "shape (n_contact,), (n_contact, 2) or (n_contact, 4)")
+        raise SimulationError(
+            "problem with friction", found, "shape (n_contact,), (n_contact, 2) or (n_contact, 4)"
+        )
     return np.hstack([friction, np.zeros((len(friction), CONE - friction.shape[1]))])
