@@ -92,7 +92,7 @@ static void mg_lean_known(mg_context *c, int contact) {
 
 /* The matrix and the accelerations of the closed contacts that are not skipped and of the joints. */
 static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
-  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b};
+  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   p.n = mg_list_joints(c, c->list, p.n);
@@ -126,26 +126,26 @@ static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
   return 10 * c->set->cone * size;
 }
 
-/* Against what its own force does to a grip. */
-static int mg_gets_away(const mg_context *c, const mg_friction_problem *p, int row, int rows) {
-  mg_real way = 0, own = 0;
-  for (int r = row; r < row + rows; r++)
-    way += fabs(mg_way_of(p, c->z, r)), own += fabs(p->A[r + p->n * r] * c->z[r]);
-  return way > c->set->cone / 10 * own;
+/* A grip of contact k of the problem is on its bound and moves off, against what its force at the bound does to it. */
+static int mg_gives_way(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
+  const int first = p->first[k], row = first + 1 + c->sys->grip_row[grip], aspect = c->sys->grip_aspect[grip];
+  const mg_real *cone = p->cone + MG_CONE * k + (aspect == MG_SLIP ? 0 : 1 + aspect), N = c->z[first];
+  mg_real way = 0, own = 0, size = 0;
+  if (!(c->marks[k] & MG_PRESSES)) return 0;
+  for (int j = 0; j < mg_grip_rows(c, grip); j++) {
+    const mg_real mu = cone[aspect == MG_SLIP ? j : 0], part = c->z[row + j] / mu;
+    way += fabs(mg_way_of(p, c->z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, size += part * part;
+  }
+  return way > c->set->cone / 10 * own && sqrt(size) > (1 - c->set->polish) * N;
 }
 
-/* Marks the grips found to slip. Where forces are not unique some lie on their bounds by chance: only those that get
-   away slip. Returns their number. */
-static int mg_mark_giving(mg_context *c, const mg_friction_problem *p, int redundant) {
+/* Marks the grips found to slip; returns their number. */
+static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
   int count = 0;
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->cone_contact[k];
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      const int row = c->cone_first[k] + 1 + c->sys->grip_row[g];
-      c->gives[g] = c->bound_of[g] != MG_KNOWN && (c->marks[k] & (MG_SLIPS << c->sys->grip_aspect[g]));
-      if (c->gives[g] && redundant) c->gives[g] = mg_gets_away(c, p, row, mg_grip_rows(c, g));
-      count += c->gives[g];
-    }
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
+      count += c->gives[g] = c->bound_of[g] != MG_KNOWN && mg_gives_way(c, p, k, g);
   }
   return count;
 }
@@ -171,10 +171,10 @@ static void mg_set_course(mg_context *c, int contact, int grip, const mg_real *f
   if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
 }
 
-/* Slip begins where the force has reached its bound, which then stays as it is: there is no acceleration at first. */
+/* Slip begins where the force has reached its bound, which stays as it is: there may be no acceleration at first. */
 static int mg_begins_gently(const mg_context *c, int grip) {
   const mg_real *s = c->sys->grip_static + 2 * grip, *d = c->sys->grip_kinetic + 2 * grip;
-  return c->before[grip] == MG_STUCK && c->slipped[grip] && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
+  return c->before[grip] == MG_STUCK && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
 }
 
 static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
@@ -228,7 +228,7 @@ static void mg_relieve(mg_context *c, const int *skip) {
   mg_friction_report report;
   const mg_friction_problem p = mg_pose_problem(c, skip);
   for (mg_real less = (mg_real)0.5; less > c->set->cone; less /= 4) {
-    if (!mg_try_cones(c, &p, 1 - less, c->z, &report) || mg_mark_giving(c, &p, 1)) continue;
+    if (!mg_try_cones(c, &p, 1 - less, c->z, &report) || mg_mark_giving(c, &p)) continue;
     mg_take_modes(c, &p);
     mg_take_shares(c, &p);
     return;
@@ -264,7 +264,7 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
   redundant = mg_oblique_rank(c, c->list, p.n) < p.n;
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
-    giving = mg_mark_giving(c, &p, redundant);
+    giving = mg_mark_giving(c, &p);
   } while (mg_give_way(c));
   mg_note_report(c, &report);
   mg_take_modes(c, &p);

@@ -127,9 +127,10 @@ static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
   return most;
 }
 
-/* The stages of a step h; 0 where they are not found. */
+/* The stages of a step h, as near as rounding lets them come; 0 where they are not found. */
 static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  const mg_real goal = c->set->tolerance / 100 > 8 * MG_EPS ? c->set->tolerance / 100 : 8 * MG_EPS;
+  const mg_real goal = c->set->tolerance / 100, noise = 4096 * MG_EPS;
+  mg_real before = MG_MAX;
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int i = 0; i < c->n_x; i++) mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->K[i];
   for (int round = 0; round < 4; round++)
@@ -139,9 +140,10 @@ static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_r
     if (!mg_look_round(c, o, t, h)) return 0;
     const mg_real steered = mg_steer_slip(c, o, h);
     mg_go_round(c, o, t, x, h);
-    const mg_real change = mg_go_round(c, o, t, x, h);
+    const mg_real change = mg_go_round(c, o, t, x, h), most = steered > change ? steered : change;
     if (!(steered <= MG_MAX) || !(change <= MG_MAX)) return 0;
-    if (steered <= goal && change <= goal) return 1;
+    if (most <= goal || (round > 3 && most >= before / 2 && most <= noise)) return 1;
+    before = most;
   }
   return 0;
 }
