@@ -85,7 +85,7 @@ def mild(seed: int) -> FrictionProblem:
 
 
 def stack(boxes: int, mu: float, ratio: float = 1.0) -> FrictionProblem:
-    """Cubes of edge 1 on their corners, from the ground up, after 1 s of unit gravity; masses 1 to `ratio`."""
+    """Cubes of edge 1 on their corners, from the ground up, after 1 s of gravity 1; masses 1 to `ratio`."""
     mass = ratio ** (np.arange(boxes) / max(1, boxes - 1))
     J = np.zeros((12 * boxes, 6 * boxes))
     for box in range(boxes):
