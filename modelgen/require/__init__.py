@@ -88,10 +88,10 @@ def require(scene: Scene) -> Model:
     expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     check_observed(scene, contact_names(scene))
+    warnings = soundness(scene)
     body_kinds: Vocabulary[BodyKind] = Vocabulary()
     bodies = _body_entries(scene, pieces, body_kinds)
-    shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
-    contact_kinds: Vocabulary[ContactKind] = Vocabulary()
+    shape_kinds, contact_kinds = Vocabulary[ShapeKind](), Vocabulary[ContactKind]()
     touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
@@ -117,7 +117,7 @@ def require(scene: Scene) -> Model:
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),
-        warnings=soundness(scene),
+        warnings=warnings,
     )
 
 
