@@ -14,15 +14,16 @@ static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
-/* A grip whose slip is dying is stuck until the forces say otherwise; one without a past is told by its slip. */
+/* A grip is told by its slip; one that hardly slips is stuck until the forces say otherwise, for slip that dies or begins
+   at one contact dies or begins at others of the body as well. */
 static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
   if (!c->run->closed[contact]) *mode = MG_LOOSE;
   else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
-  else if (*mode >= MG_ONSET && c->slipped[grip]) {
-    const int turned = mg_aim(c, contact, grip); /* it has only left its course */
-    if (!turned) c->over[grip] = mg_slip_left(c, contact, grip);
-    *mode = turned ? MG_SLIPPING : MG_STUCK, c->slipped[grip] = !turned;
+  else if (*mode >= MG_ONSET) {
+    const int slips = mg_aim(c, contact, grip); /* if its event has fired, it has only left its course */
+    if (c->slipped[grip] && !slips) c->over[grip] = mg_slip_left(c, contact, grip);
+    *mode = slips ? MG_SLIPPING : MG_STUCK, c->slipped[grip] &= !slips;
   }
 }
 
