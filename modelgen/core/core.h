@@ -14,6 +14,10 @@
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
 #define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
+#define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
+#define MG_PARTS 6      /* the same: no force is left between the faces */
+
+#define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
 
@@ -36,6 +40,19 @@ typedef struct {
   mg_found list[MG_FOUNDS];
 } mg_founds;
 
+typedef struct { /* an extreme point of the hull: of o's boundary or f's, or where two arcs cross */
+  int side, arc;
+  mg_real t, point[2];
+  int crossing_side, crossing_arc; /* -1: none */
+  mg_real crossing_t;
+} mg_support;
+
+typedef struct { /* where the hull is nearest to a point: a vertex or a point of a curve, or a straight piece */
+  mg_real margin, normal[2];
+  int n;
+  mg_support at[2];
+} mg_brink;
+
 typedef struct {
   const mg_system *sys;
   const mg_settings *set;
@@ -55,6 +72,7 @@ typedef struct {
   mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
+  mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
   int *list, *mask, *fired, *lcp_i;
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
@@ -65,6 +83,8 @@ typedef struct {
   int *column;                              /* per row: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */
   int *first, *incident;                    /* rows at each moving body: incident[first[b]] .. */
+  int *hidden;                              /* per contact: covered by a patch that is held */
+  int *trying, *barred;                     /* per slot: held on trial; a patch not to be held again now, or -1 */
   int n_live;                               /* states without those of contacts on no link */
   mg_sample *sample;                        /* of both sides of a link: 2 MG_SAMPLES */
   mg_real *merit;                           /* of the samples of o with their best mate */
@@ -97,15 +117,43 @@ static void mg_set_fixed(mg_context *c);
 /* links.c */
 static int mg_present(const mg_context *c, int contact);
 static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
+static const mg_real *mg_parameters_of(mg_context *c, int contact);
 static void mg_take_link(mg_context *c, int contact);
 static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
+
+/* patches.c, handover.c */
+static int mg_is_pad(const mg_context *c, int contact);
+static int mg_pad_of(const mg_context *c, int slot);
+static int mg_patch_in(const mg_context *c, int slot);
+static int mg_patch_body(const mg_context *c, int patch, int side);
+static int mg_is_covered(const mg_context *c, int link);
+static int mg_pair_rests(const mg_context *c, int pair);
+static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
+static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
+static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
+static int mg_patches_fired(mg_context *c);
+static mg_real mg_patch_value(mg_context *c, int pad, int cause);
+static void mg_drop_patch(mg_context *c, int slot);
+static void mg_hide_covered(mg_context *c);
+static int mg_try_flat(mg_context *c, mg_real touching, int moving);
+static int mg_reject(mg_context *c, const mg_real *amount);
+static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
+static void mg_uncover(mg_context *c, int patch, mg_founds *found);
+static int mg_end_patches(mg_context *c, mg_events *events);
+
+/* region.c */
+static int mg_lay(mg_context *c, int patch);
+static mg_real mg_hull_margin(mg_context *c, int patch, const mg_real *x, mg_brink *brink);
 
 /* conditions.c */
 static const mg_real *mg_side(const mg_context *c, int link, int side);
 static int mg_side_body(const mg_context *c, int link, int side);
 static int mg_carrier(const mg_context *c, int link, int side);
+static void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static mg_real mg_sine(const mg_real *a, const mg_real *b);
 static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
 static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
@@ -133,6 +181,9 @@ static mg_real mg_parting(mg_context *c, int pair);
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
 static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
+static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found);
+static int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
+static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_first_contact(const mg_context *c, int pair);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
@@ -165,6 +216,7 @@ static int mg_joint_of(const mg_context *c, int row);
 static int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 static int mg_list_joints(const mg_context *c, int *list, int n);
 static void mg_watch_joints(mg_context *c);
+static int mg_list_bilateral(const mg_context *c, int *list, int n);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
 /* rhs.c */
@@ -209,7 +261,7 @@ static int mg_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */
 enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
-       MG_ENDS_RUN };
+       MG_ENDS_RUN, MG_RESTS, MG_TURNS_OVER };
 static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
 
 /* events.c, modes.c, impact.c, project.c, ledger.c, record.c */
@@ -219,6 +271,7 @@ static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);
 static int mg_impact(mg_context *c, mg_events *events);
+static int mg_choose_active(mg_context *c, const int *skip);
 static int mg_solve_modes(mg_context *c, mg_events *events);
 static int mg_has_room(const mg_context *c);
 static int mg_transition(mg_context *c, mg_events *events);

@@ -19,7 +19,7 @@ static int mg_nearing(const mg_context *c, int contact) {
 
 static int mg_list_closed(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->sys->pad_contact; i++)
     if (c->run->closed[i]) c->list[n++] = i;
   return n;
 }
@@ -65,13 +65,13 @@ static int mg_impact(mg_context *c, mg_events *events) {
   mg_lcp_report report;
   for (int r = 0; r < n; r++) struck += mg_nearing(c, c->list[r]);
   if (!struck) return MG_DONE;
-  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
+  for (int i = c->sys->pad_contact; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
   for (int r = 0; r < n; r++) {
     const int i = c->list[r];
     c->rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
   }
   if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
-  mg_apply_impulses(c, n + c->sys->n_row);
+  mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
   mg_poses(c, c->run->t, c->run->x);
   mg_after_impact(c, events, n);
   return MG_DONE;

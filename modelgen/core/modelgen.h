@@ -6,14 +6,16 @@
 
    Units are SI. Vectors are in world axes except angular velocities and torques, which are in body axes.
    The state is x = [q of all bodies, u of all bodies, eta of all contacts, work].
-   A limit of a joint is a contact without shapes, on a link of its own. */
+   A limit of a joint is a contact without shapes, on a link of its own.
+   A patch is a planar region of one shape that may rest on one of another. While it does, a slot holds it: three
+   pads, contacts of points of f on the plane of o, which hold both ways, on the links of the patch. */
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 3
+#define MG_ABI 4
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -30,6 +32,8 @@ typedef struct {
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
   int n_joint, n_row; /* joints, and the rows of all of them */
+  int n_patch, n_slot; /* patches, and how many of them may rest at a time */
+  int pad_contact, pad_link; /* the first pad among the contacts, three a slot; among the links, three a patch */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
@@ -40,6 +44,13 @@ typedef struct {
   const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, MG_ENDS, MG_WATCHED */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
   const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */
+  const int *patch_pair, *patch_slots; /* the pair whose faces they are; slots, first and end, two a patch */
+  const int *patch_arc, *patch_arc_f;  /* o's region: [patch_arc[p], patch_arc_f[p]), none: a whole plane; f's:
+                                          [patch_arc_f[p], patch_arc[p + 1]) */
+  const int *patch_numbers;            /* placement of o's face in body o, of f's in body f: 12 each */
+  const int *patch_cover, *covered;    /* covered[patch_cover[p]] ..: the links of the pair that lie in the patch */
+  const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
+      the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
   const mg_real *restitution;  /* one a contact, 0..1 */
   const mg_real *parameters;
@@ -94,15 +105,18 @@ enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step l
        MG_TOO_MANY_CLOSED = 25 };
 
 enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3,
-       MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6 };
+       MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6,
+       MG_EVENT_FLAT = 7, MG_EVENT_TIP = 8 }; /* of the first pad of a slot: its patch rests; turns over its edge */
 
 typedef struct {
   mg_real t, h;           /* time and the next step to try, s */
   mg_real *x;             /* n_q + n_u + n_eta + 1 */
   int *link;              /* per contact: the link it is on, or -1 */
+  mg_real *point;         /* per contact 3: of a pad or a fresh rim, the point of f, in its body's axes */
   mg_real *moved;         /* per pair: relative movement since it was searched, m */
   int *closed;            /* per contact: its gap is held at zero */
   int *active;            /* per contact: closed and carrying force */
+  int *fresh;             /* per contact: a rim has begun to roll on a plane; its equations are singular there */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
@@ -126,6 +140,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   mg_real *pose, *twist;  /* 12 and 6 a body */
   mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3; gap of none: NAN */
   int *link;              /* per contact */
+  int *patch;             /* per slot: what it holds, or -1 */
+  mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
   mg_real *energy, *work;

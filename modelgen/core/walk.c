@@ -84,7 +84,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   found.link = -1;
   for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
     const int to = c->sys->condition_next[way];
-    if (to < 0) break;
+    if (to < 0 || mg_is_covered(c, to)) break;
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
     if (worst > best) {
@@ -165,7 +165,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   mg_founds found = {0};
   int count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
+    if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
     if (!mg_is_taken_up(c, each)) continue;
@@ -191,7 +191,7 @@ static mg_real mg_pair_speed(const mg_context *c, int pair) {
 static int mg_is_unwatched(const mg_context *c, int pair) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
     if (mg_present(c, i)) return 0;
-  return 1;
+  return !mg_pair_rests(c, pair);
 }
 
 /* How fast the relative speed of the bodies' centres may grow. */

@@ -11,6 +11,7 @@ import numpy as np
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
 from modelgen.runtime.limits import add_limits
+from modelgen.runtime.patches import PADS, add_patches, point_restitutions, slot_count
 from modelgen.runtime.sides import Sides, append
 
 Array = np.ndarray[Any, Any]
@@ -18,6 +19,7 @@ Array = np.ndarray[Any, Any]
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
     *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
+    *("n_patch", "n_slot", "pad_contact", "pad_link"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -28,6 +30,8 @@ SYSTEM_INDICES = (
     *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
+    *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_cover", "covered"),
+    *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
 )
 SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
@@ -37,7 +41,7 @@ SETTINGS_REALS = (
     *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search", "flat", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
-RUN_ARRAYS = ("x", "link", "moved", "closed", "active", "force", "margin")
+RUN_ARRAYS = ("x", "link", "point", "moved", "closed", "active", "fresh", "force", "margin")
 RUN_COUNTS = (
     "steps",
     "rejected",
@@ -58,6 +62,7 @@ RUN_INTEGERS = (
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
+    *("patch", "pressure"),
     *("joint_wrench", "coordinate", "energy", "work"),
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
@@ -140,21 +145,28 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
+    points = len(integers["contact_pair"]), len(integers["link_kind"])
+    add_patches(integers, sides.numbers, parameters, sentence)
     reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers}
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    sizes = [len(sentence[group]) for group in ("bodies", "contacts", "loads", "pairs", "links")]
-    for place in (1, 3, 4):
-        sizes[place] += len(sentence["limits"])
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    system = tables.System(*sizes, *states, _room(sentence), len(sentence["joints"]), _row_count(manifest))
+    rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
+    patches = len(sentence["patches"]), slot_count(sentence)
+    system = tables.System(*_sizes(sentence, integers), *states, *rows, *patches, *points)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
     for name, value in sentence["scales"].items():
         setattr(system, name, value)
     return system, list(arrays.values())
+
+
+def _sizes(sentence: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
+    """Numbers of bodies, contacts, loads, pairs and links; limits and points of patches are contacts too."""
+    counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "link_kind"))
+    return len(sentence["bodies"]), *(len(entries) for entries in counted)
 
 
 def _bodies_and_contacts(
@@ -190,7 +202,9 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
     of_contacts = [pairs[c["pair"]]["restitution"] for c in sentence["contacts"]]
     return {
         "mass_inverse": [value for b in sentence["bodies"] for value in b["mass_inverse"]],
-        "restitution": [*of_contacts, *(limit["restitution"] for limit in limits)],
+        "restitution": [
+            *of_contacts, *(limit["restitution"] for limit in limits), *point_restitutions(sentence)
+        ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
     }
 
@@ -198,7 +212,7 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
 def _room(sentence: Mapping[str, Any]) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
-    many = len(sentence["contacts"]) + len(sentence["limits"])
+    many = len(sentence["contacts"]) + len(sentence["limits"]) + PADS * slot_count(sentence)
     return min(many, max(ROOM, ROOM_PER_BODY * moving))
 
 

@@ -1,0 +1,99 @@
+/* How a patch ends: lifted as a whole, or turning over the edge of its hull, on contacts that begin there. */
+#include "core.h"
+
+/* Follows again what a patch covered: contacts that are found on its links stand open at their places. */
+static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
+  const mg_system *s = c->sys;
+  const int pair = s->patch_pair[patch];
+  found->count = 0;
+  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
+    mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
+  for (int k = 0; k < found->count; k++) {
+    const mg_found *each = found->list + k;
+    if (!mg_is_taken_up(c, each)) continue;
+    const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
+    if (slot < 0) continue;
+    mg_set_link(c, slot, each->link, each->eta);
+    c->d[slot] = each->d;
+  }
+}
+
+/* The contact of a pair at a point of the world, or -1. */
+static int mg_contact_at(mg_context *c, int pair, const mg_real *world) {
+  mg_real least = c->set->apart * c->sys->length, next[6];
+  int nearest = -1;
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
+    if (!mg_present(c, i)) continue;
+    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    const mg_real arm[3] = {c->place[11] - world[0], c->place[12] - world[1], c->place[13] - world[2]};
+    const mg_real away = sqrt(mg_dot3(arm, arm));
+    if (away < least) least = away, nearest = i;
+  }
+  return nearest;
+}
+
+static void mg_close(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
+
+/* A contact of the pair for the rim that has the boundary's curve at the brink. */
+static int mg_rim_contact(mg_context *c, int patch, const mg_support *at) {
+  const mg_system *s = c->sys;
+  const int pair = s->patch_pair[patch];
+  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++) {
+    const int link = s->covered[k], side = mg_side_body(c, link, 1) == mg_patch_body(c, patch, at->side);
+    if (s->side_shape[2 * link + side] != s->arc_shape[at->arc]) continue;
+    const mg_found found = {.link = link, .d = 0};
+    const int contact = mg_slot_for(c, pair, &found);
+    if (contact >= 0) mg_set_link(c, contact, link, found.eta);
+    return contact;
+  }
+  return -1;
+}
+
+/* The face turns over a curve of its boundary: the contact of the curve begins at the point, where its own equations
+   are singular. */
+static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const mg_real *world) {
+  const int contact = mg_rim_contact(c, patch, at);
+  if (contact < 0) return;
+  const mg_real *pose = c->pose + 12 * c->f[contact];
+  mg_into(pose, world, c->run->point + 3 * contact);
+  c->run->fresh[contact] = patch + 1;
+  mg_close(c, contact);
+}
+
+static void mg_turn_over(mg_context *c, int slot) {
+  const int patch = mg_patch_in(c, slot);
+  mg_real centre[3], o[12];
+  mg_brink brink;
+  mg_founds found;
+  mg_resultant(c, slot, c->force, centre);
+  mg_patch_margin(c, patch, centre, &brink);
+  mg_face_pose(c, patch, 0, o);
+  mg_drop_patch(c, slot);
+  mg_uncover(c, patch, &found);
+  for (int k = 0; k < brink.n; k++) {
+    const mg_real local[3] = {brink.at[k].point[0], brink.at[k].point[1], 0};
+    mg_real world[3];
+    mg_out(o, local, 1, world);
+    const int contact = mg_contact_at(c, c->sys->patch_pair[patch], world);
+    if (contact >= 0) mg_close(c, contact);
+    else mg_start_rim(c, patch, brink.at + k, world);
+  }
+}
+
+/* Ends the patches that are marked in c->fired; returns how many. */
+static int mg_end_patches(mg_context *c, mg_events *events) {
+  mg_founds found;
+  int count = 0;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
+    c->fired[pad] = 0;
+    if (!cause || patch < 0) continue;
+    mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
+    c->barred[slot] = patch;
+    if (cause == MG_TURNS) mg_turn_over(c, slot);
+    else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
+    c->run->moved[c->sys->patch_pair[patch]] = MG_MAX / 2;
+    count++;
+  }
+  return count;
+}
