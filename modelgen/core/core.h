@@ -133,6 +133,7 @@ static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
 static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
 static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
 static int mg_patches_fired(mg_context *c);
+static int mg_any_patch_ends(mg_context *c);
 static mg_real mg_patch_value(mg_context *c, int pad, int cause);
 static void mg_drop_patch(mg_context *c, int slot);
 static void mg_hide_covered(mg_context *c);

@@ -110,18 +110,28 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
   return *margin < -c->set->border * c->sys->length ? MG_TURNS : 0;
 }
 
+/* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0. */
+static int mg_slot_ends(mg_context *c, int slot) {
+  mg_real margin;
+  return mg_patch_in(c, slot) < 0 ? 0 : mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+}
+
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
 static int mg_patches_fired(mg_context *c) {
   int count = 0;
-  mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
     for (int k = 0; k < 3; k++) c->fired[pad + k] = 0;
-    if (mg_patch_in(c, slot) < 0) continue;
-    c->fired[pad] = mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+    c->fired[pad] = mg_slot_ends(c, slot);
     count += c->fired[pad] != 0;
   }
   return count;
+}
+
+static int mg_any_patch_ends(mg_context *c) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++)
+    if (mg_slot_ends(c, slot)) return 1;
+  return 0;
 }
 
 /* The function whose zero ends a patch. */

@@ -43,7 +43,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 static void mg_watch(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length;
-  if (c->sys->n_slot && mg_patches_fired(c)) c->suspect = 1;
+  if (mg_any_patch_ends(c)) c->suspect = 1;
   for (int i = 0; i < c->sys->pad_contact; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
 }
