@@ -5,11 +5,11 @@
    roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
-  const int patch = c->run->fresh[contact] - 1, link = s->pad_link + 3 * patch, kind = s->link_kind[link];
+  const int patch = mg_patch_flat_on(c, contact);
+  if (!c->begins || c->run->fresh[contact] != MG_FRESH || patch < 0) return 0;
+  const int link = s->pad_link + 3 * patch, kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
-  mg_real faces[2][12], none[1];
-  for (int side = 0; side < 2; side++) mg_face_pose(c, patch, side, faces[side]);
-  if (mg_sine(faces[0] + 9, faces[1] + 9) > 16 * MG_EPS) return 0;
+  mg_real none[1];
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
   for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
   mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,

@@ -18,6 +18,7 @@
 #define MG_PARTS 6      /* the same: no force is left between the faces */
 
 #define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
+#define MG_RADAU 7   /* stages of collocation */
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
 
@@ -52,6 +53,14 @@ typedef struct { /* where the hull is nearest to a point: a vertex or a point of
   int n;
   mg_support at[2];
 } mg_brink;
+typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
+  mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
+  mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
+} mg_onset;
+
+typedef struct { /* a contact's lean: the part across N of what was N when f lay flat, and the frame of an azimuth */
+  mg_real normal[3], along[3], across[3], lean[3];
+} mg_lean;
 
 typedef struct {
   const mg_system *sys;
@@ -93,6 +102,9 @@ typedef struct {
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
+  mg_onset *onset;                          /* per contact */
+  mg_real pace;                             /* what an explicit step after collocation can follow, s */
+  int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 
@@ -116,6 +128,10 @@ static void mg_set_fixed(mg_context *c);
 
 /* links.c */
 static int mg_present(const mg_context *c, int contact);
+static void mg_stand(mg_context *c, int contact, int link);
+static int mg_is_endless(const mg_context *c, int link);
+static int mg_first_contact(const mg_context *c, int pair);
+static int mg_has_own_links(const mg_context *c, int pair);
 static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
 static const mg_real *mg_parameters_of(mg_context *c, int contact);
 static void mg_take_link(mg_context *c, int contact);
@@ -127,6 +143,7 @@ static int mg_pad_of(const mg_context *c, int slot);
 static int mg_patch_in(const mg_context *c, int slot);
 static int mg_patch_body(const mg_context *c, int patch, int side);
 static int mg_is_covered(const mg_context *c, int link);
+static int mg_patch_flat_on(const mg_context *c, int contact);
 static int mg_pair_rests(const mg_context *c, int pair);
 static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
 static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
@@ -185,7 +202,6 @@ static int mg_is_far(const mg_context *c, int link);
 static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found);
 static int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
 static int mg_is_taken_up(const mg_context *c, const mg_found *found);
-static int mg_first_contact(const mg_context *c, int pair);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
@@ -243,6 +259,22 @@ static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
 
+/* collocate.c, start_rolling.c */
+static mg_real *mg_stage_state(const mg_context *c, int stage);
+static mg_real *mg_stage_slope(const mg_context *c, int stage);
+static mg_real mg_stage_time(int stage);
+static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+static void mg_collocated(mg_context *c, const mg_real *x);
+static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
+static mg_real mg_twice(int row, int column);
+static int mg_starts_rolling(const mg_context *c);
+static mg_real mg_start_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static void mg_grow_up(mg_context *c);
+static int mg_is_singular(const mg_context *c, int contact);
+
+/* advance.c */
+static int mg_finite(const mg_real *x, int n);
+
 /* rk4.c, dop853.c, step.c */
 static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
@@ -279,6 +311,7 @@ static int mg_transition(mg_context *c, mg_events *events);
 static int mg_unsettled(mg_context *c);
 static void mg_refresh(mg_context *c);
 static mg_real mg_largest(const mg_context *c, const mg_real *value);
+static void mg_turn(mg_real *e, const mg_real *angle);
 static int mg_project(mg_context *c);
 static int mg_project_start(mg_context *c);
 static int mg_start_joints(mg_context *c);

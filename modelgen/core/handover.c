@@ -51,12 +51,14 @@ static int mg_rim_contact(mg_context *c, int patch, const mg_support *at) {
 
 /* The face turns over a curve of its boundary: the contact of the curve begins at the point, where its own equations
    are singular. */
-static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const mg_real *world) {
+static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const mg_real *world,
+                         const mg_real *outward) {
   const int contact = mg_rim_contact(c, patch, at);
   if (contact < 0) return;
   const mg_real *pose = c->pose + 12 * c->f[contact];
   mg_into(pose, world, c->run->point + 3 * contact);
-  c->run->fresh[contact] = patch + 1;
+  for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
+  c->run->fresh[contact] = MG_FRESH;
   mg_close(c, contact);
 }
 
@@ -68,6 +70,9 @@ static void mg_turn_over(mg_context *c, int slot) {
   mg_resultant(c, slot, c->force, centre);
   mg_patch_margin(c, patch, centre, &brink);
   mg_face_pose(c, patch, 0, o);
+  const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
+  mg_real outward[3];
+  mg_out(o, across, 0, outward);
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
   for (int k = 0; k < brink.n; k++) {
@@ -76,7 +81,7 @@ static void mg_turn_over(mg_context *c, int slot) {
     mg_out(o, local, 1, world);
     const int contact = mg_contact_at(c, c->sys->patch_pair[patch], world);
     if (contact >= 0) mg_close(c, contact);
-    else mg_start_rim(c, patch, brink.at + k, world);
+    else mg_start_rim(c, patch, brink.at + k, world, outward);
   }
 }
 

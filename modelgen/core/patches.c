@@ -33,6 +33,19 @@ static int mg_patch_covers(const mg_context *c, int patch, int link) {
   return 0;
 }
 
+/* The patch that a contact's link lies in with its faces against each other, or -1. */
+static int mg_patch_flat_on(const mg_context *c, int contact) {
+  const int link = c->run->link[contact];
+  mg_real o[12], f[12];
+  for (int patch = 0; patch < c->sys->n_patch; patch++) {
+    if (c->sys->patch_pair[patch] != c->sys->link_pair[link] || !mg_patch_covers(c, patch, link)) continue;
+    mg_face_pose(c, patch, 0, o);
+    mg_face_pose(c, patch, 1, f);
+    if (mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat) return patch;
+  }
+  return -1;
+}
+
 /* True if the link lies in a patch that is held. */
 static int mg_is_covered(const mg_context *c, int link) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {

@@ -14,9 +14,9 @@ import casadi as ca
 import numpy as np
 
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.extent import domain_of
+from modelgen.geometry.domains import domain_of
 from modelgen.geometry.features import features_of
-from modelgen.geometry.poses import UPSIDE_DOWN, compose, frame, rotation_of, to_inner, to_outer
+from modelgen.scene.poses import UPSIDE_DOWN, compose, frame, rotation_of, to_inner, to_outer
 from modelgen.scene.expression import Number
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 

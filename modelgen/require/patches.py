@@ -8,7 +8,7 @@ from itertools import product
 from math import cos, pi, sin
 
 from modelgen.geometry.features import is_convex
-from modelgen.geometry.poses import compose, to_outer
+from modelgen.scene.poses import compose, to_outer
 from modelgen.geometry.regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
 from modelgen.require.links import Whole

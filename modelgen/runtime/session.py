@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
+from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import redundancy
 from modelgen.runtime.patches import PADS, slot_count
@@ -16,7 +17,6 @@ from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
 CONTINUE, FULL = 1, 2
 
 
@@ -44,9 +44,10 @@ class Session:
         self.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = sentence["initial_u"]
         self.closed = np.zeros(n_contact + 1, dtype=np.intc)
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
-        self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
         self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
+        self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
+        self.outward = self._reals(3 * n_contact + 3)
         self.run = self.tables.Run()
         self.link = np.full(n_contact + 1, -1, dtype=np.intc)
         self.moved = self._reals(len(sentence["pairs"]) + len(sentence["limits"]) + 1)
