@@ -7,7 +7,7 @@ static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
   const int pair = s->patch_pair[patch];
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
-    mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
+    if (!mg_is_for_flat(c, s->covered[k])) mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_found *each = found->list + k;
     if (!mg_is_taken_up(c, each)) continue;
@@ -34,32 +34,65 @@ static int mg_contact_at(mg_context *c, int pair, const mg_real *world) {
 
 static void mg_close(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
-/* A contact of the pair for the rim that has the boundary's curve at the brink. */
-static int mg_rim_contact(mg_context *c, int patch, const mg_support *at) {
+/* Whether a link is of the boundary's curve at a point of the world, and a plane; then eta of it there. */
+static int mg_is_rim(mg_context *c, int link, const mg_support *at, const mg_real *world, mg_real *eta) {
   const mg_system *s = c->sys;
-  const int pair = s->patch_pair[patch];
-  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++) {
-    const int link = s->covered[k], side = mg_side_body(c, link, 1) == mg_patch_body(c, patch, at->side);
-    if (s->side_shape[2 * link + side] != s->arc_shape[at->arc]) continue;
-    const mg_found found = {.link = link, .d = 0};
-    const int contact = mg_slot_for(c, pair, &found);
-    if (contact >= 0) mg_set_link(c, contact, link, found.eta);
-    return contact;
+  const mg_real uv[2] = {at->t, 0};
+  mg_sample sample[2];
+  for (int side = 0; side < 2; side++) {
+    if (mg_shape_kinds[s->side_shape[2 * link + side]].dimension != 1) continue;
+    mg_sample_at(c, link, side, uv, sample + side);
+    const mg_real *x = sample[side].point, arm[3] = {x[0] - world[0], x[1] - world[1], x[2] - world[2]};
+    if (mg_shape_kinds[s->side_shape[2 * link + !side]].foot != MG_FLAT) return 0;
+    if (mg_dot3(arm, arm) > c->set->apart * s->length * c->set->apart * s->length) return 0;
+    mg_point_in(c, link, !side, world, sample[!side].local);
+    mg_start_eta(c, link, sample, sample + 1, eta);
+    return 1;
   }
-  return -1;
+  return 0;
 }
 
 /* The face turns over a curve of its boundary: the contact of the curve begins at the point, where its own equations
    are singular. */
 static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const mg_real *world,
                          const mg_real *outward) {
-  const int contact = mg_rim_contact(c, patch, at);
+  const mg_system *s = c->sys;
+  mg_found found = {0};
+  int contact = -1;
+  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1] && contact < 0; k++) {
+    found.link = s->covered[k];
+    if (!mg_is_rim(c, found.link, at, world, found.eta)) continue;
+    contact = mg_slot_for(c, s->patch_pair[patch], &found);
+  }
   if (contact < 0) return;
+  mg_set_link(c, contact, found.link, found.eta);
   const mg_real *pose = c->pose + 12 * c->f[contact];
   mg_into(pose, world, c->run->point + 3 * contact);
   for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
   c->run->fresh[contact] = MG_FRESH;
   mg_close(c, contact);
+}
+
+/* One arc is the whole loop. */
+static int mg_is_closed_loop(const mg_context *c, int arc) {
+  const mg_system *s = c->sys;
+  const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
+  mg_real point[2][3], tangent[3], arm[3];
+  for (int end = 0; end < 2; end++) {
+    const mg_real uv[2] = {ends[end], 0};
+    mg_shape_point(s->arc_shape[arc], uv, s->parameters + s->arc_parameters[arc], point[end], tangent);
+  }
+  for (int k = 0; k < 3; k++) arm[k] = point[1][k] - point[0][k];
+  return sqrt(mg_dot3(arm, arm)) < c->set->apart * s->length;
+}
+
+/* An extreme point within a curve, not where it ends or another crosses it. */
+static int mg_is_smooth(const mg_context *c, const mg_support *at) {
+  const mg_system *s = c->sys;
+  const mg_real *ends = s->numbers + s->arc_numbers[at->arc] + 12;
+  const mg_real near = c->set->apart * fabs(ends[1] - ends[0]);
+  const int alone = mg_is_closed_loop(c, at->arc);
+  return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
 
 static void mg_turn_over(mg_context *c, int slot) {
@@ -79,7 +112,8 @@ static void mg_turn_over(mg_context *c, int slot) {
     const mg_real local[3] = {brink.at[k].point[0], brink.at[k].point[1], 0};
     mg_real world[3];
     mg_out(o, local, 1, world);
-    const int contact = mg_contact_at(c, c->sys->patch_pair[patch], world);
+    const int smooth = mg_is_smooth(c, brink.at + k);
+    const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world);
     if (contact >= 0) mg_close(c, contact);
     else mg_start_rim(c, patch, brink.at + k, world, outward);
   }

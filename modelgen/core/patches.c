@@ -46,8 +46,24 @@ static int mg_patch_flat_on(const mg_context *c, int contact) {
   return -1;
 }
 
-/* True if the link lies in a patch that is held. */
+/* The link is there only while faces lie flat on each other. */
+static int mg_is_for_flat(const mg_context *c, int link) {
+  const mg_system *s = c->sys;
+  for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
+    if (s->condition_kind[k] == MG_TILT && s->numbers[s->condition_numbers[k] + 3] < 0) return 1;
+  return 0;
+}
+
+/* A rim of the pair has just begun to roll. */
+static int mg_pair_starts(const mg_context *c, int pair) {
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    if (c->run->fresh[i]) return 1;
+  return 0;
+}
+
+/* True if the link lies in a patch that is held, or in one that just turns over a rim. */
 static int mg_is_covered(const mg_context *c, int link) {
+  if (c->sys->n_slot && mg_pair_starts(c, c->sys->link_pair[link]) && mg_is_for_flat(c, link)) return 1;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch >= 0 && c->sys->patch_pair[patch] == c->sys->link_pair[link] && mg_patch_covers(c, patch, link)) return 1;

@@ -29,8 +29,10 @@ static mg_real mg_hull_margin(mg_context *c, int patch, const mg_real *x, mg_bri
     const mg_real far = hypot(d[0], d[1]);
     brink->n = 1, brink->margin = r - far;
     for (int k = 0; k < 2; k++) brink->at[0].point[k] = centre[k] + r * d[k] / far, brink->normal[k] = d[k] / far;
+    mg_real o[12], f[12], w[3], l[3], e[3] = {brink->at[0].point[0], brink->at[0].point[1], 0};
+    mg_face_pose(c, patch, 0, o), mg_face_pose(c, patch, 1, f), mg_out(o, e, 1, w), mg_into(f, w, l), mg_into(at, l, e);
+    brink->at[0].t = atan2(e[1], e[0]);
     brink->at[0].side = 1, brink->at[0].arc = first, brink->at[0].crossing_arc = -1;
-    (void)at;
     return r - far;
   }
   for (int i = first; i < end; i++)
