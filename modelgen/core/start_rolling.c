@@ -58,7 +58,6 @@ static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
 
 /* Notes at the flat start what leans against what. Returns 0 where no body could. */
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  const mg_real part = h / c->sys->time;
   mg_poses(c, t, x);
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
@@ -68,10 +67,8 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
     mg_place(c, i, mg_eta_of(c, x, i), c->place + 32);
     mg_turn_in(o, normal, onset->normal), mg_turn_in(f, normal, onset->axis);
     mg_turn_in(o, c->run->outward + 3 * i, onset->outward);
-    for (int stage = 0; stage < MG_RADAU; stage++) {
-      const mg_real at = part * mg_stage_time(stage);
-      onset->azimuth[stage] = 0, onset->tilt[stage] = sqrt(MG_EPS) * at * at * at;
-    }
+    for (int stage = 0; stage < MG_RADAU; stage++)
+      onset->azimuth[stage] = 0, onset->tilt[stage] = sqrt(MG_EPS) * h / c->sys->time;
   }
   return 1;
 }
