@@ -144,6 +144,7 @@ static int mg_patch_in(const mg_context *c, int slot);
 static int mg_patch_body(const mg_context *c, int patch, int side);
 static int mg_is_covered(const mg_context *c, int link);
 static int mg_patch_flat_on(const mg_context *c, int contact);
+static int mg_is_flat_far(const mg_context *c, int contact);
 static int mg_is_for_flat(const mg_context *c, int link);
 static int mg_pair_rests(const mg_context *c, int pair);
 static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);

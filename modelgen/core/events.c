@@ -9,7 +9,7 @@ static int mg_held(const mg_context *c, int contact) { return c->run->closed[con
    condition says so is in c->way. */
 static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
-  if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link)) return 0;
+  if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link) || mg_is_flat_far(c, contact)) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
   if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;

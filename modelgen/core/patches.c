@@ -54,6 +54,11 @@ static int mg_is_for_flat(const mg_context *c, int link) {
   return 0;
 }
 
+/* Of a link for faces that lie flat, on which nothing touches soon: where its condition ends is no event. */
+static int mg_is_flat_far(const mg_context *c, int contact) {
+  return c->d[contact] > c->set->reach * c->sys->length && mg_is_for_flat(c, c->run->link[contact]);
+}
+
 /* A rim of the pair has just begun to roll. */
 static int mg_pair_starts(const mg_context *c, int pair) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)

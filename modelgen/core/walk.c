@@ -121,6 +121,20 @@ static int mg_walk_all(mg_context *c, mg_events *events) {
 
 /* ---- contacts that end and appear ---- */
 
+/* Far points of a rim that is no longer flat are not followed. */
+static void mg_leave_far(mg_context *c) {
+  const mg_real none[6] = {0};
+  mg_real next[6];
+  int which;
+  for (int i = 0; i < c->sys->pad_contact; i++) {
+    if (!mg_present(c, i) || c->run->closed[i] || !mg_is_flat_far(c, i)) continue;
+    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    if (mg_worst_condition(c, c->run->link[i], none, &which) >= -c->set->border) continue;
+    mg_set_link(c, i, -1, none);
+    c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+  }
+}
+
 /* Where a local minimum of the distance meets a saddle, both end: the contact is left, its pair searched at once. */
 static int mg_leave_folds(mg_context *c, mg_events *events) {
   int count = 0;
@@ -234,6 +248,7 @@ static mg_real mg_sight(const mg_context *c) {
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->sys;
   int count = mg_leave_folds(c, events);
+  mg_leave_far(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_speed(c, pair);
