@@ -77,14 +77,20 @@ static int mg_join_twins(mg_hull *h, int n) {
   return kept;
 }
 
-/* Whether q is left out of a hull that turns left through p, q, r. */
+/* Whether p, q, r do not turn left at q. */
+static int mg_turns_right(const mg_hull *h, int p, int q, int r) {
+  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, whole[2] = {c[0] - a[0], c[1] - a[1]};
+  return mg_cross2(part, whole) <= 0;
+}
+
+/* Whether q is a point of a straight side from p to r. */
 static int mg_is_flat(const mg_hull *h, int p, int q, int r) {
-  const mg_spot *a = h->spot + p, *b = h->spot + q, *c = h->spot + r;
-  const mg_real whole[2] = {c->point[0] - a->point[0], c->point[1] - a->point[1]};
-  const mg_real part[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
-  const int curved = !h->track[b->track].straight;
-  const mg_real least = curved ? 0 : h->regions->shared * sqrt(mg_dot2(whole, whole));
-  return mg_cross2(part, whole) <= least;
+  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, rest[2] = {c[0] - b[0], c[1] - b[1]};
+  const mg_real whole[2] = {c[0] - a[0], c[1] - a[1]}, length = sqrt(mg_dot2(whole, whole));
+  if (!h->track[h->spot[q].track].straight || mg_dot2(part, rest) <= 0) return 0;
+  return mg_cross2(part, whole) <= h->regions->shared * length;
 }
 
 /* Andrew's monotone chain (Inf. Proc. Letters 9, 1979); returns the number of corners, left behind the order. */
@@ -94,11 +100,24 @@ static int mg_chain(const mg_hull *h, int n, int *corner) {
     const int floor = way ? count + 1 : 2;
     for (int i = way; i < n; i++) {
       const int spot = h->order[way ? n - 1 - i : i];
-      while (count >= floor && mg_is_flat(h, corner[count - 2], corner[count - 1], spot)) count--;
+      while (count >= floor && mg_turns_right(h, corner[count - 2], corner[count - 1], spot)) count--;
       corner[count++] = spot;
     }
   }
   return count > 1 ? count - 1 : count;
+}
+
+static int mg_drop_flat(const mg_hull *h, int count, int *corner) {
+  int i = 0;
+  while (i < count && count > 2) {
+    if (!mg_is_flat(h, corner[(i + count - 1) % count], corner[i], corner[(i + 1) % count])) {
+      i++;
+      continue;
+    }
+    count--;
+    for (int j = i; j < count; j++) corner[j] = corner[j + 1];
+  }
+  return count;
 }
 
 /* Of two corners' twins, those that one span of a curve joins: 1 from u on to v, -1 from v back to u, else 0. */
@@ -136,7 +155,7 @@ static void mg_make_edges(mg_hull *h) {
   mg_sort_spots(h, h->n_spot);
   const int n = mg_join_twins(h, h->n_spot);
   int *corner = h->order + h->spot_room;
-  const int count = mg_chain(h, n, corner);
+  const int count = mg_drop_flat(h, mg_chain(h, n, corner), corner);
   for (int i = 0; i < count; i++) mg_make_edge(h, h->edge + i, corner[i], corner[(i + 1) % count]);
   h->n_edge = count;
 }

@@ -7,7 +7,7 @@ typedef struct { /* how many of each there is room for */
 
 static mg_rooms mg_rooms_of(int n_arc, int n_o) {
   mg_rooms r;
-  r.span = 24L * n_arc + 256;
+  r.span = 24L * n_arc + 512;
   r.cut = 2L * n_o * (n_arc - n_o) + (n_o ? 4L * n_arc + 64 : 0);
   r.piece = n_arc + 2 * r.cut;
   r.spot = r.span + 2 * r.piece + r.cut + 256;

@@ -61,18 +61,19 @@ static int mg_is_straight(const mg_track *k) {
   return straight;
 }
 
-/* Spans of an arc from its start on, each as long as its turn allows while there is room for others. */
-static void mg_divide(mg_hull *h, int track) {
+/* At most `most` spans of an arc from its start on, each as long as its turn allows. */
+static void mg_divide(mg_hull *h, int track, int most) {
   mg_track *k = h->track + track;
   const mg_real whole = k->t1 - k->t0;
   mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
   k->span = h->n_span;
   while (done < 1) {
+    const mg_real least = (1 - done) / (most - (h->n_span - k->span));
+    if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
-    const int room = h->span_room - h->n_span > 12 * (h->regions->n_arc - track);
     mg_span *s = h->span + h->n_span;
     mg_span_between(h, track, k->t0 + done * whole, end < 1 ? k->t0 + end * whole : k->t1, s);
-    if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && room) {
+    if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && part / 2 > least) {
       part /= 2;
       continue;
     }
@@ -81,6 +82,18 @@ static void mg_divide(mg_hull *h, int track) {
     if (k->straight) s->turn = 0;
   }
   k->n_span = h->n_span - k->span;
+}
+
+/* The spans of all arcs; the curves share the room equally. */
+static void mg_divide_all(mg_hull *h) {
+  const int n = h->regions->n_arc;
+  int straight = 0, curved = 0;
+  for (int i = 0; i < n; i++) straight += h->track[i].straight, curved += !h->track[i].straight;
+  h->n_span = 0;
+  for (int i = 0; i < n; i++) {
+    if (h->track[i].straight) mg_divide(h, i, 1), straight--;
+    else mg_divide(h, i, (h->span_room - h->n_span - straight) / curved), curved--;
+  }
 }
 
 static void mg_place_track(mg_hull *h, int i) {
@@ -107,8 +120,8 @@ static void mg_place_track(mg_hull *h, int i) {
 
 static void mg_place_tracks(mg_hull *h) {
   const int n = h->regions->n_arc;
-  h->n_span = 0;
-  for (int i = 0; i < n; i++) mg_place_track(h, i), mg_divide(h, i);
+  for (int i = 0; i < n; i++) mg_place_track(h, i);
+  mg_divide_all(h);
   for (int i = 0; i < n; i++) {
     mg_span *last = h->span + h->track[i].span + h->track[i].n_span - 1;
     for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[h->track[i].next].span].P[j];
