@@ -39,6 +39,8 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
+SHARED = 64  # boundaries of two planar regions within so many epsilons of their size are one
+
 
 def is_number(value: object) -> bool:
     """Whether a value is a real number, of Python or of numpy."""

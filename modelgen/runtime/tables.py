@@ -82,19 +82,19 @@ class Tables:
         pointer = ctypes.c_void_p
         integer = ctypes.c_int
         self.real = real
-        self.System = _structure(
+        self.System = structure(
             "System",
             [(n, integer) for n in SYSTEM_INTEGERS]
             + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
             + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
         )
-        self.Settings = _structure(
+        self.Settings = structure(
             "Settings",
             [(n, integer) for n in SETTINGS_INTEGERS]
             + [(n, real) for n in SETTINGS_REALS]
             + [(n, integer) for n in SETTINGS_COUNTS],
         )
-        self.Run = _structure(
+        self.Run = structure(
             "Run",
             [("t", real), ("h", real)]
             + [(n, pointer) for n in RUN_ARRAYS]
@@ -102,11 +102,11 @@ class Tables:
             + [(n, real) for n in RUN_REALS]
             + [(n, integer) for n in RUN_INTEGERS],
         )
-        self.Record = _structure(
+        self.Record = structure(
             "Record",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in RECORD_ARRAYS],
         )
-        self.Events = _structure(
+        self.Events = structure(
             "Events",
             [("capacity", integer), ("count", integer)]
             + [(n, pointer) for n in ("t", "kind", "contact", "link", "speed")],
@@ -115,7 +115,7 @@ class Tables:
 
 
 def _queries(real: Any) -> Any:
-    return _structure(
+    return structure(
         "Queries",
         [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
         + [("stride", ctypes.c_long)]
@@ -125,7 +125,8 @@ def _queries(real: Any) -> Any:
     )
 
 
-def _structure(name: str, fields: list[tuple[str, Any]]) -> Any:
+def structure(name: str, fields: list[tuple[str, Any]]) -> Any:
+    """A C structure as ctypes knows it."""
     return type(name, (ctypes.Structure,), {"_fields_": fields})
 
 

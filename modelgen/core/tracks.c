@@ -1,0 +1,164 @@
+/* Arcs placed in the plane, and divided into spans of little turn. */
+#include "region.h"
+
+#define MG_TURN_MOST 0.3 /* rad, of a span */
+#define MG_FINEST 512    /* spans of an arc at most */
+
+static mg_real mg_dot2(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1]; }
+static mg_real mg_cross2(const mg_real *a, const mg_real *b) { return a[0] * b[1] - a[1] * b[0]; }
+
+static mg_real mg_apart2(const mg_real *a, const mg_real *b) {
+  const mg_real d[2] = {b[0] - a[0], b[1] - a[1]};
+  return sqrt(mg_dot2(d, d));
+}
+
+static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
+  const mg_real uv[2] = {t, 0};
+  mg_real x[3], d[3];
+  mg_shape_point(k->shape, uv, k->parameters, x, d);
+  for (int i = 0; i < 2; i++) {
+    point[i] = k->at[i] + (k->axis[i] * x[0] + k->axis[2 + i] * x[1] + k->axis[4 + i] * x[2]);
+    tangent[i] = k->axis[i] * d[0] + k->axis[2 + i] * d[1] + k->axis[4 + i] * d[2];
+  }
+}
+
+/* The unit tangent in place of one of any length. */
+static void mg_unit2(mg_real *d) {
+  const mg_real size = sqrt(mg_dot2(d, d));
+  if (size > 0) d[0] /= size, d[1] /= size;
+}
+
+static void mg_turn_of(mg_span *s) {
+  mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+  mg_unit2(chord);
+  const int back = mg_dot2(chord, s->S) < 0.5 || mg_dot2(chord, s->E) < 0.5;
+  s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
+}
+
+static void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span) {
+  span->track = track, span->a = a, span->b = b;
+  mg_on(h->track + track, a, span->P, span->S), mg_on(h->track + track, b, span->Q, span->E);
+  mg_unit2(span->S), mg_unit2(span->E);
+  mg_turn_of(span);
+}
+
+/* Whether the arc is a straight line, to rounding. */
+static int mg_is_straight(const mg_track *k) {
+  static const mg_real parts[] = {0.23, 0.5, 0.81};
+  mg_real P[2], Q[2], T[2], E[2];
+  mg_on(k, k->t0, P, T), mg_on(k, k->t1, Q, E);
+  mg_real chord[2] = {Q[0] - P[0], Q[1] - P[1]};
+  const mg_real size = fabs(P[0]) + fabs(P[1]) + fabs(Q[0]) + fabs(Q[1]);
+  mg_unit2(chord), mg_unit2(T), mg_unit2(E);
+  int straight = mg_dot2(chord, T) > 0.5 && mg_dot2(chord, E) > 0.5;
+  for (int i = 0; i < 3 && straight; i++) {
+    mg_real x[2], D[2];
+    mg_on(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
+    const mg_real arm[2] = {x[0] - P[0], x[1] - P[1]};
+    mg_unit2(D);
+    straight = fabs(mg_cross2(chord, arm)) <= 4 * MG_EPS * size && fabs(mg_cross2(chord, D)) <= sqrt(MG_EPS);
+  }
+  return straight;
+}
+
+/* At most `most` spans of an arc from its start on, each as long as its turn allows. */
+static void mg_divide(mg_hull *h, int track, int most) {
+  mg_track *k = h->track + track;
+  const mg_real whole = k->t1 - k->t0;
+  mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
+  k->span = h->n_span;
+  while (done < 1) {
+    const mg_real least = (1 - done) / (most - (h->n_span - k->span));
+    if (part < least) part = least;
+    const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
+    mg_span *s = h->span + h->n_span;
+    mg_span_between(h, track, k->t0 + done * whole, end < 1 ? k->t0 + end * whole : k->t1, s);
+    if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && part / 2 > least) {
+      part /= 2;
+      continue;
+    }
+    done = end, h->n_span++;
+    if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
+    if (k->straight) s->turn = 0;
+  }
+  k->n_span = h->n_span - k->span;
+}
+
+/* The spans of all arcs; the curves share the room equally. */
+static void mg_divide_all(mg_hull *h) {
+  const int n = h->regions->n_arc;
+  int straight = 0, curved = 0;
+  for (int i = 0; i < n; i++) straight += h->track[i].straight, curved += !h->track[i].straight;
+  h->n_span = 0;
+  for (int i = 0; i < n; i++) {
+    if (h->track[i].straight) mg_divide(h, i, 1), straight--;
+    else mg_divide(h, i, (h->span_room - h->n_span - straight) / curved), curved--;
+  }
+}
+
+static void mg_place_track(mg_hull *h, int i) {
+  const mg_regions *r = h->regions;
+  const mg_arc *arc = r->arc + i;
+  const mg_real *g = r->pose, *place = arc->place;
+  mg_track *k = h->track + i;
+  k->shape = arc->shape, k->parameters = arc->parameters, k->t0 = arc->t0, k->t1 = arc->t1;
+  k->side = i >= r->n_o;
+  for (int row = 0; row < 2; row++) {
+    for (int j = 0; j < 3; j++) {
+      const mg_real *column = place + 3 + 3 * j;
+      k->axis[2 * j + row] = k->side ? g[3 + row] * column[0] + g[6 + row] * column[1] + g[9 + row] * column[2]
+                                     : column[row];
+    }
+    k->at[row] = k->side ? g[row] + g[3 + row] * place[0] + g[6 + row] * place[1] + g[9 + row] * place[2] : place[row];
+  }
+  const int same = i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == arc->loop;
+  int first = i;
+  while (!same && first > 0 && first != r->n_o && r->arc[first - 1].loop == arc->loop) first--;
+  k->next = same ? i + 1 : first;
+  k->straight = mg_is_straight(k);
+}
+
+static void mg_place_tracks(mg_hull *h) {
+  const int n = h->regions->n_arc;
+  for (int i = 0; i < n; i++) mg_place_track(h, i);
+  mg_divide_all(h);
+  for (int i = 0; i < n; i++) {
+    mg_span *last = h->span + h->track[i].span + h->track[i].n_span - 1;
+    for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[h->track[i].next].span].P[j];
+  }
+  for (int i = 0; i < n; i++) {
+    mg_real x[2], T[2];
+    mg_on(h->track + i, (h->track[i].t0 + h->track[i].t1) / 2, x, T);
+    for (int j = 0; j < 2; j++) {
+      const mg_real most = fmax(fabs(x[j]), fabs(h->span[h->track[i].span].P[j]));
+      if (i == 0 && j == 0) h->size = 0;
+      h->size = fmax(h->size, most);
+    }
+  }
+}
+
+static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
+  mg_real x[2], T[2];
+  mg_on(k, t, x, T);
+  const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
+  return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
+}
+
+/* The zero between a and b, where the signs differ: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
+static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
+  if (fa * fb >= 0) return fabs(fa) < fabs(fb) ? a : b;
+  for (int i = 0; i < 80 && fabs(b - a) > 2 * MG_EPS * (fabs(a) + fabs(b)); i++) {
+    t = i % 8 == 7 ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
+    const mg_real f = mg_sought(k, sought, v, t);
+    if (f == 0) return t;
+    if (f * fb < 0) {
+      a = b, fa = fb;
+    } else {
+      const mg_real kept = 1 - f / fb;
+      fa *= kept > 0 ? kept : (mg_real)0.5;
+    }
+    b = t, fb = f;
+  }
+  return t;
+}
