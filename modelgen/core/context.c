@@ -23,12 +23,22 @@ static long mg_held_of(const mg_system *s) { return (long)s->n_closed + s->n_row
 
 static long mg_onset_size(void) { return (long)(sizeof(mg_onset) / sizeof(mg_real)); }
 
+/* The hull of any patch. */
+static long mg_lay_size(const mg_system *s) {
+  long most = 0;
+  for (int p = 0; p < s->n_patch; p++) {
+    const long room = mg_hull_room(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (room > most) most = room;
+  }
+  return most;
+}
+
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
-         (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() + m * mg_onset_size();
+         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() + m * mg_onset_size();
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
@@ -56,9 +66,10 @@ static void mg_zero(mg_real *a, long n) {
   for (long i = 0; i < n; i++) a[i] = 0;
 }
 
-static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
+static void mg_carve_scratch(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long b = s->n_body, m = s->n_contact, r = c->n_rows, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
+  c->arc = mg_carve(&work, mg_most_arcs(s), sizeof(mg_arc)), c->lay = mg_take(&work, mg_lay_size(s)); /* pointers first */
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
   c->J = mg_take(&work, 12 * r), c->MJ = mg_take(&work, 12 * r);
@@ -91,9 +102,9 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
                     int *iwork) {
   c->sys = sys, c->set = set, c->run = run;
-  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0;
+  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0, c->laid = -1;
   c->bilateral = sys->n_contact + 1, c->n_rows = (int)mg_rows_of(sys);
-  mg_carve(c, work, iwork);
+  mg_carve_scratch(c, work, iwork);
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * c->n_rows); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, c->n_rows);

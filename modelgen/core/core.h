@@ -5,6 +5,7 @@
 #include "kinds.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
+#include "region.h"
 
 #define MG_GRID 17      /* samples along each side of a chart at the start */
 #define MG_COARSE 9     /* and during a run */
@@ -41,18 +42,6 @@ typedef struct {
   mg_found list[MG_FOUNDS];
 } mg_founds;
 
-typedef struct { /* an extreme point of the hull: of o's boundary or f's, or where two arcs cross */
-  int side, arc;
-  mg_real t, point[2];
-  int crossing_side, crossing_arc; /* -1: none */
-  mg_real crossing_t;
-} mg_support;
-
-typedef struct { /* where the hull is nearest to a point: a vertex or a point of a curve, or a straight piece */
-  mg_real margin, normal[2];
-  int n;
-  mg_support at[2];
-} mg_brink;
 typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
   mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
   mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
@@ -102,6 +91,12 @@ typedef struct {
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
+  mg_arc *arc;                              /* the boundaries of a patch */
+  mg_regions regions;
+  mg_real between[12];                      /* pose of f's face in the axes of the hull */
+  mg_real *lay;                             /* memory of the hull */
+  mg_hull hull;
+  int laid;                                 /* the patch whose hull that is, for as long as it stays so, or -1 */
   mg_onset *onset;                          /* per contact */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
   int begins;                               /* the rows are those at run->x */
@@ -145,11 +140,13 @@ static int mg_patch_body(const mg_context *c, int patch, int side);
 static int mg_is_covered(const mg_context *c, int link);
 static int mg_patch_flat_on(const mg_context *c, int contact);
 static int mg_is_flat_far(const mg_context *c, int contact);
+static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
 static int mg_pair_rests(const mg_context *c, int pair);
 static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
 static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
 static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+static int mg_most_arcs(const mg_system *s);
 static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
 static int mg_patches_fired(mg_context *c);
 static int mg_any_patch_ends(mg_context *c);
@@ -161,10 +158,6 @@ static int mg_reject(mg_context *c, const mg_real *amount);
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
 static void mg_uncover(mg_context *c, int patch, mg_founds *found);
 static int mg_end_patches(mg_context *c, mg_events *events);
-
-/* region.c */
-static int mg_lay(mg_context *c, int patch);
-static mg_real mg_hull_margin(mg_context *c, int patch, const mg_real *x, mg_brink *brink);
 
 /* conditions.c */
 static const mg_real *mg_side(const mg_context *c, int link, int side);

@@ -87,11 +87,12 @@ static int mg_is_closed_loop(const mg_context *c, int arc) {
 }
 
 /* An extreme point within a curve, not where it ends or another crosses it. */
-static int mg_is_smooth(const mg_context *c, const mg_support *at) {
+static int mg_is_smooth(const mg_context *c, int patch, const mg_support *at) {
   const mg_system *s = c->sys;
-  const mg_real *ends = s->numbers + s->arc_numbers[at->arc] + 12;
+  const int arc = s->patch_arc[patch] + at->arc;
+  const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
   const mg_real near = c->set->apart * fabs(ends[1] - ends[0]);
-  const int alone = mg_is_closed_loop(c, at->arc);
+  const int alone = mg_is_closed_loop(c, arc);
   return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
 
@@ -102,7 +103,7 @@ static void mg_turn_over(mg_context *c, int slot) {
   mg_founds found;
   mg_resultant(c, slot, c->force, centre);
   mg_patch_margin(c, patch, centre, &brink);
-  mg_face_pose(c, patch, 0, o);
+  mg_hull_pose(c, patch, o);
   const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
   mg_real outward[3];
   mg_out(o, across, 0, outward);
@@ -112,7 +113,7 @@ static void mg_turn_over(mg_context *c, int slot) {
     const mg_real local[3] = {brink.at[k].point[0], brink.at[k].point[1], 0};
     mg_real world[3];
     mg_out(o, local, 1, world);
-    const int smooth = mg_is_smooth(c, brink.at + k);
+    const int smooth = mg_is_smooth(c, patch, brink.at + k);
     const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world);
     if (contact >= 0) mg_close(c, contact);
     else mg_start_rim(c, patch, brink.at + k, world, outward);

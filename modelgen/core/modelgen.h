@@ -93,6 +93,7 @@ typedef struct {
   mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */
   mg_real search;         /* a pair that has moved by search * length is searched again */
   mg_real flat;           /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
+  mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */

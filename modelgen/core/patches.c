@@ -122,13 +122,52 @@ static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount
   return sum;
 }
 
+/* The most arcs that bound the regions of a patch. */
+static int mg_most_arcs(const mg_system *s) {
+  int most = 0;
+  for (int patch = 0; patch < s->n_patch; patch++)
+    if (s->patch_arc[patch + 1] - s->patch_arc[patch] > most) most = s->patch_arc[patch + 1] - s->patch_arc[patch];
+  return most;
+}
+
+static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_arc[patch] == c->sys->patch_arc_f[patch]; }
+
+/* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
+static void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
+
+static void mg_place_between(mg_context *c, int patch) {
+  mg_real hull[12], f[12];
+  mg_hull_pose(c, patch, hull);
+  mg_face_pose(c, patch, 1, f);
+  mg_into(hull, f, c->between);
+  for (int k = 0; k < 3; k++) mg_unturn(hull + 3, f + 3 + 3 * k, c->between + 3 + 3 * k);
+}
+
+/* Lays the faces of a patch on each other; returns the number of sides of their hull. */
+static int mg_lay_patch(mg_context *c, int patch) {
+  const mg_system *s = c->sys;
+  const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
+  if (c->laid == patch) return c->hull.n_edge;
+  for (int i = 0; i < n; i++) {
+    const mg_real *numbers = s->numbers + s->arc_numbers[first + i];
+    const mg_arc arc = {s->arc_shape[first + i], s->arc_loop[first + i], s->parameters + s->arc_parameters[first + i],
+                        numbers, numbers[12], numbers[13]};
+    c->arc[i] = arc;
+  }
+  mg_place_between(c, patch);
+  const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->between, c->set->shared * s->length};
+  c->regions = regions;
+  c->laid = mg_is_whole(c, patch) ? patch : -1;
+  return mg_lay(&c->hull, &c->regions, c->lay);
+}
+
 /* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. */
 static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
-  mg_real o[12], x[3];
-  mg_face_pose(c, patch, 0, o);
-  mg_into(o, world, x);
-  if (!mg_lay(c, patch)) return -MG_MAX;
-  return mg_hull_margin(c, patch, x, brink);
+  mg_real hull[12], x[3];
+  mg_hull_pose(c, patch, hull);
+  mg_into(hull, world, x);
+  mg_lay_patch(c, patch);
+  return mg_hull_margin(&c->hull, x, brink);
 }
 
 static mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
@@ -222,7 +261,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
     const mg_real speed = mg_speed_along(c, body, at, o + 9) - mg_speed_along(c, s->link_o[link], at, o + 9);
     if (!moving && fabs(speed) > rest) return 0;
   }
-  return mg_lay(c, patch) > 0;
+  return mg_lay_patch(c, patch) > 2;
 }
 
 /* Contacts that a held patch covers are hidden. */

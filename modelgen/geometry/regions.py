@@ -1,7 +1,4 @@
-"""The planar regions of a shape: its flat faces, those in one plane together, and the curves that bound them.
-
-Boundary curves run so that the region is on their left seen from its outward normal.
-"""
+"""The planar regions of a shape: its flat faces, those in one plane together, and the curves that bound them."""
 
 from __future__ import annotations
 
@@ -169,8 +166,7 @@ def _boundary(
         if edge is None:
             return None
         curve = replace(edge.shape, pose=_to_axes(pose, edge.shape.pose))
-        run = _Run(curve, _range(edge))
-        runs.append(run if _keeps_left(run, condition, mine) else run.turned)
+        runs.append(_Run(curve, _range(edge)))
     return runs
 
 
@@ -219,31 +215,6 @@ def _side(a: Array, b: Array) -> _Run:
     return _Run(replace(curve, name="edge"), (-length / 2, length / 2))
 
 
-def _keeps_left(run: _Run, condition: Condition, pose: Pose) -> bool:
-    """Whether the face, where the condition of its shape's axes holds, is on the left of the curve."""
-    if condition.kind != "quadric":
-        return _area([run]) > 0
-    middle = (run.ends[0] + run.ends[1]) / 2
-    step = (run.ends[1] - run.ends[0]) / (64 * SAMPLES)
-    at, tangent = run.at(middle), run.at(middle + step) - run.at(middle - step)
-    left = np.array([-tangent[1], tangent[0], 0.0])
-    inside, outside = (_quadric(condition, to_inner(pose, at + sign * left)) for sign in (1, -1))
-    return inside > outside
-
-
-def _quadric(condition: Condition, x: Array) -> float:
-    c, bx, by, bz, xx, yy, zz, xy, xz, yz = condition.numbers
-    a, b, d = x
-    linear = c + bx * a + by * b + bz * d
-    return float(linear + xx * a * a + yy * b * b + zz * d * d + xy * a * b + xz * a * d + yz * b * d)
-
-
-def _area(loop: Sequence[_Run]) -> float:
-    points = np.vstack([run.samples()[:-1, :2] for run in loop])
-    after = np.roll(points, -1, axis=0)
-    return float((points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]).sum() / 2)
-
-
 def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
     """The curves end to start; None where they do not close."""
     size = max((float(np.abs(run.samples()).max()) for run in runs), default=0.0)
@@ -253,12 +224,17 @@ def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
         start = loop[0].at(loop[0].ends[0])
         while not _meet(loop[-1].at(loop[-1].ends[1]), start, size):
             end = loop[-1].at(loop[-1].ends[1])
-            after = next((k for k, run in enumerate(left) if _meet(run.at(run.ends[0]), end, size)), None)
+            after = next((k for k, run in enumerate(left) if _touches(run, end, size)), None)
             if after is None:
                 return None
-            loop.append(left.pop(after))
+            run = left.pop(after)
+            loop.append(run if _meet(run.at(run.ends[0]), end, size) else run.turned)
         loops.append(loop)
     return loops
+
+
+def _touches(run: _Run, x: Array, size: float) -> bool:
+    return any(_meet(run.at(end), x, size) for end in run.ends)
 
 
 def _meet(a: Array, b: Array, size: float) -> bool:

@@ -35,6 +35,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "apart": 4096,
         "border": 512,
         "flat": 2048,
+        "shared": 256,
         "dependent": 4096,
     }
 )
@@ -85,6 +86,7 @@ class Accuracy:
         reach: contacts that appear in a run are followed from gaps below reach L.
         search: a pair that can touch more than once is searched anew when it has moved by search L.
         flat: a rim within this angle (rad) of lying on a plane stands on three points of it.
+        shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
     """
 
@@ -121,6 +123,7 @@ class Accuracy:
     reach: float = 0.2
     search: float = 0.05
     flat: float = 2e-5
+    shared: float = 1e-13
     border: float = 1e-9
 
     @classmethod
