@@ -56,6 +56,18 @@ static int mg_next_cut(const mg_hull *h, int track, mg_real t, int before) {
   return next;
 }
 
+/* Whether a part of an arc is in the other region: told by a point off its boundary; 2: it has none. */
+static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1) {
+  static const mg_real parts[] = {0.5, 0.23, 0.81};
+  for (int i = 0; i < 3; i++) {
+    mg_real p[2], T[2];
+    mg_on(h->track + track, t0 + parts[i] * (t1 - t0), p, T);
+    const int inside = mg_is_inside(h, !h->track[track].side, p);
+    if (inside < 2) return inside;
+  }
+  return 2;
+}
+
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
 static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
   const mg_track *k = h->track + track;
@@ -63,7 +75,7 @@ static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut
   if (!(t1 > t0)) return;
   mg_on(k, (t0 + t1) / 2, p, T);
   if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->shared) return;
-  const int inside = mg_is_inside(h, !k->side, p);
+  const int inside = mg_is_part_inside(h, track, t0, t1);
   if (!inside || (inside == 2 && k->side)) return;
   if (h->n_piece == h->piece_room) {
     h->overflow = 1;

@@ -93,7 +93,7 @@ static int mg_lay(mg_hull *h, const mg_regions *regions, mg_real *memory);
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
 
 /* tracks.c */
-enum { MG_LEVEL, MG_FOOT }; /* zeros sought along an arc: n.c' ; (c - x).c' */
+enum { MG_LEVEL, MG_FOOT, MG_BEND }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
 static void mg_place_tracks(mg_hull *h);
 static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent);
 static void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span);

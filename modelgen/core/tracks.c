@@ -61,6 +61,15 @@ static int mg_is_straight(const mg_track *k) {
   return straight;
 }
 
+/* Ends a span at the inflection within it, if there is one. */
+static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
+  const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, length = sqrt(mg_dot2(chord, chord));
+  const mg_real first = mg_cross2(s->S, chord), second = mg_cross2(chord, s->E), none = sqrt(MG_EPS) * length;
+  if (!(fabs(first) > none && fabs(second) > none && (first > 0) != (second > 0))) return;
+  const mg_real t = mg_zero_along(h->track + s->track, MG_BEND, s->P, s->a, s->b), least = (s->b - s->a) / 1000;
+  if (t > s->a + least && t < s->b - least) mg_span_between(h, s->track, s->a, t, s);
+}
+
 /* At most `most` spans of an arc from its start on, each as long as its turn allows. */
 static void mg_divide(mg_hull *h, int track, int most) {
   mg_track *k = h->track + track;
@@ -72,12 +81,13 @@ static void mg_divide(mg_hull *h, int track, int most) {
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
     mg_span *s = h->span + h->n_span;
-    mg_span_between(h, track, k->t0 + done * whole, end < 1 ? k->t0 + end * whole : k->t1, s);
+    mg_span_between(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
     if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && part / 2 > least) {
       part /= 2;
       continue;
     }
-    done = end, h->n_span++;
+    if (!k->straight && 2 * least < part) mg_end_at_inflection(h, s);
+    done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
     if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
     if (k->straight) s->turn = 0;
   }
@@ -138,7 +148,12 @@ static void mg_place_tracks(mg_hull *h) {
 }
 
 static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
-  mg_real x[2], T[2];
+  mg_real x[2], T[2], E[2];
+  if (sought == MG_BEND) {
+    const mg_real step = (k->t1 - k->t0) / 4096;
+    mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
+    return mg_cross2(T, E);
+  }
   mg_on(k, t, x, T);
   const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
   return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
