@@ -34,10 +34,10 @@ static int mg_contact_at(mg_context *c, int pair, const mg_real *world) {
 
 static void mg_close(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
-/* Whether a link is of the boundary's curve at a point of the world, and a plane; then eta of it there. */
-static int mg_is_rim(mg_context *c, int link, const mg_support *at, const mg_real *world, mg_real *eta) {
+/* Whether a link is of a curve that passes a point of the world at t, and a plane; then eta of it there. */
+static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, mg_real *eta) {
   const mg_system *s = c->sys;
-  const mg_real uv[2] = {at->t, 0};
+  const mg_real uv[2] = {t, 0};
   mg_sample sample[2];
   for (int side = 0; side < 2; side++) {
     if (mg_shape_kinds[s->side_shape[2 * link + side]].dimension != 1) continue;
@@ -61,7 +61,8 @@ static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const m
   int contact = -1;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1] && contact < 0; k++) {
     found.link = s->covered[k];
-    if (!mg_is_rim(c, found.link, at, world, found.eta)) continue;
+    const int as_laid = mg_is_rim(c, found.link, at->t, world, found.eta);
+    if (!as_laid && !mg_is_rim(c, found.link, -at->t, world, found.eta)) continue; /* or the other way round */
     contact = mg_slot_for(c, s->patch_pair[patch], &found);
   }
   if (contact < 0) return;

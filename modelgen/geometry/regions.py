@@ -21,6 +21,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 LEVEL = 1e-9  # distance from a plane, against the size of the region, and sine of an angle, of what lies in it
 JOINED = 1e-7  # distance of two ends that meet, against the size of the region
+HALF_TURN = (0.0, 0.0, 0.0, 1.0)  # about z
+MIRRORS = {"edge": HALF_TURN, "circle": UPSIDE_DOWN, "ellipse_curve": UPSIDE_DOWN}  # that turn t into -t
 SAMPLES = 16  # of a boundary curve, for its side and the size of the region
 
 
@@ -60,8 +62,13 @@ class _Run:
         return to_outer(self.curve.pose, point_of(self.curve, t))
 
     @property
-    def turned(self) -> _Run:
-        return replace(self, ends=(self.ends[1], self.ends[0]))
+    def turned(self) -> _Run | None:
+        """The other way round; None for a curve without a mirror image in itself."""
+        mirror = MIRRORS.get(self.curve.kind)
+        if mirror is None:
+            return None
+        curve = replace(self.curve, pose=compose(self.curve.pose, Pose(quaternion=mirror)))
+        return _Run(curve, (-self.ends[1], -self.ends[0]))
 
     def samples(self) -> Array:
         """Points (SAMPLES + 1, 3) from its start to its end."""
@@ -228,7 +235,10 @@ def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
             if after is None:
                 return None
             run = left.pop(after)
-            loop.append(run if _meet(run.at(run.ends[0]), end, size) else run.turned)
+            on = run if _meet(run.at(run.ends[0]), end, size) else run.turned
+            if on is None:
+                return None
+            loop.append(on)
         loops.append(loop)
     return loops
 
