@@ -121,6 +121,26 @@ static void mg_turn_over(mg_context *c, int slot) {
   }
 }
 
+/* Ends the patches that impulses would pull at, or press outside their hulls; what they cover is struck instead.
+   Returns how many. */
+static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
+  mg_founds found;
+  mg_real margin, centre[3];
+  int count = 0;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int patch = mg_patch_in(c, slot), pair = patch < 0 ? -1 : c->sys->patch_pair[patch];
+    if (patch < 0 || c->trying[slot] || fabs(mg_resultant(c, slot, impulse, centre)) <= floor) continue;
+    if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
+    mg_drop_patch(c, slot);
+    mg_uncover(c, patch, &found);
+    for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+      if (mg_present(c, i) && mg_patch_covers(c, patch, c->run->link[i])) mg_close(c, i);
+    mg_refresh(c);
+    count++;
+  }
+  return count;
+}
+
 /* Ends the patches that are marked in c->fired; returns how many. */
 static int mg_end_patches(mg_context *c, mg_events *events) {
   mg_founds found;

@@ -264,6 +264,16 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
   return mg_lay_patch(c, patch) > 2;
 }
 
+/* The contact is of a patch whose faces lie on each other. */
+static int mg_is_flat_on(mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  for (int patch = 0; patch < s->n_patch; patch++)
+    if (s->patch_pair[patch] == s->contact_pair[contact] && mg_patch_covers(c, patch, c->run->link[contact]) &&
+        mg_lies_flat(c, patch, c->set->start_gap * s->length, 1))
+      return 1;
+  return 0;
+}
+
 /* Contacts that a held patch covers are hidden. */
 static void mg_hide_covered(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -285,13 +295,19 @@ static int mg_try_flat(mg_context *c, mg_real touching, int moving) {
   return count;
 }
 
-/* Lets go of the tried slots that the amounts on their pads would end; returns how many. */
-static int mg_reject(mg_context *c, const mg_real *amount) {
+/* Lets go of the slots held on trial. */
+static void mg_drop_tried(mg_context *c) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++)
+    if (c->trying[slot]) c->trying[slot] = 0, mg_drop_patch(c, slot);
+}
+
+/* Lets go of the slots held on trial that the amounts on their pads would end; returns how many. */
+static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor) {
   int count = 0;
   mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     if (!c->trying[slot]) continue;
-    if (!mg_ends_with(c, slot, amount, mg_weight_scale(c), &margin) && margin > 0) continue;
+    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > 0) continue;
     c->trying[slot] = 0;
     mg_drop_patch(c, slot);
     count++;
@@ -307,7 +323,7 @@ static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
     mg_hide_covered(c);
     const int outcome = mg_choose_active(c, c->hidden);
     if (outcome) return outcome;
-  } while (mg_reject(c, c->force));
+  } while (mg_reject(c, c->force, mg_weight_scale(c)));
   mg_hide_covered(c);
   for (int i = 0; i < c->sys->pad_contact; i++)
     if (c->hidden[i]) mg_set_link(c, i, -1, none), c->fired[i] = 0;
