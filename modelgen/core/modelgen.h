@@ -68,6 +68,7 @@ typedef struct {
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
+  int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
   mg_real step;           /* s: RK4's step; DOP853's first step (0: chosen) */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */

@@ -284,8 +284,8 @@ static void mg_hide_covered(mg_context *c) {
 static int mg_try_flat(mg_context *c, mg_real touching, int moving) {
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) c->trying[slot] = 0;
-  for (int patch = 0; patch < c->sys->n_patch; patch++) {
-    if (c->sys->n_slot == 0 || mg_slot_of(c, patch) >= 0) continue;
+  for (int patch = 0; patch < c->sys->n_patch && c->set->planar; patch++) {
+    if (mg_slot_of(c, patch) >= 0) continue;
     const int slot = mg_free_slot(c, patch);
     if (slot < 0 || c->barred[slot] == patch || !mg_lies_flat(c, patch, touching, moving)) continue;
     mg_hold_patch(c, slot, patch);

@@ -34,7 +34,7 @@ SYSTEM_INDICES = (
     *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
 )
 SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
-SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project")
+SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
     *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
@@ -232,6 +232,6 @@ def fill_settings(tables: Tables, accuracy: Any) -> Any:
     for name in SETTINGS_REALS[1:]:
         setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
     settings.method = METHODS[accuracy.method]
-    settings.use_gamma = int(accuracy.use_gamma)
+    settings.use_gamma, settings.planar = int(accuracy.use_gamma), int(accuracy.planar)
     settings.step = accuracy.step or 0.0
     return settings
