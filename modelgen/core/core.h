@@ -55,6 +55,7 @@ typedef struct {
   const mg_system *sys;
   const mg_settings *set;
   mg_run *run;
+  int first_pad, first_pad_link;            /* contacts and links from there on are of patches */
   int n_x, work_index;                      /* length of x; index of the work state */
   mg_real *pose, *twist, *accel, *wrench;   /* per body 12, 6, 6, 6; accel without, then with contact forces */
   int bilateral, n_rows;                    /* rows: contacts, a spare, then those of the joints from `bilateral` on */

@@ -37,7 +37,7 @@ static void mg_mark_upright(mg_context *c) {
 static int mg_fired(mg_context *c, mg_real *x) {
   const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
   int count = mg_patches_fired(c);
-  for (int i = 0; i < c->sys->pad_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     if (mg_held(c, i))
       c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
     else if (c->run->closed[i])

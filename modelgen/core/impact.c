@@ -19,7 +19,7 @@ static int mg_nearing(const mg_context *c, int contact) {
 
 static int mg_list_closed(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !c->hidden[i]) c->list[n++] = i;
   return n;
 }
@@ -50,7 +50,7 @@ static mg_real mg_bounces_left(mg_context *c, int contact) {
 /* Opens the contacts that rebound, and reports every contact that was struck. */
 static void mg_after_impact(mg_context *c, mg_events *events) {
   const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->sys->pad_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     const int bounces = c->run->closed[i] && mg_row(c, i, c->twist) > rest;
     if (bounces && mg_approaching(c, i)) mg_befalls(c, events, i, MG_REBOUNDS, c->run->t, -c->d_dot[i]);
     else if (bounces) mg_befalls(c, events, i, MG_IS_PUSHED_OFF, c->run->t, 0);
@@ -59,7 +59,7 @@ static void mg_after_impact(mg_context *c, mg_events *events) {
 
 /* The pads of a face that comes down flat rebound together. */
 static void mg_rate_pads(mg_context *c) {
-  for (int i = c->sys->pad_contact; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
+  for (int i = c->first_pad; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
     mg_real e = 0;
@@ -79,7 +79,7 @@ static int mg_find_impulses(mg_context *c) {
     c->rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
   }
   if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return -1;
-  for (int i = c->sys->pad_contact; i < c->sys->n_contact; i++) c->amount[i] = 0;
+  for (int i = c->first_pad; i < c->sys->n_contact; i++) c->amount[i] = 0;
   const int size = mg_list_bilateral(c, c->list, n);
   for (int r = n; r < size; r++) c->amount[c->list[r]] = c->z[r];
   return n;
@@ -88,9 +88,9 @@ static int mg_find_impulses(mg_context *c) {
 /* A closed contact approaches, or a held patch is torn. */
 static int mg_is_struck(const mg_context *c) {
   const mg_real drift = c->set->drift * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && mg_nearing(c, i)) return 1;
-  for (int i = c->sys->pad_contact; i < c->sys->n_contact; i++)
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && fabs(c->d_dot[i]) > drift) return 1;
   return 0;
 }

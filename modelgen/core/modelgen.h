@@ -32,8 +32,8 @@ typedef struct {
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
   int n_joint, n_row; /* joints, and the rows of all of them */
-  int n_patch, n_slot; /* patches, and how many of them may rest at a time */
-  int pad_contact, pad_link; /* the first pad among the contacts, three a slot; among the links, three a patch */
+  int n_patch, n_slot; /* patches, with three links each, the last; how many rest at a time, with three contacts each,
+                          the last */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */

@@ -20,7 +20,7 @@ static void mg_refresh(mg_context *c) {
 /* The pads of patches that are held carry force; the rates of their rows under the accelerations last computed. */
 static int mg_activate_pads(mg_context *c) {
   int count = 0;
-  for (int i = c->sys->pad_contact; i < c->sys->n_contact; i++) {
+  for (int i = c->first_pad; i < c->sys->n_contact; i++) {
     if (!c->run->closed[i]) continue;
     c->run->active[i] = 1, c->rate[i] = mg_separation(c, i);
     count++;
@@ -35,7 +35,7 @@ static int mg_choose_active(mg_context *c, const int *skip) {
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
   mg_refresh(c);
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !skip[i]) c->list[n++] = i;
   const int pads = mg_activate_pads(c);
   if (n == 0) {
@@ -131,7 +131,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     mg_refresh(c);
     mg_open_far(c, events);
   }
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
       mg_befalls(c, events, i, MG_STRIKES, c->run->t, 0);
       c->fired[i] = MG_NEW;

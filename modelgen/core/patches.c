@@ -3,15 +3,15 @@
 #include "core.h"
 
 static int mg_is_pad(const mg_context *c, int contact) {
-  return contact >= c->sys->pad_contact && contact < c->sys->n_contact;
+  return contact >= c->first_pad && contact < c->sys->n_contact;
 }
 
-static int mg_pad_of(const mg_context *c, int slot) { return c->sys->pad_contact + 3 * slot; }
+static int mg_pad_of(const mg_context *c, int slot) { return c->first_pad + 3 * slot; }
 
 /* The patch that a slot holds, or -1. */
 static int mg_patch_in(const mg_context *c, int slot) {
   const int link = c->run->link[mg_pad_of(c, slot)];
-  return link < 0 ? -1 : (link - c->sys->pad_link) / 3;
+  return link < 0 ? -1 : (link - c->first_pad_link) / 3;
 }
 
 /* The slot that holds a patch, or -1. */
@@ -87,7 +87,7 @@ static int mg_pair_rests(const mg_context *c, int pair) {
 
 /* The bodies of a patch: 0 for o, 1 for f. */
 static int mg_patch_body(const mg_context *c, int patch, int side) {
-  const int link = c->sys->pad_link + 3 * patch;
+  const int link = c->first_pad_link + 3 * patch;
   return side ? c->sys->link_f[link] : c->sys->link_o[link];
 }
 
@@ -211,7 +211,7 @@ static int mg_any_patch_ends(mg_context *c) {
 static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_real centre[3];
   mg_brink brink;
-  const int slot = (pad - c->sys->pad_contact) / 3;
+  const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }
@@ -226,7 +226,7 @@ static void mg_pad_on(mg_context *c, int pad, int link) {
 }
 
 static void mg_hold_patch(mg_context *c, int slot, int patch) {
-  for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->sys->pad_link + 3 * patch + k);
+  for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->first_pad_link + 3 * patch + k);
 }
 
 static void mg_drop_patch(mg_context *c, int slot) {
@@ -253,7 +253,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
   mg_face_pose(c, patch, 1, f);
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
   for (int k = 0; k < 3; k++) {
-    const int link = s->pad_link + 3 * patch + k, body = s->link_f[link];
+    const int link = c->first_pad_link + 3 * patch + k, body = s->link_f[link];
     const mg_real *pad = s->parameters + s->link_parameters[link] + mg_contact_kinds[s->link_kind[link]].n_parameters - 3;
     mg_out(c->pose + 12 * body, pad, 1, at);
     mg_into(o, at, x);
@@ -277,7 +277,7 @@ static int mg_is_flat_on(mg_context *c, int contact) {
 /* Contacts that a held patch covers are hidden. */
 static void mg_hide_covered(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
-    c->hidden[i] = i < c->sys->pad_contact && mg_present(c, i) && mg_is_covered(c, c->run->link[i]);
+    c->hidden[i] = i < c->first_pad && mg_present(c, i) && mg_is_covered(c, c->run->link[i]);
 }
 
 /* Holds every patch that lies flat and is not held; marks their slots in c->trying. Returns how many. */
@@ -325,7 +325,7 @@ static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
     if (outcome) return outcome;
   } while (mg_reject(c, c->force, mg_weight_scale(c)));
   mg_hide_covered(c);
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->hidden[i]) mg_set_link(c, i, -1, none), c->fired[i] = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (c->trying[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_RESTS, c->run->t, 0);

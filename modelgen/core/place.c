@@ -3,7 +3,6 @@
 
 /* Layout of c->place: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 static int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
-  const mg_system *s = c->sys;
   const int kind = c->kind[contact];
   mg_real *p = c->place;
   mg_contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,

@@ -7,7 +7,7 @@
 static mg_real mg_reach(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real reach = MG_MAX;
-  for (int i = 0; i < s->pad_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     const mg_real way = c->d[i] + s->length;
     if (c->run->closed[i] || way <= 0) continue;
     const mg_real speed = -c->d_dot[i], away = mg_separation(c, i), pull = away < 0 ? -away : 0;

@@ -24,7 +24,7 @@ static void mg_reduce(mg_context *c, int n, int size) {
 
 /* Appends the pads of all patches that are held and the rows of all joints; returns the length of the list. */
 static int mg_list_bilateral(const mg_context *c, int *list, int n) {
-  for (int i = c->sys->pad_contact; i < c->sys->n_contact; i++)
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
     if (c->run->closed[i]) list[n++] = i;
   return mg_list_joints(c, list, n);
 }

@@ -46,6 +46,6 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 static void mg_watch(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length;
   if (mg_any_patch_ends(c)) c->suspect = 1;
-  for (int i = 0; i < c->sys->pad_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
 }

@@ -14,7 +14,7 @@ static mg_real mg_apart2(const mg_real *a, const mg_real *b) {
 
 static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
-  mg_real x[3], d[3];
+  mg_real x[3] = {0}, d[3] = {0};
   mg_shape_point(k->shape, uv, k->parameters, x, d);
   for (int i = 0; i < 2; i++) {
     point[i] = k->at[i] + (k->axis[i] * x[0] + k->axis[2 + i] * x[1] + k->axis[4 + i] * x[2]);

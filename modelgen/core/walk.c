@@ -126,7 +126,7 @@ static void mg_leave_far(mg_context *c) {
   const mg_real none[6] = {0};
   mg_real next[6];
   int which;
-  for (int i = 0; i < c->sys->pad_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     if (!mg_present(c, i) || c->run->closed[i] || !mg_is_flat_far(c, i)) continue;
     mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
     if (mg_worst_condition(c, c->run->link[i], none, &which) >= -c->set->border) continue;

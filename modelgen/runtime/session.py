@@ -125,7 +125,7 @@ class Session:
         """The contact and the features that it is between; the patch that a pad holds, and its faces."""
         if contact < self.n_shown:
             return self.contacts[contact], self.link_names[link] if link >= 0 else ""
-        patch = self.sentence["patches"][(link - self.system.pad_link) // PADS]
+        patch = self.sentence["patches"][(link - len(self.link_names)) // PADS]
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
 

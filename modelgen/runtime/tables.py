@@ -19,7 +19,7 @@ Array = np.ndarray[Any, Any]
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
     *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
-    *("n_patch", "n_slot", "pad_contact", "pad_link"),
+    *("n_patch", "n_slot"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -146,7 +146,6 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
-    points = len(integers["contact_pair"]), len(integers["link_kind"])
     add_patches(integers, sides.numbers, parameters, sentence)
     reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers}
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
@@ -155,7 +154,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
     rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
-    system = tables.System(*_sizes(sentence, integers), *states, *rows, *patches, *points)
+    system = tables.System(*_sizes(sentence, integers), *states, *rows, *patches)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
