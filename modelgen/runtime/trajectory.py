@@ -151,8 +151,19 @@ class Trajectory:
                 if last >= 0
             },
             "joints": self._joints_at(last) if last >= 0 else {},
+            "patches": self._patches_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
+        }
+
+    def _patches_at(self, sample: int) -> dict[str, Any]:
+        return {
+            self.patch_names[patch]: {
+                "force": float(self.patch_force[sample, slot]),
+                "centre_of_pressure": self.patch_point[sample, slot].tolist(),
+            }
+            for slot, patch in enumerate(self.patch[sample].tolist())
+            if patch >= 0
         }
 
     def _joints_at(self, sample: int) -> dict[str, Any]:
