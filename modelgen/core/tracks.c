@@ -63,9 +63,6 @@ static int mg_is_straight(const mg_track *k) {
 
 /* Ends a span at the inflection within it, if there is one. */
 static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
-  const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, length = sqrt(mg_dot2(chord, chord));
-  const mg_real first = mg_cross2(s->S, chord), second = mg_cross2(chord, s->E), none = sqrt(MG_EPS) * length;
-  if (!(fabs(first) > none && fabs(second) > none && (first > 0) != (second > 0))) return;
   const mg_real t = mg_zero_along(h->track + s->track, MG_BEND, s->P, s->a, s->b), least = (s->b - s->a) / 1000;
   if (t > s->a + least && t < s->b - least) mg_span_between(h, s->track, s->a, t, s);
 }
