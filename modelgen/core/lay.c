@@ -32,7 +32,7 @@ static void *mg_carve(mg_real **memory, long n, size_t size) {
   return at;
 }
 
-static void mg_open_hull(mg_hull *h, const mg_regions *regions, mg_real *memory) {
+static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
   const mg_rooms r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
   h->track = mg_carve(&memory, regions->n_arc, sizeof(mg_track));
@@ -42,6 +42,7 @@ static void mg_open_hull(mg_hull *h, const mg_regions *regions, mg_real *memory)
   h->spot = mg_carve(&memory, r.spot, sizeof(mg_spot)), h->spot_room = (int)r.spot;
   h->edge = mg_carve(&memory, r.spot, sizeof(mg_edge));
   h->order = mg_carve(&memory, 2 * r.spot, sizeof(int));
+  mg_divide_tracks(h);
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
@@ -100,9 +101,8 @@ static void mg_find_pieces(mg_hull *h) {
   }
 }
 
-static int mg_lay(mg_hull *h, const mg_regions *regions, mg_real *memory) {
-  mg_open_hull(h, regions, memory);
-  mg_place_tracks(h);
+static int mg_lay(mg_hull *h, const mg_real *pose) {
+  mg_place_tracks(h, pose);
   mg_find_cuts(h);
   mg_find_pieces(h);
   mg_make_hull(h);
