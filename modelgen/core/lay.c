@@ -69,6 +69,16 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
   return 2;
 }
 
+/* Whether the intersection has no width at a point where both boundaries are one. */
+static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
+  mg_real p[2], T[2];
+  mg_on(h->track + track, t, p, T);
+  const mg_real step = 64 * h->regions->shared / sqrt(mg_dot2(T, T));
+  const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
+  return !(mg_is_inside(h, 0, left) && mg_is_inside(h, 1, left)) &&
+         !(mg_is_inside(h, 0, right) && mg_is_inside(h, 1, right));
+}
+
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
 static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
   const mg_track *k = h->track + track;
@@ -82,7 +92,7 @@ static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut
     h->overflow = 1;
     return;
   }
-  const mg_piece piece = {track, {cut0, cut1}, {t0, t1}};
+  const mg_piece piece = {track, inside == 2 && mg_is_thin(h, track, (t0 + t1) / 2), {cut0, cut1}, {t0, t1}};
   h->piece[h->n_piece++] = piece;
 }
 

@@ -39,8 +39,8 @@ typedef struct { /* where an arc of A meets one of B */
   mg_real t[2], point[2];
 } mg_cut;
 
-typedef struct { /* a part of a boundary that bounds A cap B; cut: what ends it, or -1 */
-  int track, cut[2];
+typedef struct { /* a part of a boundary that bounds A cap B, or (thin) is all of it there; cut: what ends it, or -1 */
+  int track, thin, cut[2];
   mg_real t[2];
 } mg_piece;
 
