@@ -14,6 +14,20 @@ static mg_real mg_twice(int row, int column) {
   return sum;
 }
 
+/* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
+static mg_real mg_derivative(const mg_real *value, int stage) {
+  const mg_real *time = mg_radau_time;
+  mg_real sum = 0;
+  for (int k = 0; k < MG_RADAU; k++) {
+    if (k == stage) continue;
+    mg_real share = (value[k] - value[stage]) / (time[k] - time[stage]);
+    for (int j = 0; j < MG_RADAU; j++)
+      if (j != k && j != stage) share *= (time[stage] - time[j]) / (time[k] - time[j]);
+    sum += share;
+  }
+  return sum;
+}
+
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   mg_real most = 0;

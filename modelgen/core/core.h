@@ -260,16 +260,24 @@ static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
 
+/* lean.c */
+static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
+static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
+static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
+static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
+static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
+
 /* collocate.c, start_rolling.c */
 static mg_real *mg_stage_state(const mg_context *c, int stage);
 static mg_real *mg_stage_slope(const mg_context *c, int stage);
 static mg_real mg_stage_time(int stage);
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
 static void mg_collocated(mg_context *c, const mg_real *x);
+static mg_real mg_derivative(const mg_real *value, int stage);
 static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
 static mg_real mg_twice(int row, int column);
 static int mg_starts_rolling(const mg_context *c);
-static mg_real mg_start_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
 static int mg_is_singular(const mg_context *c, int contact);
 

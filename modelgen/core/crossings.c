@@ -80,11 +80,14 @@ static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y) {
     const mg_real det = mg_cross2(T[0], T[1]), size = mg_dot2(apart, apart);
     if (det == 0 || (size >= last && size <= h->regions->shared * h->regions->shared)) break;
     last = size;
+    int still = 0;
     const mg_real step[2] = {mg_cross2(apart, T[1]) / det, mg_cross2(apart, T[0]) / det};
     for (int k = 0; k < 2; k++) {
       const mg_real half = (s[k]->b - s[k]->a) / 2, low = fmax(s[k]->a - half, h->track[track[k]].t0);
-      t[k] = fmin(fmax(t[k] + step[k], low), fmin(s[k]->b + half, h->track[track[k]].t1));
+      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->b + half, h->track[track[k]].t1));
+      still += moved == t[k], t[k] = moved;
     }
+    if (still == 2) break;
   }
   for (int k = 0; k < 2; k++) {
     const mg_real slack = 4 * h->regions->shared / sqrt(mg_dot2(T[k], T[k]));
@@ -92,6 +95,12 @@ static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y) {
   }
   const mg_real middle[2] = {(c[0][0] + c[1][0]) / 2, (c[0][1] + c[1][1]) / 2};
   if (mg_dot2(apart, apart) <= h->regions->shared * h->regions->shared) mg_add_cut(h, track, t, middle);
+}
+
+/* Whether the curvatures of two spans are about the same, or nothing beside `shared`. */
+static int mg_bend_alike(const mg_span *x, const mg_span *y, mg_real along, mg_real across, mg_real shared) {
+  const mg_real bend = x->turn / along, other = y->turn / across, least = fmin(along, across);
+  return fabs(bend - other) <= fmax(fmax(bend, other) / 4, 16 * shared / (least * least));
 }
 
 /* Whether the smaller span lies on the other throughout. */
@@ -140,7 +149,8 @@ static void mg_cross_spans(mg_hull *h, const mg_span *first, const mg_span *seco
     if ((along <= shared && across <= shared) || !mg_is_near(&x, &y, shared)) continue;
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
     if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y);
-    else if (stack.count + 2 <= MG_SPLITS && !mg_coincide(h, &x, &y)) mg_split(h, &stack, &x, &y);
+    else if (stack.count + 2 <= MG_SPLITS && !(mg_bend_alike(&x, &y, along, across, shared) && mg_coincide(h, &x, &y)))
+      mg_split(h, &stack, &x, &y);
   }
 }
 

@@ -32,7 +32,7 @@ static void *mg_carve(mg_real **memory, long n, size_t size) {
   return at;
 }
 
-static void mg_open_hull(mg_hull *h, const mg_regions *regions, mg_real *memory) {
+static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
   const mg_rooms r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
   h->track = mg_carve(&memory, regions->n_arc, sizeof(mg_track));
@@ -42,6 +42,7 @@ static void mg_open_hull(mg_hull *h, const mg_regions *regions, mg_real *memory)
   h->spot = mg_carve(&memory, r.spot, sizeof(mg_spot)), h->spot_room = (int)r.spot;
   h->edge = mg_carve(&memory, r.spot, sizeof(mg_edge));
   h->order = mg_carve(&memory, 2 * r.spot, sizeof(int));
+  mg_divide_tracks(h);
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
@@ -68,6 +69,16 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
   return 2;
 }
 
+/* Whether the intersection has no width at a point where both boundaries are one. */
+static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
+  mg_real p[2], T[2];
+  mg_on(h->track + track, t, p, T);
+  const mg_real step = 64 * h->regions->shared / sqrt(mg_dot2(T, T));
+  const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
+  return !(mg_is_inside(h, 0, left) && mg_is_inside(h, 1, left)) &&
+         !(mg_is_inside(h, 0, right) && mg_is_inside(h, 1, right));
+}
+
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
 static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
   const mg_track *k = h->track + track;
@@ -81,7 +92,7 @@ static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut
     h->overflow = 1;
     return;
   }
-  const mg_piece piece = {track, {cut0, cut1}, {t0, t1}};
+  const mg_piece piece = {track, inside == 2 && mg_is_thin(h, track, (t0 + t1) / 2), {cut0, cut1}, {t0, t1}};
   h->piece[h->n_piece++] = piece;
 }
 
@@ -100,9 +111,8 @@ static void mg_find_pieces(mg_hull *h) {
   }
 }
 
-static int mg_lay(mg_hull *h, const mg_regions *regions, mg_real *memory) {
-  mg_open_hull(h, regions, memory);
-  mg_place_tracks(h);
+static int mg_lay(mg_hull *h, const mg_real *pose) {
+  mg_place_tracks(h, pose);
   mg_find_cuts(h);
   mg_find_pieces(h);
   mg_make_hull(h);

@@ -44,7 +44,7 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
 
 static void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
-  for (int i = 0; i < h->n_piece; i++) h->order[i] = 0;
+  for (int i = 0; i < h->n_piece; i++) h->order[i] = h->piece[i].thin;
   for (int first = 0; first < h->n_piece; first++) {
     if (h->order[first]) continue;
     mg_real p[2], T[2];

@@ -24,9 +24,10 @@ MG_API int mg_region(const mg_region_query *q, mg_real *work) {
     const mg_arc given = {q->shape[i], q->loop[i], q->parameters + q->first[i], numbers, numbers[12], numbers[13]};
     arc[i] = given;
   }
-  const mg_regions regions = {q->n_arc, q->n_o, arc, q->pose, q->shared};
+  const mg_regions regions = {q->n_arc, q->n_o, arc, q->shared};
   mg_hull h;
-  const int sides = mg_lay(&h, &regions, work);
+  mg_set_regions(&h, &regions, work);
+  const int sides = mg_lay(&h, q->pose);
   for (int i = 0; i < q->n_point; i++) mg_put_margin(&h, q, i);
   mg_outline_pieces(&h, q->fine, q->outline);
   mg_outline_hull(&h, q->fine, q->hull);

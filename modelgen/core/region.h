@@ -1,7 +1,8 @@
 /* Planar regions, their intersection and its convex hull. Two regions lie in one plane: A on body o (without arcs:
    the whole plane) and B on body f, whose face looks against o's. Everything is in the axes of o's face.
-   `mg_lay` finds what bounds A cap B and its hull; `mg_hull_margin` then tells, as often as wanted, how deep a point
-   is inside the hull. Where A is the whole plane the hull moves with f: lay once with an identity pose. */
+   `mg_set_regions` divides the arcs, once for all; `mg_lay` finds what bounds A cap B for one pose of f's face, and
+   its hull; `mg_hull_margin` tells, as often as wanted, how deep a point is inside the hull. Where A is the whole
+   plane the hull moves with f: lay once with an identity pose, and ask in the axes of f's face. */
 #ifndef MG_REGION_H
 #define MG_REGION_H
 
@@ -19,7 +20,6 @@ typedef struct { /* a piece of a region's boundary; arcs of one loop are consecu
 typedef struct {
   int n_arc, n_o;     /* the first n_o arcs bound A, the others B */
   const mg_arc *arc;
-  const mg_real *pose; /* 12, of f's face in the axes of o's; flattened */
   mg_real shared;     /* m: points of the two boundaries nearer than this are one */
 } mg_regions;
 
@@ -39,8 +39,8 @@ typedef struct { /* where an arc of A meets one of B */
   mg_real t[2], point[2];
 } mg_cut;
 
-typedef struct { /* a part of a boundary that bounds A cap B; cut: what ends it, or -1 */
-  int track, cut[2];
+typedef struct { /* a part of a boundary that bounds A cap B, or (thin) is all of it there; cut: what ends it, or -1 */
+  int track, thin, cut[2];
   mg_real t[2];
 } mg_piece;
 
@@ -82,19 +82,22 @@ typedef struct { /* where the hull is nearest to x: n = 1 a vertex or a point of
   mg_support at[2];
 } mg_brink;
 
-/* lay.c: the memory that a hull needs, in mg_real; lay returns the number of its sides: 0 where A cap B is empty, 1
-   for a point, 2 for a segment or a half of a lens. `memory` and `regions` must outlive the hull. */
+/* lay.c: the memory that a hull needs, in mg_real; it and `regions` with its arcs must outlive the hull. `pose` (12):
+   of f's face in the axes of o's, flattened. Returns the number of the hull's sides: 0 where A cap B is empty, 1 for
+   a point, 2 for a segment. */
 static long mg_hull_room(int n_arc, int n_o);
+static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory);
+static int mg_lay(mg_hull *h, const mg_real *pose);
 static long mg_reals(long n, size_t size);
 static void *mg_carve(mg_real **memory, long n, size_t size);
-static int mg_lay(mg_hull *h, const mg_regions *regions, mg_real *memory);
 
 /* margin.c: signed distance of x to the hull's boundary, m, > 0 inside; -MG_MAX for an empty hull. */
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
 
 /* tracks.c */
 enum { MG_LEVEL, MG_FOOT, MG_BEND }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
-static void mg_place_tracks(mg_hull *h);
+static void mg_divide_tracks(mg_hull *h);
+static void mg_place_tracks(mg_hull *h, const mg_real *pose);
 static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent);
 static void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span);
 static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b);

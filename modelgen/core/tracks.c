@@ -3,6 +3,7 @@
 
 #define MG_TURN_MOST 0.3 /* rad, of a span */
 #define MG_FINEST 512    /* spans of an arc at most */
+#define MG_BENDS 8       /* parts of a span in which an inflection is sought */
 
 static mg_real mg_dot2(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1]; }
 static mg_real mg_cross2(const mg_real *a, const mg_real *b) { return a[0] * b[1] - a[1] * b[0]; }
@@ -61,13 +62,52 @@ static int mg_is_straight(const mg_track *k) {
   return straight;
 }
 
-/* Ends a span at the inflection within it, if there is one. */
+static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
+  mg_real x[2], T[2], E[2];
+  if (sought == MG_BEND) {
+    const mg_real step = (k->t1 - k->t0) / 4096;
+    mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
+    return mg_cross2(T, E);
+  }
+  mg_on(k, t, x, T);
+  const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
+  return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
+}
+
+/* The zero between a and b, where the signs differ: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
+static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
+  if (fa * fb >= 0) return fabs(fa) < fabs(fb) ? a : b;
+  for (int i = 0; i < 80 && fabs(b - a) > 2 * MG_EPS * (fabs(a) + fabs(b)); i++) {
+    t = i % 8 == 7 ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
+    const mg_real f = mg_sought(k, sought, v, t);
+    if (f == 0) return t;
+    if (f * fb < 0) {
+      a = b, fa = fb;
+    } else {
+      const mg_real kept = 1 - f / fb;
+      fa *= kept > 0 ? kept : (mg_real)0.5;
+    }
+    b = t, fb = f;
+  }
+  return t;
+}
+
+/* Ends a span at the first inflection within it, if there is one. */
 static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
-  const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, length = sqrt(mg_dot2(chord, chord));
-  const mg_real first = mg_cross2(s->S, chord), second = mg_cross2(chord, s->E), none = sqrt(MG_EPS) * length;
-  if (!(fabs(first) > none && fabs(second) > none && (first > 0) != (second > 0))) return;
-  const mg_real t = mg_zero_along(h->track + s->track, MG_BEND, s->P, s->a, s->b), least = (s->b - s->a) / 1000;
-  if (t > s->a + least && t < s->b - least) mg_span_between(h, s->track, s->a, t, s);
+  const mg_track *k = h->track + s->track;
+  const mg_real part = (s->b - s->a) / MG_BENDS;
+  mg_real before = mg_sought(k, MG_BEND, s->P, s->a);
+  for (int i = 0; i < MG_BENDS; i++) {
+    const mg_real low = s->a + i * part, high = low + part, bend = mg_sought(k, MG_BEND, s->P, high);
+    const int changed = (before > 0) != (bend > 0);
+    before = bend;
+    if (!changed) continue;
+    const mg_real t = mg_zero_along(k, MG_BEND, s->P, low, high);
+    if (!(t > s->a + part / 64 && t < s->b - part / 64)) continue;
+    mg_span_between(h, s->track, s->a, t, s);
+    return;
+  }
 }
 
 /* At most `most` spans of an arc from its start on, each as long as its turn allows. */
@@ -106,74 +146,69 @@ static void mg_divide_all(mg_hull *h) {
   }
 }
 
-static void mg_place_track(mg_hull *h, int i) {
-  const mg_regions *r = h->regions;
-  const mg_arc *arc = r->arc + i;
-  const mg_real *g = r->pose, *place = arc->place;
+/* The arc that goes on where arc i ends. */
+static int mg_following(const mg_regions *r, int i) {
+  const int loop = r->arc[i].loop;
+  if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
+  while (i > 0 && i != r->n_o && r->arc[i - 1].loop == loop) i--;
+  return i;
+}
+
+/* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
+static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
+  const mg_real *place = h->regions->arc[i].place;
   mg_track *k = h->track + i;
-  k->shape = arc->shape, k->parameters = arc->parameters, k->t0 = arc->t0, k->t1 = arc->t1;
-  k->side = i >= r->n_o;
   for (int row = 0; row < 2; row++) {
+    const mg_real *g = pose ? pose + row : 0;
+    k->at[row] = g ? g[0] + g[3] * place[0] + g[6] * place[1] + g[9] * place[2] : place[row];
     for (int j = 0; j < 3; j++) {
       const mg_real *column = place + 3 + 3 * j;
-      k->axis[2 * j + row] = k->side ? g[3 + row] * column[0] + g[6 + row] * column[1] + g[9 + row] * column[2]
-                                     : column[row];
+      k->axis[2 * j + row] = g ? g[3] * column[0] + g[6] * column[1] + g[9] * column[2] : column[row];
     }
-    k->at[row] = k->side ? g[row] + g[3 + row] * place[0] + g[6 + row] * place[1] + g[9 + row] * place[2] : place[row];
   }
-  const int same = i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == arc->loop;
-  int first = i;
-  while (!same && first > 0 && first != r->n_o && r->arc[first - 1].loop == arc->loop) first--;
-  k->next = same ? i + 1 : first;
-  k->straight = mg_is_straight(k);
 }
 
-static void mg_place_tracks(mg_hull *h) {
-  const int n = h->regions->n_arc;
-  for (int i = 0; i < n; i++) mg_place_track(h, i);
+/* Points that arcs of one loop share are the same point. */
+static void mg_close_loop(mg_hull *h, int i) {
+  const mg_track *k = h->track + i;
+  mg_span *last = h->span + k->span + k->n_span - 1;
+  for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[k->next].span].P[j];
+}
+
+static mg_real mg_reach_of_track(const mg_hull *h, int i) {
+  mg_real most = 0;
+  for (int j = h->track[i].span; j < h->track[i].span + h->track[i].n_span; j++)
+    most = fmax(most, fabs(h->span[j].P[0]) + fabs(h->span[j].P[1]));
+  return most;
+}
+
+static void mg_divide_tracks(mg_hull *h) {
+  const mg_regions *r = h->regions;
+  for (int i = 0; i < r->n_arc; i++) {
+    mg_track *k = h->track + i;
+    k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
+    k->side = i >= r->n_o, k->next = mg_following(r, i);
+    mg_place_track(h, i, 0);
+    k->straight = mg_is_straight(k);
+  }
   mg_divide_all(h);
-  for (int i = 0; i < n; i++) {
-    mg_span *last = h->span + h->track[i].span + h->track[i].n_span - 1;
-    for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[h->track[i].next].span].P[j];
-  }
-  for (int i = 0; i < n; i++) {
-    mg_real x[2], T[2];
-    mg_on(h->track + i, (h->track[i].t0 + h->track[i].t1) / 2, x, T);
-    for (int j = 0; j < 2; j++) {
-      const mg_real most = fmax(fabs(x[j]), fabs(h->span[h->track[i].span].P[j]));
-      if (i == 0 && j == 0) h->size = 0;
-      h->size = fmax(h->size, most);
-    }
-  }
+  for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
 }
 
-static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
-  mg_real x[2], T[2], E[2];
-  if (sought == MG_BEND) {
-    const mg_real step = (k->t1 - k->t0) / 4096;
-    mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
-    return mg_cross2(T, E);
-  }
-  mg_on(k, t, x, T);
-  const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
-  return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
-}
-
-/* The zero between a and b, where the signs differ: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
-static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
-  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
-  if (fa * fb >= 0) return fabs(fa) < fabs(fb) ? a : b;
-  for (int i = 0; i < 80 && fabs(b - a) > 2 * MG_EPS * (fabs(a) + fabs(b)); i++) {
-    t = i % 8 == 7 ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
-    const mg_real f = mg_sought(k, sought, v, t);
-    if (f == 0) return t;
-    if (f * fb < 0) {
-      a = b, fa = fb;
-    } else {
-      const mg_real kept = 1 - f / fb;
-      fa *= kept > 0 ? kept : (mg_real)0.5;
+static void mg_place_tracks(mg_hull *h, const mg_real *pose) {
+  const mg_regions *r = h->regions;
+  for (int i = r->n_o; i < r->n_arc; i++) {
+    const mg_track *k = h->track + i;
+    mg_place_track(h, i, pose);
+    for (int j = k->span; j < k->span + k->n_span; j++) {
+      mg_span *s = h->span + j;
+      mg_span_between(h, i, s->a, s->b, s);
+      if (k->straight) s->turn = 0;
     }
-    b = t, fb = f;
   }
-  return t;
+  h->size = 0;
+  for (int i = 0; i < r->n_arc; i++) {
+    mg_close_loop(h, i);
+    h->size = fmax(h->size, mg_reach_of_track(h, i));
+  }
 }
