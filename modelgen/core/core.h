@@ -94,10 +94,9 @@ typedef struct {
   int prescribed;                           /* a joint's motion is given */
   mg_arc *arc;                              /* the boundaries of a patch */
   mg_regions regions;
-  mg_real between[12];                      /* pose of f's face in the axes of the hull */
   mg_real *lay;                             /* memory of the hull */
   mg_hull hull;
-  int laid;                                 /* the patch whose hull that is, for as long as it stays so, or -1 */
+  int laid;                                 /* the patch whose hull that is, or -1 */
   mg_onset *onset;                          /* per contact */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
   int begins;                               /* the rows are those at run->x */

@@ -135,30 +135,37 @@ static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_ar
 /* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
 
-static void mg_place_between(mg_context *c, int patch) {
+/* The pose of f's face in the axes of the hull. */
+static void mg_place_between(mg_context *c, int patch, mg_real *between) {
   mg_real hull[12], f[12];
   mg_hull_pose(c, patch, hull);
   mg_face_pose(c, patch, 1, f);
-  mg_into(hull, f, c->between);
-  for (int k = 0; k < 3; k++) mg_unturn(hull + 3, f + 3 + 3 * k, c->between + 3 + 3 * k);
+  mg_into(hull, f, between);
+  for (int k = 0; k < 3; k++) mg_unturn(hull + 3, f + 3 + 3 * k, between + 3 + 3 * k);
 }
 
-/* Lays the faces of a patch on each other; returns the number of sides of their hull. */
-static int mg_lay_patch(mg_context *c, int patch) {
+static void mg_set_patch(mg_context *c, int patch) {
   const mg_system *s = c->sys;
   const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
-  if (c->laid == patch) return c->hull.n_edge;
   for (int i = 0; i < n; i++) {
     const mg_real *numbers = s->numbers + s->arc_numbers[first + i];
     const mg_arc arc = {s->arc_shape[first + i], s->arc_loop[first + i], s->parameters + s->arc_parameters[first + i],
                         numbers, numbers[12], numbers[13]};
     c->arc[i] = arc;
   }
-  mg_place_between(c, patch);
-  const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->between, c->set->shared * s->length};
-  c->regions = regions;
-  c->laid = mg_is_whole(c, patch) ? patch : -1;
-  return mg_lay(&c->hull, &c->regions, c->lay);
+  const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
+  c->regions = regions, c->laid = patch;
+  mg_set_regions(&c->hull, &c->regions, c->lay);
+}
+
+/* Lays the faces of a patch on each other; returns the number of sides of their hull. */
+static int mg_lay_patch(mg_context *c, int patch) {
+  const int known = c->laid == patch;
+  mg_real between[12];
+  if (known && mg_is_whole(c, patch)) return c->hull.n_edge;
+  if (!known) mg_set_patch(c, patch);
+  mg_place_between(c, patch, between);
+  return mg_lay(&c->hull, between);
 }
 
 /* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. */
