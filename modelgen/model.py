@@ -179,7 +179,7 @@ class FaceEntry:
 
 @dataclass(frozen=True, slots=True)
 class PatchEntry:
-    """Two faces that may rest on each other as one planar contact, held by three points of f's on o's plane."""
+    """Two faces that may rest on each other, held by three points of f's on o's plane."""
 
     name: str  # "glass-table:bottom"
     pair: int

@@ -133,7 +133,7 @@ def plot(
     frames: Frames = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies at some times."""
+    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
     from modelgen.report.export import FORMATS, load
     from modelgen.report.plot import draw
     from modelgen.report.record import record_of

@@ -52,7 +52,8 @@ At = Annotated[
     typer.Option(help="where numbers are substituted: a seed, or FILE.json of inputs", metavar="SEED|FILE"),
 ]
 Frames = Annotated[
-    str | None, typer.Option(help="pictures of the bodies: at the start, a change of mode, and on", metavar="NUMBER")
+    str | None,
+    typer.Option(help="pictures of the bodies: at the start, a change of mode, and on", metavar="NUMBER"),
 ]
 Verify = Annotated[
     str | None, typer.Option(help="recompute each status on so many configurations", metavar="NUMBER")

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
+from modelgen.codegen.faces import face_table, patch_table
 from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
@@ -19,7 +20,6 @@ from modelgen.model import (
     BodyEntry,
     BodyKind,
     ContactKind,
-    FaceEntry,
     JointEntry,
     JointKind,
     LimitEntry,
@@ -28,7 +28,6 @@ from modelgen.model import (
     LoadKind,
     Model,
     PairEntry,
-    PatchEntry,
     ShapeKind,
     Side,
 )
@@ -179,8 +178,8 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "pairs": [_pair(entry) for entry in model.pairs],
         "links": [_link(model, entry) for entry in model.links],
         "contacts": [asdict(entry) for entry in model.contacts],
-        "faces": [_face(model, entry) for entry in model.faces],
-        "patches": [_patch(entry) for entry in model.patches],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -266,37 +265,6 @@ def _link(model: Model, entry: LinkEntry) -> dict[str, Any]:
         "shape_f": _shape(model, entry.f, entry.shapes[1], kind.f),
         "group": entry.group,
         "conditions": [asdict(condition) for condition in entry.conditions],
-    }
-
-
-def _face(model: Model, entry: FaceEntry) -> dict[str, Any]:
-    """A planar region: its axes in the centre-of-mass axes of its body, its boundary in its own axes."""
-    return {
-        "name": entry.name,
-        "body": entry.body,
-        "placement": list(pose_numbers(entry.pose, model.bodies[entry.body].com)),
-        "boundary": [
-            {
-                "kind": arc.kind,
-                "parameters": [value for _, value in arc.curve.parameters],
-                "placement": list(pose_numbers(arc.pose, (0.0, 0.0, 0.0))),
-                "ends": list(arc.ends),
-                "loop": arc.loop,
-            }
-            for arc in entry.boundary
-        ],
-    }
-
-
-def _patch(entry: PatchEntry) -> dict[str, Any]:
-    return {
-        "name": entry.name,
-        "pair": entry.pair,
-        "kind": entry.kind,
-        "faces": list(entry.faces),
-        "pads": [list(numbers) for numbers in entry.parameters],
-        "links": list(entry.links),
-        "slots": list(entry.slots),
     }
 
 

@@ -132,38 +132,6 @@ static const mg_real *mg_parameters_of(mg_context *c, int contact);
 static void mg_take_link(mg_context *c, int contact);
 static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
 
-/* patches.c, handover.c */
-static int mg_is_pad(const mg_context *c, int contact);
-static int mg_pad_of(const mg_context *c, int slot);
-static int mg_patch_in(const mg_context *c, int slot);
-static int mg_patch_body(const mg_context *c, int patch, int side);
-static int mg_is_covered(const mg_context *c, int link);
-static int mg_patch_flat_on(const mg_context *c, int contact);
-static int mg_is_flat_on(mg_context *c, int contact);
-static int mg_is_flat_far(const mg_context *c, int contact);
-static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
-static int mg_is_for_flat(const mg_context *c, int link);
-static int mg_pair_rests(const mg_context *c, int pair);
-static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
-static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
-static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
-static int mg_most_arcs(const mg_system *s);
-static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
-static int mg_patches_fired(mg_context *c);
-static int mg_any_patch_ends(mg_context *c);
-static mg_real mg_patch_value(mg_context *c, int pad, int cause);
-static void mg_drop_patch(mg_context *c, int slot);
-static void mg_hide_covered(mg_context *c);
-static int mg_try_flat(mg_context *c, mg_real touching, int moving);
-static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
-static void mg_drop_tried(mg_context *c);
-static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor);
-static int mg_patch_covers(const mg_context *c, int patch, int link);
-static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
-static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
-static void mg_uncover(mg_context *c, int patch, mg_founds *found);
-static int mg_end_patches(mg_context *c, mg_events *events);
-
 /* conditions.c */
 static const mg_real *mg_side(const mg_context *c, int link, int side);
 static int mg_side_body(const mg_context *c, int link, int side);
@@ -266,20 +234,6 @@ static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_r
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
 static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 
-/* collocate.c, start_rolling.c */
-static mg_real *mg_stage_state(const mg_context *c, int stage);
-static mg_real *mg_stage_slope(const mg_context *c, int stage);
-static mg_real mg_stage_time(int stage);
-static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
-static void mg_collocated(mg_context *c, const mg_real *x);
-static mg_real mg_derivative(const mg_real *value, int stage);
-static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
-static mg_real mg_twice(int row, int column);
-static int mg_starts_rolling(const mg_context *c);
-static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
-static void mg_grow_up(mg_context *c);
-static int mg_is_singular(const mg_context *c, int contact);
-
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);
 
@@ -327,5 +281,7 @@ static mg_real mg_energy(mg_context *c, mg_real *kinetic);
 static void mg_ledger(mg_context *c);
 static void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 static void mg_record_now(mg_context *c, mg_record *record);
+
+#include "planar.h"
 
 #endif

@@ -1,4 +1,4 @@
-"""The planar regions of a shape: its flat faces, those in one plane together, and the curves that bound them."""
+"""The planar regions of a shape: its flat faces, those in one plane together, and what bounds them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ import numpy as np
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.domains import domain_of
 from modelgen.geometry.features import features_of
-from modelgen.scene.poses import UPSIDE_DOWN, compose, frame, rotation_of, to_inner, to_outer
 from modelgen.scene.expression import Number
+from modelgen.scene.poses import UPSIDE_DOWN, compose, frame, rotation_of, to_inner, to_outer
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-LEVEL = 1e-9  # distance from a plane, against the size of the region, and sine of an angle, of what lies in it
+LEVEL = (
+    1e-9  # distance from a plane, against the size of the region, and sine of an angle, of what lies in it
+)
 JOINED = 1e-7  # distance of two ends that meet, against the size of the region
 HALF_TURN = (0.0, 0.0, 0.0, 1.0)  # about z
 MIRRORS = {"edge": HALF_TURN, "circle": UPSIDE_DOWN, "ellipse_curve": UPSIDE_DOWN}  # that turn t into -t
@@ -130,7 +132,9 @@ def _in_one_plane(a: Feature, b: Feature) -> bool:
     level = to_inner(first, second.position)
     across = rotation_of(first.quaternion).T @ rotation_of(second.quaternion)[:, 2]
     turned = across[2] > 0 or b.shape.chart is not None  # a chart's normal depends on the order of u and v
-    return bool(turned and np.hypot(*across[:2]) < LEVEL and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2])))
+    return bool(
+        turned and np.hypot(*across[:2]) < LEVEL and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2]))
+    )
 
 
 def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:
@@ -218,7 +222,9 @@ def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str
 
 def _side(a: Array, b: Array) -> _Run:
     length = float(np.linalg.norm(b - a))
-    curve = Shape("edge", (("length", length),), pose=frame((a + b) / 2, (b - a) / length, np.array([0.0, 0.0, 1.0])))
+    curve = Shape(
+        "edge", (("length", length),), pose=frame((a + b) / 2, (b - a) / length, np.array([0.0, 0.0, 1.0]))
+    )
     return _Run(replace(curve, name="edge"), (-length / 2, length / 2))
 
 
@@ -256,7 +262,8 @@ def _in_plane(shape: Shape, pose: Pose, radius: float) -> list[str]:
     return [
         feature.name
         for feature in features_of(shape).features
-        if feature.dimension < 2 and all(abs(to_inner(pose, x)[2]) <= LEVEL * radius for x in _places(feature))
+        if feature.dimension < 2
+        and all(abs(to_inner(pose, x)[2]) <= LEVEL * radius for x in _places(feature))
     ]
 
 
@@ -266,5 +273,3 @@ def _places(feature: Feature) -> list[Array]:
         return [to_outer(feature.shape.pose, [value for _, value in feature.shape.parameters])]
     run = _Run(feature.shape, _range(feature))
     return list(run.samples())
-
-

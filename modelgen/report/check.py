@@ -58,11 +58,11 @@ def _print_patches(console: Console, names: list[str]) -> None:
     """The faces of each pair that rest as one, the first few by name."""
     pairs: dict[str, list[str]] = {}
     for name in names:
-        pair, _, faces = name.rpartition(":")
-        pairs.setdefault(pair, []).append(faces)
-    for pair, faces in pairs.items():
+        pair, _, face = name.rpartition(":")
+        pairs.setdefault(pair, []).append(face)
+    for name, faces in pairs.items():
         more = f" and {len(faces) - SHOWN} more" if len(faces) > SHOWN else ""
-        text = f"{pair} rests as one planar contact on: {', '.join(faces[:SHOWN])}{more}"
+        text = f"{name} rests as one planar contact on: {', '.join(faces[:SHOWN])}{more}"
         console.print(text, markup=False, soft_wrap=True)
 
 

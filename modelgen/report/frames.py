@@ -14,8 +14,8 @@ WIDE = 3.0  # a surface that reaches so many times farther is cut
 
 
 def frame_samples(record: Record, count: int) -> list[int]:
-    """The samples of `count` pictures: the start, the first change of mode after it, and on from there evenly to the
-    end; evenly from the start where the mode never changes."""
+    """The samples of `count` pictures: the start, the first change of mode after it, and on from there evenly
+    to the end; evenly from the start where the mode never changes."""
     t = record.columns["t"]
     changes = [event["t"] for event in record.summary["events"] if event["t"] > t[0]]
     times = np.linspace(t[0], t[-1], count)

@@ -93,22 +93,20 @@ def require(scene: Scene) -> Model:
     expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     check_observed(scene, contact_names(scene))
-    body_kinds: Vocabulary[BodyKind] = Vocabulary()
-    bodies = _body_entries(scene, pieces, body_kinds)
-    shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
-    contact_kinds: Vocabulary[ContactKind] = Vocabulary()
+    body_kinds, contact_kinds = Vocabulary[BodyKind](), Vocabulary[ContactKind]()
+    shape_kinds = Vocabulary[ShapeKind]()
     touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
+        bodies=_body_entries(scene, pieces, body_kinds),
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
         contact_kinds=contact_kinds.kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
-        bodies=bodies,
         pairs=touching.pairs,
         links=touching.links,
         contacts=touching.contacts,

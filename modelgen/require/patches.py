@@ -8,13 +8,13 @@ from itertools import product
 from math import cos, pi, sin
 
 from modelgen.geometry.features import is_convex
-from modelgen.scene.poses import compose, to_outer
 from modelgen.geometry.regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
 from modelgen.require.links import Whole
 from modelgen.require.pads import bearer_of
 from modelgen.require.pairing import Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
+from modelgen.scene.poses import compose, to_outer
 from modelgen.scene.types import ContactPair, Pose, Shape
 
 PADS = 3
@@ -39,7 +39,12 @@ class Faces:
 
     def _entry(self, whole: Whole, region: Region) -> FaceEntry:
         boundary = tuple(
-            BoundaryEntry(self.shapes.index(shape_kind(arc.curve, whole.owner.fold)), *_placed(arc.curve), arc.ends, arc.loop)
+            BoundaryEntry(
+                self.shapes.index(shape_kind(arc.curve, whole.owner.fold)),
+                *_placed(arc.curve),
+                arc.ends,
+                arc.loop,
+            )
             for arc in region.arcs
         )
         return FaceEntry(region.name, whole.owner.body, _pose(whole, region), boundary)
@@ -68,7 +73,7 @@ def patches_of(
     faces: Faces,
     kinds: Vocabulary[ContactKind],
 ) -> tuple[PatchEntry, ...]:
-    """The patches of the pair of shapes (a, b) with the given links, of which the first has the number `first`."""
+    """The patches of a pair of shapes with these links, the first of which has the number `first`."""
     found = []
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:

@@ -61,8 +61,7 @@ class Accuracy:
             1 once per accepted step, 2 at every stage as well.
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
         use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
-        planar: a face that lies on another rests as one planar contact; False: on its vertices, or on points of
-            its rim.
+        planar: a face on another rests as one planar contact; False: on vertices or points of a rim.
         gap: |d| <= gap L counts as touching.
         start_gap: the same at t = 0; deeper penetration is refused.
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.

@@ -21,7 +21,9 @@ def add_patches(
     """The tables of the patches; their points are the last contacts, on links behind all others."""
     faces = [_add_face(face, numbers, parameters) for face in sentence["faces"]]
     boundary: dict[str, list[int]] = {f"arc_{key}": [] for key in ("shape", "parameters", "numbers", "loop")}
-    first, second, covered, cover = [0], [], [], [0]
+    first, cover = [0], [0]
+    second: list[int] = []
+    covered: list[int] = []
     for patch in sentence["patches"]:
         for side, face in enumerate(patch["faces"]):
             for arc in faces[face]:
@@ -30,7 +32,9 @@ def add_patches(
             (first if side else second).append(len(boundary["arc_shape"]))
         covered += patch["links"]
         cover.append(len(covered))
-    placed = [[sentence["faces"][face]["placement"] for face in patch["faces"]] for patch in sentence["patches"]]
+    placed = [
+        [sentence["faces"][face]["placement"] for face in patch["faces"]] for patch in sentence["patches"]
+    ]
     integers |= boundary | {
         "patch_pair": [patch["pair"] for patch in sentence["patches"]],
         "patch_slots": [slot for patch in sentence["patches"] for slot in patch["slots"]],
@@ -59,7 +63,8 @@ def _add_face(
 
 
 def _add_points(integers: dict[str, list[int]], parameters: list[float], sentence: Mapping[str, Any]) -> None:
-    faces, pairs = sentence["faces"], {}
+    faces = sentence["faces"]
+    pairs: dict[int, int] = {}
     for patch in sentence["patches"]:
         o, f = (faces[face]["body"] for face in patch["faces"])
         for slot in range(*patch["slots"]):
@@ -86,7 +91,5 @@ def _add_link(integers: dict[str, list[int]], patch: Mapping[str, Any], o: int, 
 
 def point_restitutions(sentence: Mapping[str, Any]) -> Sequence[float]:
     """Of the points of all places, the last contacts."""
-    pairs = {
-        slot: patch["pair"] for patch in sentence["patches"] for slot in range(*patch["slots"])
-    }
+    pairs = {slot: patch["pair"] for patch in sentence["patches"] for slot in range(*patch["slots"])}
     return [sentence["pairs"][pair]["restitution"] for _, pair in sorted(pairs.items()) for _ in range(PADS)]

@@ -38,7 +38,8 @@ SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
     *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
-    *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search", "flat", "shared", "border"),
+    *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
+    *("flat", "shared", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = ("x", "link", "point", "moved", "closed", "active", "force", "margin", "fresh", "outward")
@@ -203,7 +204,9 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
     return {
         "mass_inverse": [value for b in sentence["bodies"] for value in b["mass_inverse"]],
         "restitution": [
-            *of_contacts, *(limit["restitution"] for limit in limits), *point_restitutions(sentence)
+            *of_contacts,
+            *(limit["restitution"] for limit in limits),
+            *point_restitutions(sentence),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
     }
