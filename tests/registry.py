@@ -133,6 +133,16 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=(),
         reference="joints/test_linkages.py::test_a_four_bar_linkage_follows_lagranges_equation_in_its_crank",
     ),
+    "glass_on_table": Shipped(
+        kinds=(
+            *("fixed", "free_diagonal_loaded", "plane_circle_support", "plane_point_explicit", "force"),
+            "torque",
+        ),
+        forms=("support", "explicit", *CURVE_ON_SURFACE),
+        reference="planar/test_edges.py::test_the_shipped_glass_tips_when_its_force_and_torque_have_driven_the_pressure_to_the_rim",
+        events={"flat": 1, "tip": 1},
+        apart=1e-8,
+    ),
     "helix_on_cylinder": Shipped(
         kinds=("fixed", "free_diagonal", "cylinder_helix_curve_block"),
         forms=CURVE_ON_SURFACE,
