@@ -45,6 +45,7 @@ typedef struct {
 typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
   mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
   mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
+  mg_real blur[MG_RADAU];                                         /* what rounding of the poses makes of the azimuth, rad */
 } mg_onset;
 
 typedef struct { /* a contact's lean: the part across N of what was N when f lay flat, and the frame of an azimuth */
@@ -232,6 +233,7 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
+static mg_real mg_misses(const mg_lean *at, mg_real tilt);
 static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 
 /* advance.c */

@@ -64,6 +64,13 @@ static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_r
   mg_turn(x + c->sys->body_q[body] + 3, angle);
 }
 
+/* By what part of a tilt bodies miss to lean by it along the azimuth of `at`. */
+static mg_real mg_misses(const mg_lean *at, mg_real tilt) {
+  mg_real sum = 0;
+  for (int k = 0; k < 3; k++) sum += (at->lean[k] - tilt * at->along[k]) * (at->lean[k] - tilt * at->along[k]);
+  return sqrt(sum) / tilt;
+}
+
 /* Turns the bodies of a contact, that lean by `tilt`, in x so that their azimuth changes at a rate. The lean of a body that
    spins about N goes round with it. */
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x) {

@@ -65,24 +65,44 @@ static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
   for (int i = 0; i < n_q; i++) slope[i] = real[i];
 }
 
-/* The slope at a stage with its fresh contacts leaning along their azimuths plus `turned`, and turning as these do from
-   stage to stage; as far as they do, or, if `held`, as before. Returns 0 where one does not lean that way. */
+/* The state at a stage, with quaternions of unit length, to c->x_stage. */
+static void mg_take_stage(mg_context *c, int stage) {
+  for (int i = 0; i < c->n_x; i++) c->x_stage[i] = mg_stage_state(c, stage)[i];
+  mg_normalise(c, c->x_stage);
+}
+
+/* Turns the fresh contacts of c->x_stage to lean along their azimuths at a stage plus `turned`; as far as they do, or, if
+   `held`, as before. Returns 0 where one does not lean that way. */
+static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real turned) {
+  for (int twice = 0; twice < 2; twice++) {
+    mg_poses(c, t, c->x_stage);
+    for (int i = 0; i < c->sys->n_contact; i++) {
+      if (c->run->fresh[i] != MG_FRESH) continue;
+      mg_onset *onset = c->onset + i;
+      const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
+      if (!twice && !held) onset->tilt[stage] = mg_dot3(at.along, at.lean);
+      if (!(onset->tilt[stage] > 0)) return 0;
+      mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
+    }
+    mg_normalise(c, c->x_stage);
+  }
+  mg_poses(c, t, c->x_stage);
+  return 1;
+}
+
+/* The slope at a stage with its fresh contacts leaning so, and turning as their azimuths do from stage to stage. */
 static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int held, mg_real turned, mg_real *slope) {
   mg_real *x = c->x_stage;
-  for (int i = 0; i < c->n_x; i++) x[i] = mg_stage_state(c, stage)[i];
-  mg_poses(c, t, x);
+  mg_take_stage(c, stage);
+  if (!mg_lean_stage(c, t, stage, held, turned)) return 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
     mg_onset *onset = c->onset + i;
     const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-    if (!turned && !held) onset->tilt[stage] = mg_dot3(at.along, at.lean);
-    if (!(onset->tilt[stage] > 0)) return 0;
-    mg_lean_to(c, i, &at, onset->tilt[stage], x);
+    onset->blur[stage] = mg_misses(&at, onset->tilt[stage]);
     mg_lean_at_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
+    if (!mg_settle_fully(c, i, mg_eta_of(c, x, i))) return 0;
   }
-  mg_poses(c, t, x);
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->fresh[i] == MG_FRESH && !mg_settle_fully(c, i, mg_eta_of(c, x, i))) return 0;
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
   mg_slope(c, t, x, slope);
   mg_follow(c, t, stage, slope);
@@ -116,7 +136,7 @@ static int mg_find_stiffness(mg_context *c, mg_real t, mg_real h) {
   mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x;
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int sign = -1; sign <= 1; sign += 2) {
-      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, 0, sign * turned, slope)) return 0;
+      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, 1, sign * turned, slope)) return 0;
       for (int i = 0; i < c->sys->n_contact; i++) {
         if (c->run->fresh[i] != MG_FRESH) continue;
         mg_onset *onset = c->onset + i;
@@ -133,7 +153,8 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   mg_onset *onset = c->onset + contact;
   mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], most = 0;
   for (int row = 0; row < MG_RADAU; row++) {
-    mg_poses(c, t + mg_stage_time(row) * h, mg_stage_state(c, row));
+    mg_take_stage(c, row);
+    mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
     const mg_lean at = mg_lean_at(c, contact, onset->azimuth[row]);
     change[row] = -mg_dot3(at.across, at.lean);
     for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
@@ -148,16 +169,16 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   return most;
 }
 
-/* Newton's step for the azimuths, and two substitutions, after which the poses have followed. Returns the largest change
-   of the second, and of the velocities by the azimuths; NAN where it fails. */
-static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+/* Newton's step for the azimuths, and substitutions, by which the poses follow. Returns the largest change of the last,
+   and of the velocities by the azimuths; NAN where it fails. */
+static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
   mg_real most = 0, change = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
     if (!(effect <= most)) most = effect;
   }
-  for (int twice = 0; twice < 2; twice++)
-    if (!mg_sweep(c, t, x, h, 0, &change)) return (mg_real)NAN;
+  for (int sweep = 0; sweep < 3; sweep++)
+    if (!mg_sweep(c, t, x, h, held, &change)) return (mg_real)NAN;
   return most <= change ? change : most;
 }
 
@@ -169,8 +190,8 @@ static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int i = 0; i < c->n_x; i++)
       mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
-  for (int round = 0; round < 4; round++)
-    if (!mg_sweep(c, t, x, h, round < 2, &change)) return 0;
+  for (int round = 0; round < 2; round++)
+    if (!mg_sweep(c, t, x, h, 1, &change)) return 0;
   return mg_find_stiffness(c, t, h);
 }
 
@@ -180,28 +201,29 @@ static mg_real mg_rounding(const mg_context *c, mg_real h) {
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
     for (int stage = 0; stage < MG_RADAU; stage++) {
-      const mg_real turn = 4 * MG_EPS / c->onset[i].tilt[stage];
-      const mg_real effect = fabs(turn * c->onset[i].stiffness[stage]) * h * c->sys->time;
+      const mg_real effect = 8 * c->onset[i].blur[stage] * fabs(c->onset[i].stiffness[stage]) * h * c->sys->time;
       if (!(effect <= most)) most = effect;
     }
   }
   return most;
 }
 
-/* The stages of a step h. Returns to what part of their scale they are found, which rounding may bound, or NAN. */
-static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  const mg_real goal = c->set->tolerance / 100;
+/* Rounds until the stages of a step h are found, with the lean held or followed. Returns to what part of their scale they
+   are, which rounding may bound, or NAN. */
+static mg_real mg_find_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
   mg_real before = MG_MAX;
-  if (!mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
   for (int round = 0; round < 40; round++) {
-    const mg_real most = mg_round(c, t, x, h);
-    if (most <= goal) return most;
-    if (!(most <= MG_MAX)) return most;
-    const mg_real noise = most > before ? most : before;
+    const mg_real most = mg_round(c, t, x, h, held), noise = most > before ? most : before;
+    if (!(most <= MG_MAX) || (round && most <= c->set->tolerance / 100)) return most;
     if (round > 4 && most > before / 4 && noise <= mg_rounding(c, h)) return noise;
     before = most;
   }
   return (mg_real)NAN;
+}
+
+static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  if (!mg_guess_stages(c, t, x, h) || !(mg_find_stages(c, t, x, h, 1) <= MG_MAX)) return (mg_real)NAN;
+  return mg_find_stages(c, t, x, h, 0);
 }
 
 /* What the explicit method can follow afterwards: the swing about the smooth solution. */
