@@ -46,6 +46,7 @@ static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, m
     if (mg_shape_kinds[s->side_shape[2 * link + !side]].foot != MG_FLAT) return 0;
     if (mg_dot3(arm, arm) > c->set->apart * s->length * c->set->apart * s->length) return 0;
     mg_point_in(c, link, !side, world, sample[!side].local);
+    for (int k = 0; k < 2; k++) sample[!side].uv[k] = sample[!side].local[k];
     mg_start_eta(c, link, sample, sample + 1, eta);
     return 1;
   }
