@@ -72,6 +72,7 @@ static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const m
   mg_into(pose, world, c->run->point + 3 * contact);
   for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
   c->run->fresh[contact] = MG_FRESH;
+  if (c->run->h < s->time / 4) c->run->h = s->time / 4; /* much shorter, the lean would be lost in rounding */
   mg_close(c, contact);
 }
 

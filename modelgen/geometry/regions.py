@@ -159,7 +159,8 @@ def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - centre, axis=1).max())
     inside = frozenset(_in_plane(shape, pose, radius)) | {each.name for each in members}
-    return Region(first.name, inside, pose, arcs, (float(centre[0]), float(centre[1])), radius)
+    name = min((each.name for each in members), key=len)  # "bottom" of "bottom" and "bottom_core"
+    return Region(name, inside, pose, arcs, (float(centre[0]), float(centre[1])), radius)
 
 
 def _boundary(
