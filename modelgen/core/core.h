@@ -17,6 +17,8 @@
 
 #define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
 #define MG_PARTS 6      /* the same: no force is left between the faces */
+#define MG_ROLLS 7      /* the same: an imaginary edge gives way to the rim */
+#define MG_SETTLES 8    /* the same: or to the face, which is flat again */
 
 #define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_RADAU 7   /* stages of collocation */

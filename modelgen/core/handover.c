@@ -99,6 +99,12 @@ static int mg_is_smooth(const mg_context *c, int patch, const mg_support *at) {
   return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
 
+/* An extreme point of the hull, whose axes are o, in the world. */
+static void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world) {
+  const mg_real local[3] = {at->point[0], at->point[1], 0};
+  mg_out(o, local, 1, world);
+}
+
 static void mg_turn_over(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
   mg_real centre[3], o[12];
@@ -108,14 +114,17 @@ static void mg_turn_over(mg_context *c, int slot) {
   mg_patch_margin(c, patch, centre, &brink);
   mg_hull_pose(c, patch, o);
   const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
-  mg_real outward[3];
+  mg_real outward[3], world[3];
   mg_out(o, across, 0, outward);
+  if (c->set->imaginary_edge > 0 && brink.n == 1 && mg_is_smooth(c, patch, brink.at)) {
+    mg_at_brink(o, brink.at, world);
+    mg_hold_edge(c, slot, world, outward);
+    return;
+  }
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
   for (int k = 0; k < brink.n; k++) {
-    const mg_real local[3] = {brink.at[k].point[0], brink.at[k].point[1], 0};
-    mg_real world[3];
-    mg_out(o, local, 1, world);
+    mg_at_brink(o, brink.at + k, world);
     const int smooth = mg_is_smooth(c, patch, brink.at + k);
     const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world);
     if (contact >= 0) mg_close(c, contact);
@@ -151,9 +160,10 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
     c->fired[pad] = 0;
     if (!cause || patch < 0) continue;
-    mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
-    c->barred[slot] = patch;
+    if (cause < MG_ROLLS) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
+    c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);
+    else if (cause == MG_ROLLS) mg_leave_edge(c, slot, events);
     else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
     c->run->moved[c->sys->patch_pair[patch]] = MG_MAX / 2;
     count++;

@@ -94,6 +94,7 @@ typedef struct {
   mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */
   mg_real search;         /* a pair that has moved by search * length is searched again */
   mg_real flat;           /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
+  mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
@@ -190,6 +191,7 @@ typedef struct {          /* two planar regions laid on each other: A on the fac
   const mg_real *parameters;
   const mg_real *numbers; /* 14 an arc: placement of the curve in the axes of its face (12), first and last parameter */
   const mg_real *pose;    /* 12, of f's face in the axes of o's */
+  mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* m: points of the two boundaries nearer than this are one */
   const mg_real *x;       /* 2 a point, in the axes of o's face */
   mg_real *margin;        /* 1 a point: signed distance to the boundary of the hull of A cap B, m, > 0 inside */

@@ -39,7 +39,7 @@ SETTINGS_REALS = (
     *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
-    *("flat", "shared", "border"),
+    *("flat", "imaginary_edge", "shared", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = ("x", "link", "point", "moved", "closed", "active", "force", "margin", "fresh", "outward")
