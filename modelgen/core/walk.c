@@ -69,9 +69,10 @@ static void mg_leave(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 6; k++) left->eta[k] = k < c->n_eta[contact] ? mg_eta_of(c, c->run->x, contact)[k] : 0;
     mg_note_place(c, left);
   }
+  const int silent = mg_is_for_flat(c, c->run->link[contact]);
   mg_set_link(c, contact, -1, none);
   c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
-  mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
+  if (!silent) mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
 /* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
@@ -188,7 +189,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
+    if (!mg_is_for_flat(c, each->link)) mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
