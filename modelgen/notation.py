@@ -11,6 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+ETA_SIZE: Mapping[str, int] = {  # entries of eta, by what carries the point of one side in it
+    "none": 0, "chart": 2, "point": 3, "curve": 1, "signed_curve": 3, "sign": 1
+}  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class Notation:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from modelgen.codegen.sentence import J_SIZE
 from modelgen.contact.kinds import eta_layout
 from modelgen.derive import Derivation, Formula
-from modelgen.geometry.extent import dimension_of
+from modelgen.geometry.domains import dimension_of
 from modelgen.joint.kinds import FORMS
 from modelgen.joint.limits import is_turn
 from modelgen.joint.rows import row_count

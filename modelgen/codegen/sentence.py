@@ -10,7 +10,8 @@ from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.extent import bounding_ball, domain_of
+from modelgen.geometry.domains import domain_of
+from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.points3d import is_point
 from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
 from modelgen.joint.rows import row_count
@@ -29,7 +30,8 @@ from modelgen.model import (
     ShapeKind,
     Side,
 )
-from modelgen.require import ETA_SIZE, Q_SIZE, U_SIZE
+from modelgen.notation import ETA_SIZE
+from modelgen.require import Q_SIZE, U_SIZE
 from modelgen.require.masses import pose_numbers
 from modelgen.scene.types import Shape
 

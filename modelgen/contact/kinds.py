@@ -210,7 +210,7 @@ def order(a: ShapeKind, b: ShapeKind) -> bool:
 
 
 def eta_layout(kind: ContactKind) -> Layout:
-    """What carries the points of o and f in eta: keys of `sides.SIZES`."""
+    """What carries the points of o and f in eta: keys of `notation.ETA_SIZE`."""
     return FORMS[kind.form].layout(kind.o.shape, kind.f.shape)
 
 

@@ -6,7 +6,6 @@ fixed body, an identity pose or a body without rotation makes zero is zero struc
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -21,6 +20,7 @@ from modelgen.geometry.frames import (
 )
 from modelgen.geometry.surface import shape_parameters
 from modelgen.model import ContactKind, ShapeKind, Side
+from modelgen.notation import ETA_SIZE
 
 
 @dataclass(frozen=True)
@@ -85,15 +85,7 @@ def partner(side: Side, name: str) -> Partner:
     )
 
 
-Layout = tuple[str, str]  # how eta carries the points of o and f: a key of SIZES each
-SIZES: Mapping[str, int] = {
-    "none": 0,
-    "chart": 2,
-    "point": 3,
-    "curve": 1,
-    "signed_curve": 3,
-    "sign": 1,
-}  # entries of eta
+Layout = tuple[str, str]  # how eta carries the points of o and f: a key of ETA_SIZE each
 
 
 @dataclass(frozen=True)
@@ -110,6 +102,6 @@ class Pair:
 
 def pair(kind: ContactKind, layout: Layout) -> Pair:
     """Symbols of a contact whose eta has the given layout."""
-    size_o, size_f = SIZES[layout[0]], SIZES[layout[1]]
+    size_o, size_f = ETA_SIZE[layout[0]], ETA_SIZE[layout[1]]
     eta = ca.SX.sym("eta", size_o + size_f)
     return Pair(partner(kind.o, "o"), partner(kind.f, "f"), layout, eta, eta[:size_o], eta[size_o:])

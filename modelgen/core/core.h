@@ -96,6 +96,10 @@ static void mg_set_fixed(mg_context *c);
 
 /* links.c */
 static int mg_present(const mg_context *c, int contact);
+static void mg_stand(mg_context *c, int contact, int link);
+static int mg_is_endless(const mg_context *c, int link);
+static int mg_first_contact(const mg_context *c, int pair);
+static int mg_has_own_links(const mg_context *c, int pair);
 static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
 static void mg_take_link(mg_context *c, int contact);
 static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
@@ -133,7 +137,6 @@ static mg_real mg_parting(mg_context *c, int pair);
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
 static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
-static int mg_first_contact(const mg_context *c, int pair);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);

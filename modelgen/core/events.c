@@ -9,7 +9,7 @@ static int mg_held(const mg_context *c, int contact) { return c->run->closed[con
    condition says so is in c->way. */
 static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
-  if (link < 0 || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) return 0;
+  if (link < 0 || mg_is_endless(c, link)) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
   if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
@@ -24,7 +24,7 @@ static void mg_mark_upright(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) {
     const int link = c->run->link[i];
     c->upright[i] = 0;
-    if (!c->run->closed[i] || c->sys->link_condition[link] == c->sys->link_condition[link + 1]) continue;
+    if (!c->run->closed[i] || mg_is_endless(c, link)) continue;
     const mg_real *eta = mg_eta_of(c, c->run->x, i);
     mg_place(c, i, eta, c->place + 32);
     c->upright[i] = mg_least_condition(c, link, eta, 1, &which) >= 0;

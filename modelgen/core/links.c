@@ -12,12 +12,30 @@ static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact) {
   return x + c->sys->n_q + c->sys->n_u + c->sys->contact_eta[contact];
 }
 
+/* Makes a contact, or the spare one behind the last, stand on a link. */
+static void mg_stand(mg_context *c, int contact, int link) {
+  const mg_system *s = c->sys;
+  c->kind[contact] = s->link_kind[link], c->parameters[contact] = s->link_parameters[link];
+  c->o[contact] = s->link_o[link], c->f[contact] = s->link_f[link];
+}
+
+/* No condition ends or watches a contact on the link. */
+static int mg_is_endless(const mg_context *c, int link) {
+  return c->sys->link_condition[link] == c->sys->link_condition[link + 1];
+}
+
+static int mg_first_contact(const mg_context *c, int pair) { return c->sys->pair_contact[pair]; }
+
+/* Each contact of the pair has a link for good; else they share the pair's links. */
+static int mg_has_own_links(const mg_context *c, int pair) {
+  return c->sys->contact_link[mg_first_contact(c, pair)] >= 0;
+}
+
 /* A contact on no link is infinitely far away, so that no loop over contacts needs to ask. */
 static void mg_take_link(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const int held = c->run->link[contact], link = held < 0 ? s->pair_link[s->contact_pair[contact]] : held;
-  c->kind[contact] = s->link_kind[link], c->parameters[contact] = s->link_parameters[link];
-  c->o[contact] = s->link_o[link], c->f[contact] = s->link_f[link];
+  mg_stand(c, contact, link);
   c->n_live -= c->n_eta[contact];
   c->n_eta[contact] = held < 0 ? 0 : mg_contact_kinds[c->kind[contact]].n_eta;
   c->n_live += c->n_eta[contact];

@@ -2,13 +2,10 @@
    conditions hold. */
 #include "core.h"
 
-/* Makes the spare contact, behind the last one, stand on a link. */
+/* Puts the spare contact, behind the last one, on a link. */
 static int mg_probe(mg_context *c, int link) {
-  const mg_system *s = c->sys;
-  const int spare = s->n_contact;
-  c->kind[spare] = s->link_kind[link], c->parameters[spare] = s->link_parameters[link];
-  c->o[spare] = s->link_o[link], c->f[spare] = s->link_f[link];
-  return spare;
+  mg_stand(c, c->sys->n_contact, link);
+  return c->sys->n_contact;
 }
 
 static int mg_has_signs(const mg_context *c, int link) { return mg_carrier(c, link, 0) == MG_SIGN ||
@@ -162,8 +159,6 @@ static int mg_is_far(const mg_context *c, int link) {
 
 static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->set->start_gap * c->sys->length; }
 
-static int mg_first_contact(const mg_context *c, int pair) { return c->sys->pair_contact[pair]; }
-
 /* Each contact of the pair has a link of its own. */
 static int mg_start_each(mg_context *c, int pair) {
   const mg_system *s = c->sys;
@@ -172,7 +167,7 @@ static int mg_start_each(mg_context *c, int pair) {
     mg_founds found = {0};
     mg_search_link(c, link, MG_GRID, 2, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (!found.count && s->link_condition[link] == s->link_condition[link + 1]) return MG_NO_EXTREMUM;
+    if (!found.count && mg_is_endless(c, link)) return MG_NO_EXTREMUM;
     if (found.count && found.list[0].undecided) return MG_NO_SIDE;
     mg_set_link(c, i, found.count ? link : -1, found.list[0].eta);
   }
@@ -188,8 +183,8 @@ static int mg_start_shared(mg_context *c, int pair) {
   for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
     mg_search_link(c, each, MG_GRID, 2, least, &found);
   c->run->failed_contact = first;
-  const int link = s->pair_link[pair], endless = s->link_condition[link] == s->link_condition[link + 1];
-  if (!found.count && endless && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
+  const int link = s->pair_link[pair];
+  if (!found.count && mg_is_endless(c, link) && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
@@ -203,8 +198,7 @@ static int mg_start_shared(mg_context *c, int pair) {
 
 static int mg_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->sys->n_pair; pair++) {
-    const int own = c->sys->contact_link[mg_first_contact(c, pair)] >= 0;
-    const int outcome = own ? mg_start_each(c, pair) : mg_start_shared(c, pair);
+    const int outcome = mg_has_own_links(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
     if (outcome) return outcome;
     c->run->moved[pair] = 0;
   }

@@ -96,7 +96,8 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->place[k];
     link = to;
   }
-  if (found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
+  const int nowhere = found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border;
+  if (nowhere || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
   }
@@ -148,7 +149,7 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
 static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
   if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
-  const int own = c->sys->contact_link[mg_first_contact(c, c->sys->link_pair[found->link])] >= 0;
+  const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
   return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear);
 }
 
@@ -218,8 +219,9 @@ static mg_real mg_sight(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real sight = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
-    const int unwatched = mg_is_unwatched(c, pair), own = s->contact_link[mg_first_contact(c, pair)] >= 0;
-    if (s->pair_search[pair] == MG_SEARCH_NEVER || (own && !unwatched)) continue;
+    if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
+    const int unwatched = mg_is_unwatched(c, pair);
+    if (mg_has_own_links(c, pair) && !unwatched) continue;
     const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from math import isfinite
 
 from modelgen.geometry.composites import rounds, splines
 from modelgen.geometry.composites.atlas import atlas, ends_of, has_poles
@@ -12,6 +13,8 @@ from modelgen.geometry.composites.conditions import at_least, at_most
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.polyhedra import box, polyhedron
 from modelgen.geometry.composites.polylines import polyline
+from modelgen.geometry.curves import curve_of
+from modelgen.geometry.domains import dimension_of, domain_of
 from modelgen.scene.types import Composite, Condition, Feature, Pose, Shape
 
 __all__ = ["Composite", "Condition", "Feature", "features_of", "is_composite", "is_convex"]
@@ -24,7 +27,6 @@ def own_solid(shape: Shape) -> Composite:
     return shape.solid
 
 
-CURVES = ("line", "segment", "edge", "circle", "ellipse_curve", "helix", "curve", "bezier_curve")
 CONVEX = ("plane", "sphere", "ellipsoid", "superellipsoid", "cylinder", "cone", "point")
 
 BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
@@ -62,8 +64,7 @@ def features_of(shape: Shape) -> Composite:
     In a cavity the edges of a convex solid are concave: they carry no contact and are left out.
     """
     if not is_composite(shape):
-        dimension = 0 if shape.kind == "point" else 1 if shape.kind in CURVES else 2
-        alone = Feature("", dimension, replace(shape, pose=Pose()), _ends(shape))
+        alone = Feature("", dimension_of(shape), replace(shape, pose=Pose()), _ends(shape))
         return Composite((alone,), is_convex(shape))
     composite = BUILDERS[shape.kind](shape)
     return _hollow(composite) if shape.cavity else composite
@@ -73,11 +74,10 @@ def _ends(shape: Shape) -> tuple[Condition, ...]:
     """Where a chart or a curve ends that is not joined to itself."""
     if shape.chart is not None:
         return tuple(ends_of(shape.chart))
-    half = {"segment": 0.5, "edge": shape.parameters[0][1] / 2 if shape.parameters else 0.0}.get(shape.kind)
-    domain = None if half is None else (-half, half)
-    if shape.curve is not None and not shape.curve.periodic:
-        domain = shape.curve.domain
-    return () if domain is None else (at_least(0, domain[0], None), at_most(0, domain[1], None))
+    if dimension_of(shape) != 1 or curve_of(shape).periodic:
+        return ()
+    ((lower, upper),) = domain_of(shape)
+    return (at_least(0, lower, None), at_most(0, upper, None)) if isfinite(lower) else ()
 
 
 def is_convex(shape: Shape) -> bool:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from modelgen.scene.own_places import quadric
+
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
 
@@ -69,12 +71,11 @@ def _is_drawn(library: Library, shape: Mapping[str, Any]) -> bool:
 def _cut(mesh: Array, shape: Mapping[str, Any], borders: list[Any]) -> Array:
     """NaN where a quadric condition of the feature does not hold."""
     placement = np.array(shape["placement"])
-    x, y, z = np.moveaxis((mesh - placement[:3]) @ placement[3:].reshape(3, 3, order="F"), -1, 0)
-    terms = np.array([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, x * z, y * z])
+    local = ((mesh - placement[:3]) @ placement[3:].reshape(3, 3, order="F")).reshape(-1, 3)
     slack = 1e-9 * max(float(np.abs(mesh).max()), 1e-9)
     for border in borders:
         if border["kind"] == "quadric":
-            outside = np.tensordot(np.array(border["numbers"]), terms, 1) < -slack
+            outside = quadric(border["numbers"], local).reshape(mesh.shape[:-1]) < -slack
             mesh = np.where(outside[..., None], np.nan, mesh)
     return mesh
 

@@ -19,8 +19,9 @@ from modelgen.derive import Derivation
 from modelgen.dynamics.closed_form import right_hand_side
 from modelgen.errors import SimulationError
 from modelgen.model import ContactEntry, LinkEntry, Model, PairEntry
+from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import ETA_SIZE, Session
+from modelgen.runtime.session import Session
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -22,6 +22,7 @@ from modelgen.model import (
     Search,
     ShapeKind,
 )
+from modelgen.notation import ETA_SIZE
 from modelgen.require.following import Following, confined, following
 from modelgen.require.joints import Joined, joined
 from modelgen.require.links import Whole, links_of
@@ -32,7 +33,6 @@ from modelgen.require.masses import (
     inverse_numbers,
     mass_of,
     pose_numbers,
-    rotation_of,
 )
 from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
@@ -40,9 +40,9 @@ from modelgen.require.scales import scales_of
 from modelgen.require.soundness import soundness
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.require.weights import load_kind, load_parameters
+from modelgen.scene.poses import rotation_of
 from modelgen.scene.types import Body, Scene, Vector
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
 

@@ -12,11 +12,11 @@ import numpy as np
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.features import features_of, is_convex
-from modelgen.geometry.poses import compose, rotation_of, to_outer
 from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
 from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
+from modelgen.scene.poses import compose, rotation_of, to_outer
 from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line

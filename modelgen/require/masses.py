@@ -11,6 +11,7 @@ import numpy as np
 from modelgen.errors import SceneError
 from modelgen.geometry.solid import mass_properties
 from modelgen.model import InertiaKind
+from modelgen.scene.poses import rotation_of
 from modelgen.scene.types import Body, Pose, Shape, Vector
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -25,18 +26,6 @@ class Mass:
     mass: float
     centre: Vector
     inertia: Array | None = None
-
-
-def rotation_of(quaternion: tuple[float, float, float, float]) -> Array:
-    """The rotation matrix (3,3) of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def pose_numbers(pose: Pose, shift: Vector = (0.0, 0.0, 0.0)) -> tuple[float, ...]:

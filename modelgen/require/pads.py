@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, pi, sin
 
-from modelgen.geometry.poses import rotation_of, to_outer
+from modelgen.scene.poses import rotation_of, to_outer
 from modelgen.scene.types import Condition, Feature, Shape
 
 RIMS = ("circle", "ellipse_curve")

@@ -37,8 +37,8 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, nearest
+from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
-from modelgen.runtime.session import ETA_SIZE
 from modelgen.runtime.tables import QUERY_FOUND, QUERY_GIVEN, Array, Tables, address
 
 SIGNS = (float("inf"),) * 2  # entries that jump

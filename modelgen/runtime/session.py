@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
+from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import redundancy
 from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
-ETA_SIZE = {"point": 3, "chart": 2, "none": 0, "curve": 1, "signed_curve": 3, "sign": 1}
 CONTINUE, FULL = 1, 2
 
 

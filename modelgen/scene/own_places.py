@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import cos, hypot, inf, pi, sin, tan
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from modelgen.scene.expression import evaluate
 from modelgen.scene.place import Place
+from modelgen.scene.poses import rotation_of
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -113,7 +114,7 @@ def _check_face(edge: Feature, points: Array, face: Feature, size: float, place:
             )
     for condition in face.conditions:
         if condition.next == edge.name and condition.kind == "quadric":
-            worst = float(np.abs(quadric(condition, local)).max())
+            worst = float(np.abs(quadric(condition.numbers, local)).max())
             if worst > APART * size:
                 raise place.error(
                     f"the condition of {face.name!r} for {edge.name!r} is {worst:.3g} m off zero there",
@@ -144,7 +145,7 @@ def _check_wing(
             )  # fmt: skip
     for condition in face.conditions:
         if condition.next == edge.name and condition.kind == "quadric":
-            ahead, behind = quadric(condition, local)
+            ahead, behind = quadric(condition.numbers, local)
             if not ahead > behind:
                 raise place.error(
                     f"a wing of {edge.name!r} that points out of the face {face.name!r}",
@@ -163,28 +164,20 @@ def _check_vertex(edge: Feature, t: float, vertex: Feature, size: float, place: 
         )  # fmt: skip
 
 
-def quadric(condition: Condition, x: Array) -> Array:
-    """The value (n,) of a quadric at points (n,3)."""
-    c, bx, by, bz, xx, yy, zz, xy, xz, yz = condition.numbers
+def quadric(numbers: Sequence[float], x: Array) -> Array:
+    """The value (n,) of a quadric, the numbers of its condition, at points (n,3)."""
+    c, bx, by, bz, xx, yy, zz, xy, xz, yz = numbers
     matrix = np.array([[xx, xy / 2, xz / 2], [xy / 2, yy, yz / 2], [xz / 2, yz / 2, zz]])
     value: Array = c + x @ np.array([bx, by, bz]) + np.einsum("ni,ij,nj->n", x, matrix, x)
     return value
 
 
-def _rotation(pose: Pose) -> Array:
-    w, *axis = pose.quaternion
-    x, y, z = axis
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn: Array = np.eye(3) + 2 * w * skew + 2 * skew @ skew
-    return turn
-
-
 def _moved(pose: Pose, points: Array) -> Array:
     """Points (n,3) of the shape frame in the frame of the solid."""
-    moved: Array = points @ _rotation(pose).T + np.array(pose.position)
+    moved: Array = points @ rotation_of(pose.quaternion).T + np.array(pose.position)
     return moved
 
 
 def _local(pose: Pose, points: Array) -> Array:
-    local: Array = (points - np.array(pose.position)) @ _rotation(pose)
+    local: Array = (points - np.array(pose.position)) @ rotation_of(pose.quaternion)
     return local

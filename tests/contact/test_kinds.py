@@ -18,10 +18,9 @@ from modelgen.contact.kinds import (
     order,
     regular_forms,
 )
-from modelgen.contact.sides import SIZES
 from modelgen.errors import SceneError
 from modelgen.model import BodyMotion, ContactKind, Posing, ShapeKind, Side
-from modelgen.notation import notation
+from modelgen.notation import ETA_SIZE, notation
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Chart
@@ -142,7 +141,7 @@ def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str)
             continue
         kind = ContactKind(f"{o}_{f}_{form.name}", form.name, side(o, "fixed"), side(f, "driven"))
         kernels = contact_kernels(kind)
-        n_eta = sum(SIZES[carrier] for carrier in eta_layout(kind))
+        n_eta = sum(ETA_SIZE[carrier] for carrier in eta_layout(kind))
         n_par = len(KINDS[o].parameter_names) + len(KINDS[f].parameter_names)
         assert (kernels.rates.name(), kernels.place.name()) == (
             f"mg_{kind.name}_rates",

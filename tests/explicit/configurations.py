@@ -12,7 +12,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from tests.curves.configurations import across, curve, units
+from tests.curves.configurations import Truth, across, curve, units
 from tests.curves.specimens import ALL
 from tests.explicit.specimens import CENTRES, is_surface
 from tests.laws.configurations import Array, columns, pose_of, rotation_taking, surface, turned
@@ -70,19 +70,6 @@ def lengths(o: str, f: str, n: int, swapped: bool = False) -> Array:
     sides = ALL[o].parameters, CENTRES[f].parameters
     numbers = [*sides[1], *sides[0]] if swapped else [*sides[0], *sides[1]]
     return np.tile(np.array(numbers).reshape(-1, 1), (1, n))
-
-
-@dataclass(frozen=True)
-class Truth:
-    """Derivatives along the motion, one column per configuration."""
-
-    d: Array
-    d_dot: Array
-    d_ddot: Array
-    alpha_dot: Array
-    x_o_dot: Array  # (3,n) shape frame
-    normal: Array
-    normal_rate: Array
 
 
 @cache

@@ -9,13 +9,13 @@ import pytest
 
 from modelgen.contact.kinds import contact_kernels, eta_layout
 from modelgen.model import BodyMotion, ContactKind, Posing, ShapeKind, Side
+from modelgen.notation import ETA_SIZE
 from tests.curves.specimens import ALL
 from tests.explicit.specimens import CENTRES
 from tests.laws.configurations import Array, columns, pose_of, rotation_of, rotation_taking, turned
 
 COUNT = 12
 CLOSE = {"rtol": 1e-9, "atol": 1e-9}
-SIZES = {"none": 0, "chart": 2, "point": 3, "curve": 1, "sign": 1}
 CASES = [
     ("plane", "vertex", "explicit"), ("sphere", "vertex", "explicit"), ("torus", "vertex", "centre_surface"),
     ("patch", "ball", "centre_surface"), ("sphere", "ellipsoid", "centre_surface"),
@@ -49,7 +49,7 @@ def drawn(o: str, f: str, form: str) -> tuple[list[Array], list[Array], Array, l
         axes = [axis / np.linalg.norm(axis, axis=0) for axis in random.normal(size=(2, 3, COUNT))]
         R = rotation_taking(*axes, random.uniform(-3, 3, COUNT))
         poses.append(pose_of(2 * random.normal(size=(3, COUNT)), R))
-    eta = random.uniform(0.2, 0.8, (sum(SIZES[each] for each in eta_layout(kind_of(o, f, form))), COUNT))
+    eta = random.uniform(0.2, 0.8, (sum(ETA_SIZE[each] for each in eta_layout(kind_of(o, f, form))), COUNT))
     numbers = [np.tile(np.array(shape(name)[1]).reshape(-1, 1), COUNT) for name in (o, f)]
     return poses, list(random.normal(size=(2, 6, COUNT))), eta, numbers
 

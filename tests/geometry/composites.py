@@ -12,9 +12,9 @@ from scipy.spatial import ConvexHull
 
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.features import features_of
-from modelgen.geometry.poses import rotation_of, to_inner, to_outer
 from modelgen.scene import build
 from modelgen.scene.own_places import point_on, quadric
+from modelgen.scene.poses import rotation_of, to_inner, to_outer
 from modelgen.scene.types import Condition, Feature, Shape
 
 Level = Callable[[np.ndarray], float]
@@ -222,7 +222,7 @@ def values(
     local = to_inner(shape.pose, x)
     for condition in feature.conditions:
         if condition.kind == "quadric":
-            value = float(quadric(condition, local[None])[0])
+            value = float(quadric(condition.numbers, local[None])[0])
         elif condition.kind == "parameter":
             index, sign, bound = condition.numbers
             is_edge = feature.dimension == 1

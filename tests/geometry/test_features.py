@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from modelgen.geometry.features import features_of, is_composite, is_convex
-from modelgen.geometry.poses import rotation_of, to_inner
 from modelgen.scene import build
+from modelgen.scene.poses import rotation_of, to_inner
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 from .composites import (

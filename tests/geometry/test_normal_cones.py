@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import minimize_scalar, nnls
 
 from modelgen.geometry.features import features_of
-from modelgen.geometry.poses import rotation_of, to_inner
+from modelgen.scene.poses import rotation_of, to_inner
 from modelgen.scene.types import Feature
 
 from .composites import GEM, SPECIMENS, curve_frame, curve_parameter, off_and_normal, values

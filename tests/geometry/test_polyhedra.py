@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from modelgen.geometry.features import features_of
@@ -40,6 +40,7 @@ def test_any_polyhedron_is_closed(seed: int, count: int, shift: float) -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10**6), st.floats(-14, -4))
+@example(287, -13.5)
 def test_corners_that_are_nearly_in_one_plane_leave_no_gap(seed: int, decade: float) -> None:
     """Faces end at edges or at each other, edges at vertices, however a lattice is disturbed."""
     random = np.random.default_rng(seed)

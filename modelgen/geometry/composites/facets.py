@@ -19,7 +19,7 @@ from modelgen.geometry.composites.conditions import (
     vertex,
     wing,
 )
-from modelgen.geometry.poses import frame, to_inner
+from modelgen.scene.poses import frame, to_inner
 from modelgen.scene.types import Condition, Feature
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

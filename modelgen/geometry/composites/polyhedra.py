@@ -13,8 +13,8 @@ from modelgen.scene.types import Composite, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-# Distance from the plane of a face, against the size of the body, of points that lie in it: tried in this
-# order until the faces close up.
+# Against the size of the body: the distance of points that are one, and from the plane of a face of points
+# that lie in it. Tried in this order until the faces close up.
 COPLANAR = (1e-9, 1e-11, 1e-13, 1e-7, 1e-5)
 
 _BOX_NAMES = (("left", "right"), ("front", "back"), ("bottom", "top"))  # at -x, +x; -y, +y; -z, +z
@@ -71,16 +71,25 @@ def _hull_loops(points: Array, name: str) -> tuple[tuple[int, ...], ...]:
     """The faces of the convex hull, triangles of one plane merged, each from its lowest point on."""
     from scipy.spatial import ConvexHull
 
-    hull = ConvexHull(points)
     size = float(np.ptp(points, axis=0).max())
     for share in COPLANAR:
-        loops = _merged(points, hull.simplices, hull.equations, share * size)
+        kept = _apart(points, share * size)
+        hull = ConvexHull(points[kept])
+        loops = _merged(points, kept[hull.simplices], hull.equations, share * size)
         if _closed(loops):
             return loops
     raise SceneError(
         f"shape {name!r}", "vertices that lie nearly, but not quite, in common planes",
         "faces are flat or meet at an angle", "write more digits, or move them apart",
     )  # fmt: skip
+
+
+def _apart(points: Array, reach: float) -> Array:
+    """Numbers of the points that are no nearer than `reach` m to one before them."""
+    from scipy.spatial import cKDTree
+
+    merged = {second for _, second in cKDTree(points).query_pairs(reach)}
+    return np.array([index for index in range(len(points)) if index not in merged])
 
 
 def _merged(points: Array, triangles: Array, planes: Array, reach: float) -> tuple[tuple[int, ...], ...]:

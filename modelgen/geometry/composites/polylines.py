@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.composites.conditions import at_least, at_most, edge, smooth
-from modelgen.geometry.poses import frame
+from modelgen.scene.poses import frame
 from modelgen.scene.spline_shapes import ROUNDING, STRAIGHT
 from modelgen.scene.splines import Polyline
 from modelgen.scene.types import Composite, Feature, Shape

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import atan2, hypot
 
 from modelgen.geometry.composites.conditions import above, below, edge, face, smooth, wing, within_circle
-from modelgen.geometry.poses import UPSIDE_DOWN, Quaternion
+from modelgen.scene.poses import UPSIDE_DOWN, Quaternion
 from modelgen.scene.types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
 TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelgen.geometry.poses import compose, frame, quaternion_of, rotation_of, to_inner, to_outer
+from modelgen.scene.poses import compose, frame, quaternion_of, rotation_of, to_inner, to_outer
 from modelgen.scene.types import Pose
 
 
