@@ -132,7 +132,7 @@ def crossings(first: list[Array], second: list[Array]) -> Array:
 
 
 def brute_margin(
-    o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array, n: int = 400
+    o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array, n: int = 200
 ) -> Array | None:
     """Margins by polygons for curves and scipy's hull of points of both regions; None: too few."""
     b = sampled(f, pose, n)

@@ -7,7 +7,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import SimulationError
@@ -45,6 +45,7 @@ def test_in_a_disc_or_ring_the_margin_is_radius_less_distance(
     assert found.margin == pytest.approx(size * (1 - np.hypot(*POINTS.T)), rel=0, abs=CLOSE * size)
 
 
+@settings(deadline=None)
 @given(angle=st.floats(-pi, pi), depth=st.floats(0, 0.249))
 def test_in_an_ellipse_the_margin_is_the_depth_along_its_normal(
     plane_core: CoreBuild, angle: float, depth: float
@@ -59,6 +60,7 @@ def test_in_an_ellipse_the_margin_is_the_depth_along_its_normal(
     assert found.margin == pytest.approx([depth, -4 * depth], rel=0, abs=8 * CLOSE)
 
 
+@settings(deadline=None)
 @given(x=number, y=number)
 def test_in_a_rectangle_the_margin_is_that_of_the_nearest_side(
     plane_core: CoreBuild, x: float, y: float
@@ -70,6 +72,7 @@ def test_in_a_rectangle_the_margin_is_that_of_the_nearest_side(
     assert found.margin[0] == pytest.approx(expected, rel=0, abs=CLOSE)
 
 
+@settings(deadline=None)
 @given(x=number, y=number)
 def test_in_a_stadium_the_margin_is_radius_less_distance_to_the_segment(
     plane_core: CoreBuild, x: float, y: float
@@ -80,6 +83,7 @@ def test_in_a_stadium_the_margin_is_radius_less_distance_to_the_segment(
     assert found.margin[0] == pytest.approx(expected, rel=0, abs=CLOSE)
 
 
+@settings(deadline=None)
 @given(distance=st.floats(0.01, 1.99), x=number, y=number)
 def test_two_discs_share_a_lens(plane_core: CoreBuild, distance: float, x: float, y: float) -> None:
     """Its margin: the lesser depth in the discs, or the distance to a tip in the tip's normal cone."""
@@ -135,6 +139,7 @@ def test_equal_regions_exactly_on_each_other_overlap_wholly(
     assert found.margin == pytest.approx(alone.margin, rel=0, abs=1e-14)
 
 
+@settings(deadline=None)
 @given(slide=st.floats(-1.9, 1.9), x=number, y=number)
 def test_bricks_with_sides_in_one_line_share_a_rectangle(
     plane_core: CoreBuild, slide: float, x: float, y: float
