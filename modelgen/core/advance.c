@@ -22,8 +22,9 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
+      if (c->set->method == MG_RK4) return MG_DONE;
       if (mg_starts_rolling(c)) run->h = c->pace;
-      else if (c->set->method == MG_DOP853 && (next > run->h || *h >= run->h || most < 6)) run->h = next;
+      else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
     run->rejected++;

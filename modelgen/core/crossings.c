@@ -2,6 +2,7 @@
 #include "region.h"
 
 #define MG_SPLITS 128 /* pairs of spans that wait to be split */
+#define MG_ALONG 0.3  /* rad: spans whose directions differ by less run side by side */
 
 typedef struct {
   int count;
@@ -70,10 +71,10 @@ static int mg_is_near(const mg_span *x, const mg_span *y, mg_real shared) {
 }
 
 /* Spans whose tangents have no direction in common cross at most once: Newton's method. */
-static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y) {
+static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y, const mg_real *start) {
   const mg_span *s[2] = {x, y};
   const int track[2] = {x->track, y->track};
-  mg_real t[2] = {(x->a + x->b) / 2, (y->a + y->b) / 2}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
+  mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
   for (int i = 0; i < 50; i++) {
     for (int k = 0; k < 2; k++) mg_on(h->track + track[k], t[k], c[k], T[k]);
     for (int k = 0; k < 2; k++) apart[k] = c[1][k] - c[0][k];
@@ -97,31 +98,56 @@ static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y) {
   if (mg_dot2(apart, apart) <= h->regions->shared * h->regions->shared) mg_add_cut(h, track, t, middle);
 }
 
-/* Whether the curvatures of two spans are about the same, or nothing beside `shared`. */
-static int mg_bend_alike(const mg_span *x, const mg_span *y, mg_real along, mg_real across, mg_real shared) {
-  const mg_real bend = x->turn / along, other = y->turn / across, least = fmin(along, across);
-  return fabs(bend - other) <= fmax(fmax(bend, other) / 4, 16 * shared / (least * least));
-}
-
-/* Whether the smaller span lies on the other throughout. */
-static int mg_coincide(const mg_hull *h, const mg_span *x, const mg_span *y) {
-  const mg_span *inner = mg_apart2(x->P, x->Q) < mg_apart2(y->P, y->Q) ? x : y, *outer = inner == x ? y : x;
-  const mg_track *k = h->track + inner->track, *other = h->track + outer->track;
-  int touching = 0;
+/* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
+static int mg_gaps(const mg_hull *h, const mg_span *x, const mg_span *y, mg_real *s, mg_real *t, mg_real *gap) {
+  const mg_track *k = h->track + x->track, *other = h->track + y->track;
+  const mg_real ends[2] = {mg_zero_along(k, MG_FOOT, y->P, x->a, x->b), mg_zero_along(k, MG_FOOT, y->Q, x->a, x->b)};
+  if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->a) + fabs(x->b))) return 0;
   for (int i = 0; i < 5; i++) {
     mg_real p[2], q[2], T[2];
-    mg_on(k, inner->a + i * (inner->b - inner->a) / 4, p, T);
-    const mg_real chord[2] = {outer->Q[0] - outer->P[0], outer->Q[1] - outer->P[1]};
-    const mg_real from[2] = {p[0] - outer->P[0], p[1] - outer->P[1]}, to[2] = {p[0] - outer->Q[0], p[1] - outer->Q[1]};
-    if (mg_dot2(from, chord) < 0 || mg_dot2(to, chord) > 0) continue;
-    mg_on(other, mg_zero_along(other, MG_FOOT, p, outer->a, outer->b), q, T);
-    if (mg_apart2(p, q) > h->regions->shared) return 0;
-    touching++;
+    s[i] = ends[0] + i * (ends[1] - ends[0]) / 4;
+    mg_on(k, s[i], p, T);
+    t[i] = mg_zero_along(other, MG_FOOT, p, y->a, y->b);
+    mg_on(other, t[i], q, T);
+    const mg_real arm[2] = {p[0] - q[0], p[1] - q[1]};
+    gap[i] = mg_cross2(T, arm) / sqrt(mg_dot2(T, T));
   }
-  return touching > 1;
+  return 1;
 }
 
-static void mg_push(mg_splits *stack, const mg_span *x, const mg_span *y) {
+/* A gap that closes at an end is a cut there: what follows may not see it. */
+static void mg_try_closed(mg_hull *h, const mg_span *x, const mg_span *y, mg_real s, mg_real t, mg_real gap) {
+  const int track[2] = {x->track, y->track};
+  const mg_real at[2] = {s, t};
+  mg_real point[2], T[2];
+  if (fabs(gap) > h->regions->shared) return;
+  mg_on(h->track + x->track, s, point, T);
+  mg_add_cut(h, track, at, point);
+}
+
+/* Spans that run side by side: 1 where the gap between them, nearly linear, tells that they are apart, one, or cross
+   once, which is then found; 0: they have to be split. */
+static int mg_run_along(mg_hull *h, const mg_span *x, const mg_span *y) {
+  mg_real s[5], t[5], gap[5], bent = 0, least = MG_MAX, most = 0, step = MG_MAX;
+  if (!mg_gaps(h, x, y, s, t, gap)) return 1;
+  int change = -1, changes = 0;
+  for (int i = 0; i < 5; i++) {
+    least = fmin(least, fabs(gap[i])), most = fmax(most, fabs(gap[i]));
+    if (i > 1) bent = fmax(bent, fabs(gap[i] - 2 * gap[i - 1] + gap[i - 2]));
+    if (i > 0) step = fmin(step, fabs(gap[i] - gap[i - 1]));
+    if (i > 0 && (gap[i] > 0) != (gap[i - 1] > 0)) change = i, changes++;
+  }
+  if (most <= h->regions->shared) return 1;
+  mg_try_closed(h, x, y, s[0], t[0], gap[0]), mg_try_closed(h, x, y, s[4], t[4], gap[4]);
+  if (!changes && least > bent) return 1;
+  if (changes != 1 || step <= bent) return 0;
+  const mg_real part = gap[change - 1] / (gap[change - 1] - gap[change]), start[2] = {
+    s[change - 1] + part * (s[change] - s[change - 1]), t[change - 1] + part * (t[change] - t[change - 1])};
+  mg_try_crossing(h, x, y, start);
+  return 1;
+}
+
+static void mg_push_spans(mg_splits *stack, const mg_span *x, const mg_span *y) {
   stack->pair[stack->count][0] = *x, stack->pair[stack->count++][1] = *y;
 }
 
@@ -133,7 +159,7 @@ static void mg_split(const mg_hull *h, mg_splits *stack, const mg_span *x, const
     mg_span half;
     mg_span_between(h, whole->track, ends[i], ends[i + 1], &half);
     if (h->track[whole->track].straight) half.turn = 0;
-    mg_push(stack, second ? x : &half, second ? &half : y);
+    mg_push_spans(stack, second ? x : &half, second ? &half : y);
   }
 }
 
@@ -141,15 +167,16 @@ static void mg_split(const mg_hull *h, mg_splits *stack, const mg_span *x, const
 static void mg_cross_spans(mg_hull *h, const mg_span *first, const mg_span *second) {
   mg_splits stack;
   stack.count = 0;
-  mg_push(&stack, first, second);
+  mg_push_spans(&stack, first, second);
   while (stack.count) {
     const mg_span x = stack.pair[--stack.count][0], y = stack.pair[stack.count][1];
     const mg_real u[2] = {x.Q[0] - x.P[0], x.Q[1] - x.P[1]}, v[2] = {y.Q[0] - y.P[0], y.Q[1] - y.P[1]};
     const mg_real along = sqrt(mg_dot2(u, u)), across = sqrt(mg_dot2(v, v)), shared = h->regions->shared;
     if ((along <= shared && across <= shared) || !mg_is_near(&x, &y, shared)) continue;
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
-    if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y);
-    else if (stack.count + 2 <= MG_SPLITS && !(mg_bend_alike(&x, &y, along, across, shared) && mg_coincide(h, &x, &y)))
+    const mg_real middle[2] = {(x.a + x.b) / 2, (y.a + y.b) / 2};
+    if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y, middle);
+    else if (stack.count + 2 <= MG_SPLITS && !(sine + x.turn + y.turn < MG_ALONG && mg_run_along(h, &x, &y)))
       mg_split(h, &stack, &x, &y);
   }
 }

@@ -94,7 +94,7 @@ static int mg_is_flat(const mg_hull *h, int p, int q, int r) {
 }
 
 /* Andrew's monotone chain (Inf. Proc. Letters 9, 1979); returns the number of corners, left behind the order. */
-static int mg_chain(const mg_hull *h, int n, int *corner) {
+static int mg_hull_chain(const mg_hull *h, int n, int *corner) {
   int count = 0;
   for (int way = 0; way < 2; way++) {
     const int floor = way ? count + 1 : 2;
@@ -155,7 +155,7 @@ static void mg_make_edges(mg_hull *h) {
   mg_sort_spots(h, h->n_spot);
   const int n = mg_join_twins(h, h->n_spot);
   int *corner = h->order + h->spot_room;
-  const int count = mg_drop_flat(h, mg_chain(h, n, corner), corner);
+  const int count = mg_drop_flat(h, mg_hull_chain(h, n, corner), corner);
   for (int i = 0; i < count; i++) mg_make_edge(h, h->edge + i, corner[i], corner[(i + 1) % count]);
   h->n_edge = count;
 }
@@ -169,7 +169,7 @@ static int mg_find_top(const mg_hull *h, int spot, const mg_real *n, mg_real *t)
 }
 
 /* Adds the point of a curve that is farthest beyond a straight side; returns whether there is one. */
-static int mg_raise(mg_hull *h, const mg_edge *e, int n) {
+static int mg_raise_side(mg_hull *h, const mg_edge *e, int n) {
   const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->spot[e->u].point);
   mg_real best = 2 * MG_EPS * h->size, best_t = 0;
   int from = -1;
@@ -188,7 +188,7 @@ static int mg_raise(mg_hull *h, const mg_edge *e, int n) {
 }
 
 /* Brings an end of a straight side that lies within a curve to the point of tangency. */
-static void mg_settle_end(mg_hull *h, int spot, const mg_real *n) {
+static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
   mg_spot *s = h->spot + spot;
   int before = -1;
   for (int i = 0; i < h->n_spot && before < 0; i++)
@@ -200,11 +200,11 @@ static void mg_settle_end(mg_hull *h, int spot, const mg_real *n) {
   mg_on(h->track + s->track, t, s->point, s->tangent);
 }
 
-static void mg_settle_ends(mg_hull *h) {
+static void mg_settle_tangents(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) {
     mg_edge *e = h->edge + i;
     if (e->way || !(e->length > 0)) continue;
-    mg_settle_end(h, e->u, e->normal), mg_settle_end(h, e->v, e->normal);
+    mg_settle_tangent(h, e->u, e->normal), mg_settle_tangent(h, e->v, e->normal);
   }
   for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edge + i, h->edge[i].u, h->edge[i].v);
 }
@@ -216,9 +216,9 @@ static void mg_make_hull(mg_hull *h) {
     const int n = h->n_spot;
     int raised = 0;
     for (int i = 0; i < h->n_edge; i++)
-      if (!h->edge[i].way && h->edge[i].length > 0) raised += mg_raise(h, h->edge + i, h->n_spot);
+      if (!h->edge[i].way && h->edge[i].length > 0) raised += mg_raise_side(h, h->edge + i, h->n_spot);
     if (!raised || h->n_spot == n) break;
     mg_make_edges(h);
   }
-  mg_settle_ends(h);
+  mg_settle_tangents(h);
 }

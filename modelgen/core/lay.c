@@ -26,7 +26,7 @@ static long mg_hull_room(int n_arc, int n_o) {
          mg_reals(2 * r.spot, sizeof(int));
 }
 
-static void *mg_carve(mg_real **memory, long n, size_t size) {
+static void *mg_part_of_memory(mg_real **memory, long n, size_t size) {
   void *at = *memory;
   *memory += mg_reals(n, size);
   return at;
@@ -35,13 +35,13 @@ static void *mg_carve(mg_real **memory, long n, size_t size) {
 static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
   const mg_rooms r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
-  h->track = mg_carve(&memory, regions->n_arc, sizeof(mg_track));
-  h->span = mg_carve(&memory, r.span, sizeof(mg_span)), h->span_room = (int)r.span;
-  h->cut = mg_carve(&memory, r.cut, sizeof(mg_cut)), h->cut_room = (int)r.cut;
-  h->piece = mg_carve(&memory, r.piece, sizeof(mg_piece)), h->piece_room = (int)r.piece;
-  h->spot = mg_carve(&memory, r.spot, sizeof(mg_spot)), h->spot_room = (int)r.spot;
-  h->edge = mg_carve(&memory, r.spot, sizeof(mg_edge));
-  h->order = mg_carve(&memory, 2 * r.spot, sizeof(int));
+  h->track = mg_part_of_memory(&memory, regions->n_arc, sizeof(mg_track));
+  h->span = mg_part_of_memory(&memory, r.span, sizeof(mg_span)), h->span_room = (int)r.span;
+  h->cut = mg_part_of_memory(&memory, r.cut, sizeof(mg_cut)), h->cut_room = (int)r.cut;
+  h->piece = mg_part_of_memory(&memory, r.piece, sizeof(mg_piece)), h->piece_room = (int)r.piece;
+  h->spot = mg_part_of_memory(&memory, r.spot, sizeof(mg_spot)), h->spot_room = (int)r.spot;
+  h->edge = mg_part_of_memory(&memory, r.spot, sizeof(mg_edge));
+  h->order = mg_part_of_memory(&memory, 2 * r.spot, sizeof(int));
   mg_divide_tracks(h);
 }
 

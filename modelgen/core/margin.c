@@ -4,17 +4,17 @@
 typedef struct { /* the nearest point so far: at parameter t of the curve from u, or at a spot (curve 0) */
   mg_real distance, t;
   int edge, spot, curve;
-} mg_nearest;
+} mg_nearest_side;
 
-static void mg_try_spot(const mg_hull *h, int edge, int spot, const mg_real *x, mg_nearest *best) {
+static void mg_try_spot(const mg_hull *h, int edge, int spot, const mg_real *x, mg_nearest_side *best) {
   const mg_real distance = mg_apart2(h->spot[spot].point, x);
   if (!(distance < best->distance)) return;
-  const mg_nearest found = {distance, h->spot[spot].t, edge, spot, 0};
+  const mg_nearest_side found = {distance, h->spot[spot].t, edge, spot, 0};
   *best = found;
 }
 
 /* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
-static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest *best) {
+static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
   const mg_edge *e = h->edge + edge;
   const mg_spot *a = h->spot + (e->way > 0 ? e->u : e->v), *b = h->spot + a->next;
   const mg_real from[2] = {a->point[0] - x[0], a->point[1] - x[1]}, to[2] = {b->point[0] - x[0], b->point[1] - x[1]};
@@ -24,19 +24,19 @@ static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest
   mg_on(h->track + a->track, t, p, T);
   const mg_real arm[2] = {x[0] - p[0], x[1] - p[1]}, distance = sqrt(mg_dot2(arm, arm));
   if (distance <= best->distance) {
-    const mg_nearest found = {distance, t, edge, -1, 1};
+    const mg_nearest_side found = {distance, t, edge, -1, 1};
     *best = found;
   }
   return e->way * mg_cross2(T, arm) < 0;
 }
 
 /* The same for a straight side. */
-static int mg_try_side(const mg_hull *h, int edge, const mg_real *x, mg_nearest *best) {
+static int mg_try_side(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
   const mg_edge *e = h->edge + edge;
   const mg_real *p = h->spot[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
   const mg_real along = mg_cross2(arm, e->normal) * -1, off = mg_dot2(arm, e->normal);
   if (along > 0 && along < e->length && fabs(off) < best->distance) {
-    const mg_nearest found = {fabs(off), 0, edge, -1, 0};
+    const mg_nearest_side found = {fabs(off), 0, edge, -1, 0};
     *best = found;
   }
   return off * e->length > 4 * MG_EPS * h->size * (fabs(arm[0]) + fabs(arm[1]) + e->length);
@@ -50,8 +50,8 @@ static int mg_is_beyond(const mg_hull *h, const mg_edge *e, int spot, const mg_r
 }
 
 /* The nearest point of the hull's boundary to x. Returns whether x is outside. */
-static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest *best) {
-  int outside = h->n_edge < 2;
+static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
+  int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edge[0].way && !h->edge[1].way);
   best->distance = MG_MAX, best->edge = 0;
   for (int i = 0; i < h->n_edge; i++) mg_try_spot(h, i, h->edge[i].u, x, best);
   for (int i = 0; i < h->n_edge; i++) {
@@ -81,7 +81,7 @@ static void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
 }
 
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
-static void mg_tell_brink(const mg_hull *h, const mg_nearest *near, const mg_real *x, mg_brink *brink) {
+static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_brink *brink) {
   const mg_edge *e = h->edge + near->edge;
   brink->n = 1;
   if (near->spot >= 0) {
@@ -102,7 +102,7 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest *near, const mg_rea
 }
 
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {
-  mg_nearest near = {MG_MAX, 0, 0, -1, 0};
+  mg_nearest_side near = {MG_MAX, 0, 0, -1, 0};
   brink->n = 0, brink->margin = -MG_MAX;
   if (h->n_edge == 0) return brink->margin;
   brink->margin = mg_find_nearest(h, x, &near) ? -near.distance : near.distance;

@@ -18,7 +18,7 @@ static void mg_put_margin(const mg_hull *h, const mg_region_query *q, int i) {
 }
 
 MG_API int mg_region(const mg_region_query *q, mg_real *work) {
-  mg_arc *arc = mg_carve(&work, q->n_arc, sizeof(mg_arc));
+  mg_arc *arc = mg_part_of_memory(&work, q->n_arc, sizeof(mg_arc));
   for (int i = 0; i < q->n_arc; i++) {
     const mg_real *numbers = q->numbers + 14 * i;
     const mg_arc given = {q->shape[i], q->loop[i], q->parameters + q->first[i], numbers, numbers[12], numbers[13]};

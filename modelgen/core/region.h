@@ -89,7 +89,7 @@ static long mg_hull_room(int n_arc, int n_o);
 static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory);
 static int mg_lay(mg_hull *h, const mg_real *pose);
 static long mg_reals(long n, size_t size);
-static void *mg_carve(mg_real **memory, long n, size_t size);
+static void *mg_part_of_memory(mg_real **memory, long n, size_t size);
 
 /* margin.c: signed distance of x to the hull's boundary, m, > 0 inside; -MG_MAX for an empty hull. */
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);

@@ -208,22 +208,21 @@ static mg_real mg_rounding(const mg_context *c, mg_real h) {
   return most;
 }
 
-/* Rounds until the stages of a step h are found, with the lean held or followed. Returns to what part of their scale they
-   are, which rounding may bound, or NAN. */
-static mg_real mg_find_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
-  mg_real before = MG_MAX;
-  for (int round = 0; round < 40; round++) {
-    const mg_real most = mg_round(c, t, x, h, held), noise = most > before ? most : before;
-    if (!(most <= MG_MAX) || (round && most <= c->set->tolerance / 100)) return most;
+/* The stages of a step h, first with the lean held, then with it followed. Returns to what part of their scale they are
+   found, which rounding may bound, or NAN. */
+static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  const mg_real goal = c->set->tolerance / 100;
+  mg_real before = MG_MAX, most = before;
+  if (!mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
+  for (int round = 0; round < 12 && !(round && most <= goal); round++) most = mg_round(c, t, x, h, 1);
+  for (int round = 0; round < 40 && most <= MG_MAX; round++) {
+    most = mg_round(c, t, x, h, 0);
+    if (round && most <= goal) return most;
+    const mg_real noise = most > before ? most : before;
     if (round > 4 && most > before / 4 && noise <= mg_rounding(c, h)) return noise;
     before = most;
   }
   return (mg_real)NAN;
-}
-
-static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  if (!mg_guess_stages(c, t, x, h) || !(mg_find_stages(c, t, x, h, 1) <= MG_MAX)) return (mg_real)NAN;
-  return mg_find_stages(c, t, x, h, 0);
 }
 
 /* What the explicit method can follow afterwards: the swing about the smooth solution. */

@@ -74,12 +74,16 @@ static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_rea
   return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
 }
 
-/* The zero between a and b, where the signs differ: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
+/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
 static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
   mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
-  if (fa * fb >= 0) return fabs(fa) < fabs(fb) ? a : b;
-  for (int i = 0; i < 80 && fabs(b - a) > 2 * MG_EPS * (fabs(a) + fabs(b)); i++) {
-    t = i % 8 == 7 ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
+  if (sought == MG_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
+  if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
+  const mg_real least = MG_EPS * (fabs(a) + fabs(b));
+  for (int i = 1; i < 100 && fabs(b - a) > least; i++) {
+    const int halve = i % 8 == 0;
+    t = halve ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
+    if (!halve && fabs(t - b) <= least / 2) return t;
     const mg_real f = mg_sought(k, sought, v, t);
     if (f == 0) return t;
     if (f * fb < 0) {

@@ -1,8 +1,8 @@
-"""Two planar regions laid on each other: their intersection, its convex hull, and how deep points are inside it.
+"""Two planar regions laid on each other: their intersection, its convex hull, how deep points are inside it.
 
-The regions lie in one plane: A on the face of body o, or the whole plane; B on the face of body f, which looks
-against o's. Boundaries are arcs of the plane curves of a library's vocabulary. All results are in the axes of
-o's face.
+The regions lie in one plane: A on the face of body o, or the whole plane; B on the face of body f, which
+looks against o's. Boundaries are arcs of the plane curves of a library's vocabulary. All results are in the
+axes of o's face.
 """
 
 from __future__ import annotations
@@ -133,11 +133,12 @@ def _query(
 def _structures(real: np.dtype[Any]) -> tuple[Any, Any]:
     """mg_outline and mg_region_query (modelgen.h)."""
     integers = ("n_arc", "n_o", "fine", "n_point")
-    given, found = ("shape", "loop", "first", "parameters", "numbers", "pose"), ("margin", "normal", "supports")
-    fields = [(name, ctypes.c_int) for name in integers]
+    given = ("shape", "loop", "first", "parameters", "numbers", "pose")
+    found = ("x", "margin", "normal", "supports", "identity", "where", "outline", "hull")
+    fields: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in integers]
     fields += [(name, ctypes.c_void_p) for name in given] + [("shared", Tables(real).real)]
-    fields += [(name, ctypes.c_void_p) for name in ("x", *found, "identity", "where", "outline", "hull")]
-    counts = [(name, ctypes.c_int) for name in ("capacity", "count", "n_loop")]
+    fields += [(name, ctypes.c_void_p) for name in found]
+    counts: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in ("capacity", "count", "n_loop")]
     return (
         structure("Outline", [*counts, ("point", ctypes.c_void_p), ("loop", ctypes.c_void_p)]),
         structure("RegionQuery", fields),

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,9 @@ REALS: dict[str, tuple[tuple[str, ...], Any]] = {
     "float": (("-DMG_REAL_FLOAT",), np.float32),
     "long double": (("-DMG_REAL_LONG",), np.longdouble),
 }
+
+
+REGIONS = ("crossings", "hull", "inside", "lay", "margin", "outline", "region", "tracks")
 
 
 @dataclass(frozen=True)
@@ -70,3 +74,32 @@ def lcp_in(lcp_compile: Callable[..., Path]) -> Callable[[str], CoreBuild]:
 @pytest.fixture(scope="session")
 def lcp(lcp_in: Callable[[str], CoreBuild]) -> CoreBuild:
     return lcp_in("double")
+
+
+@pytest.fixture(scope="session")
+def regions_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CoreBuild]:
+    """The regions alone over plane curves written by hand, in "double", "float" or "long double"."""
+    compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+    if compiler is None:
+        pytest.skip("no C compiler on the path")
+    folder = tmp_path_factory.mktemp("regions")
+    unit = folder / "regions.c"
+    sources = [Path(__file__).with_name("region_kinds.c"), *(CORE / f"{name}.c" for name in REGIONS)]
+    unit.write_text("".join(f'#include "{source}"\n' for source in sources))
+    warnings = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
+
+    @cache
+    def build(real: str) -> CoreBuild:
+        flags, dtype = REALS[real]
+        out = folder / f"{real.replace(' ', '_')}.so"
+        command = [compiler, *warnings, "-O2", "-fvisibility=hidden", "-shared", "-fPIC", f"-I{CORE}", *flags]
+        done = subprocess.run([*command, unit, "-o", out, "-lm"], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return CoreBuild(ctypes.CDLL(str(out)), dtype)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def plane_core(regions_in: Callable[[str], CoreBuild]) -> CoreBuild:
+    return regions_in("double")
