@@ -48,7 +48,7 @@ static int mg_check_margins(mg_context *c, mg_events *events) {
 
 /* The end of the step h with eta on the extremum, in c->settled. Returns 0 where a closed contact passed its
    singularity, or lost it, and a shorter step can still come nearer. */
-static int mg_settle_at_end(mg_context *c, mg_real h) {
+static int mg_settle_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
   for (int i = 0; i < c->n_x; i++) c->settled[i] = c->x_next[i];
   mg_normalise(c, c->settled);
@@ -105,7 +105,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     event = shorter > 0;
     if (event) h = shorter;
   }
-  if (!mg_settle_at_end(c, h)) {
+  if (!mg_settle_end(c, h)) {
     run->h = h / 2;
     return MG_DONE;
   }

@@ -14,7 +14,7 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
   mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
                    c->d + contact, c->J + 12 * contact, c->J + 12 * contact + 6, c->gamma + contact, none,
-                   c->normal + 3 * contact);
+                   c->normal + 3 * contact, 0);
   return 1;
 }
 

@@ -66,10 +66,10 @@ static void mg_zero(mg_real *a, long n) {
   for (long i = 0; i < n; i++) a[i] = 0;
 }
 
-static void mg_carve_scratch(mg_context *c, mg_real *work, int *iwork) {
+static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long b = s->n_body, m = s->n_contact, r = c->n_rows, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
-  c->arc = mg_carve(&work, mg_most_arcs(s), sizeof(mg_arc)), c->lay = mg_take(&work, mg_lay_size(s)); /* pointers first */
+  c->arc = mg_part_of_memory(&work, mg_most_arcs(s), sizeof(mg_arc)), c->lay = mg_take(&work, mg_lay_size(s)); /* pointers first */
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
   c->J = mg_take(&work, 12 * r), c->MJ = mg_take(&work, 12 * r);
@@ -105,7 +105,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0, c->laid = -1;
   c->first_pad = sys->n_contact - 3 * sys->n_slot, c->first_pad_link = sys->n_link - 3 * sys->n_patch;
   c->bilateral = sys->n_contact + 1, c->n_rows = (int)mg_rows_of(sys);
-  mg_carve_scratch(c, work, iwork);
+  mg_carve(c, work, iwork);
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * c->n_rows); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, c->n_rows);

@@ -12,7 +12,7 @@ static int mg_moving_side(const mg_context *c, int contact) {
 }
 
 /* Chains the n rows of c->list by island: c->head[root] is the first, c->next[row] the one after, else -1. */
-static void mg_chain_rows(mg_context *c, int n) {
+static void mg_chain(mg_context *c, int n) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++) c->parent[b] = b, c->head[b] = -1;
   for (int r = 0; r < n; r++) {
@@ -48,7 +48,7 @@ static int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_rea
     const mg_real weight = mg_weigh(c, c->list[0]);
     amount[c->list[0]] = weight > 0 ? -rate[c->list[0]] / weight : 0;
   } else if (n > 1) {
-    mg_chain_rows(c, n);
+    mg_chain(c, n);
     for (int b = 0; b < c->sys->n_body; b++)
       if (c->head[b] >= 0) mg_hold_island(c, c->head[b], rate, amount);
   }

@@ -16,7 +16,7 @@ static mg_real mg_energy(mg_context *c, mg_real *kinetic) {
   return total;
 }
 
-static void mg_note_largest(mg_real *largest, mg_real value) {
+static void mg_raise(mg_real *largest, mg_real value) {
   if (value > *largest) *largest = value;
 }
 
@@ -27,14 +27,14 @@ static void mg_ledger(mg_context *c) {
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
   const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_index];
-  mg_note_largest(&run->energy_error_max, fabs(error));
-  mg_note_largest(&run->kinetic_max, kinetic);
+  mg_raise(&run->energy_error_max, fabs(error));
+  mg_raise(&run->kinetic_max, kinetic);
   if (s->n_row) mg_watch_joints(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
-    if (!mg_is_pad(c, i)) mg_note_largest(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_pad(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
-    mg_note_largest(&run->gap_max, fabs(c->d[i]));
+    mg_raise(&run->gap_max, fabs(c->d[i]));
     if (!run->fresh[i] && run->margin[i] < run->margin_min) run->margin_min = run->margin[i];
   }
 }

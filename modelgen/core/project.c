@@ -42,7 +42,7 @@ static void mg_move(mg_context *c) {
   mg_clear(c);
 }
 
-static void mg_push_bodies(mg_context *c) {
+static void mg_push(mg_context *c) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
@@ -61,7 +61,7 @@ static int mg_project(mg_context *c) {
   }
   if (mg_largest(c, c->d_dot) > drift / c->sys->time) {
     mg_correction(c, c->run->closed, c->d_dot);
-    mg_push_bodies(c);
+    mg_push(c);
     mg_refresh(c);
   }
   return 1;
@@ -84,7 +84,7 @@ static int mg_project_start(mg_context *c) {
 static void mg_join_velocities(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = 0;
   mg_correction(c, c->falling, c->d_dot);
-  mg_push_bodies(c);
+  mg_push(c);
   mg_refresh(c);
 }
 

@@ -4,7 +4,7 @@
 #define MG_HOPS 8 /* links passed in one walk: around a vertex, several */
 
 /* The coordinates of a shape nearest to a point in its axes. */
-static void mg_nearest_uv(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
+static void mg_nearest(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
   mg_real window[4];
   mg_window(c, link, side, mg_reach_of(c, link), window);
   for (int level = 0; level < 4; level++) {
@@ -26,7 +26,7 @@ static void mg_eta_near(mg_context *c, int link, const mg_real *point_o, const m
     const int carrier = mg_carrier(c, link, side);
     mg_point_in(c, link, side, side ? point_f : point_o, at[side].local);
     if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
-      mg_nearest_uv(c, link, side, at[side].local, at[side].uv);
+      mg_nearest(c, link, side, at[side].local, at[side].uv);
   }
   mg_start_eta(c, link, at, at + 1, eta);
 }
