@@ -87,7 +87,7 @@ class Accuracy:
         reach: contacts that appear in a run are followed from gaps below reach L.
         search: a pair that can touch more than once is searched anew when it has moved by search L.
         flat: a rim within this angle (rad) of lying on a plane stands on three points of it.
-        imaginary_edge: rad; if positive, a face that turns over a smooth rim turns on a tangent fixed in the body
+        imaginary_edge: rad; if positive, a face turns over a smooth rim on a tangent fixed in the body
             until it leans so far (section 5.3), instead of rolling on the rim at once.
         shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.

@@ -28,7 +28,12 @@ def standing(shape: Shape, name: str = "body", height: float = HEIGHT / 2, **key
 
 
 def pushed(
-    shape: Shape, force: Sequence[str], point: Sequence[float], until: float, samples: int = 50, **keys: object
+    shape: Shape,
+    force: Sequence[str],
+    point: Sequence[float],
+    until: float,
+    samples: int = 50,
+    **keys: object,
 ) -> Trajectory:
     """A run of one body on the table, pushed at a point of its own."""
     scene = make.scene(

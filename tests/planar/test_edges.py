@@ -12,7 +12,7 @@ import pytest
 from modelgen import simulate
 from modelgen.scene import build as make
 from tests.oracles.pieces import rotations
-from tests.planar.scenes import G, HEIGHT, MASS, RADIUS, TIGHT, events, pushed, resting, standing, table
+from tests.planar.scenes import HEIGHT, MASS, RADIUS, TIGHT, G, events, pushed, resting, standing, table
 from tests.running import library_of, run
 
 RATE, ARM = 2.0, 0.03  # N/s of a force along x, its height above the centre of mass, m
