@@ -51,6 +51,7 @@ CITATIONS: dict[str, str] = {
     "torque": "wrench of a torque",
     "spring": "Hooke's law with viscous damping along the line of the anchors",
     "angle": "Theorems 4.1 (4.3), 4.3 (4.13), 4.6 (4.29): contact angles and their rates",
+    "slip": "velocity and spin past each other along t1, t2, N: Montana's rolling, (3.11) with t for N",
     "aim": "one Newton step of the separation function from known contact points",
     "seek": "separation function of convex shapes on the sphere of normals",
     "surface": "surface point and exterior unit normal, Section 2",
@@ -149,7 +150,8 @@ def _of_contacts(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.contact_kinds):
         kernels, citation = contact_kernels(kind), FORMS[kind.form].citation
-        found.append(_formula(kernels.rates, "rates", index, citation))
+        rates = citation if kind.rows == 1 else f"{citation}; {CITATIONS['slip']}"
+        found.append(_formula(kernels.rates, "rates", index, rates))
         found.append(_formula(kernels.place, "place", index, citation))
         if eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape):
             found.append(_formula(aim_kernel(kind), "aim", index, CITATIONS["aim"]))

@@ -15,6 +15,7 @@ from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Scene, Sha
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
 Posing = Literal["identity", "general"]
+Rows = Literal[1, 3, 6]  # of a contact: N; and t1, t2; and spin about N, rolling about t1, t2
 Search = Literal["never", "moved", "always"]  # for more contacts of a pair in a run
 
 
@@ -59,6 +60,7 @@ class ContactKind:
     form: str
     o: Side
     f: Side
+    rows: Rows = 1
 
 
 @dataclass(frozen=True, slots=True)

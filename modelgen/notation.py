@@ -33,7 +33,7 @@ _ETA = (
     "point of a surface: 3, chart: 2, curve: 1, plane, centre or no eta: 0, o first; two curves: and two "
     "signs; two straight edges: one sign"
 )
-_ROW = "6, 3 or 0"
+_ROW = "6, 3 or 0 a row"
 _SIDES = (("o", "o"), ("f", "f"))
 
 _STEPS = (  # what the rates of a contact are made of; shown by inspection, outputs of no kernel
@@ -48,6 +48,13 @@ _STEPS = (  # what the rates of a contact are made of; shown by inspection, outp
              "contact frame of f", "Appendix E"),
     Notation("nu", "\\nu", "rate of the normal seen from o", "rad/s", "2", "tangent", "(B.5)"),
     Notation("m", "m", "rate of the normal seen from f, (w_f - w_o) x N", "rad/s", "3", "shape f"),
+    Notation("tilt", "", "rate of the normal along the tangents", "rad/s", "2", "tangent"),
+    Notation("sigma", "\\sigma", "rate of the tangents about N", "rad/s", "1"),
+    Notation("slip", "V^t", "velocity of the material point of f past that of o along the tangents", "m/s",
+             "2", "tangent"),
+    Notation("spin_past", "\\omega_n", "spin of f past o about N", "rad/s", "1"),
+    Notation("rolling", "\\omega^t", "angular velocity of f past o about the tangents", "rad/s", "2",
+             "tangent"),
     Notation("n_f", "n_f", "exterior normal of f at its support point", "1", "3", "shape f"),
     Notation("distance", "", "signed distance of the centres", "m", "1"),
     Notation("e", "e", "derivative of the curve in the tangent plane", "m per parameter", "2", "tangent"),
@@ -134,7 +141,8 @@ _TABLE = (
     Notation("d", "d", "gap N.(P_f - P_o): positive apart, zero touching, negative overlapping", "m",
              "1", "",
              "(3.1), (3.2)"),
-    Notation("gamma", "\\Gamma_2", "second derivative of d without accelerations", "m/s^2", "1", "",
+    Notation("gamma", "\\Gamma_2", "second derivative of d, then rate of slip and of w_f - w_o, without "
+             "accelerations", "m/s^2", "1, 3 or 6", "",
              "Corollary 3.2 (3.11), corrected"),
     Notation("normal", "N", "unit normal from o to f", "1", "3", "world", "(3.1)"),
     Notation("normal_rate", "\\dot N", "rate of the normal", "1/s", "3", "world", "Lemma 4.2 (4.5)"),
@@ -157,9 +165,8 @@ _TABLE = (
                "(4.11), (4.27)") for side, partner in _SIDES),
     Notation("force", "\\lambda", "normal contact force, positive when pushing", "N", "1", "", "(2.6)"),
     *_STEPS,
-    *(Notation(f"J_{side}", "J", f"row of d_dot = J u for body {body}", "1, m",
-             _ROW, "world, then body axes",
-               "Lemma 3.1 (3.3)") for side, body in _SIDES),
+    *(Notation(f"J_{side}", "J", f"row of d_dot = J u for body {body}, then of slip, spin and rolling",
+               "1, m", _ROW, "world, then body axes", "Lemma 3.1 (3.3)") for side, body in _SIDES),
     *(Notation(f"point_{side}", "P", f"contact point of body {body}", "m", "3", "world", "(2.1)")
       for side, body in _SIDES),
 )  # fmt: skip
@@ -169,6 +176,14 @@ _COPIES = {
 }  # the same quantity of one of two bodies
 
 NAMES: Mapping[str, Notation] = {entry.name: entry for entry in _TABLE}
+
+
+_TURNING_ROWS = {("gamma", 6): "m/s^2, rad/s^2"}  # units of what is longer where a contact rolls and spins
+
+
+def unit_of(name: str, size: int) -> str:
+    """The unit of a quantity with that many entries; KeyError for an unknown name."""
+    return _TURNING_ROWS.get((name, size), notation(name).unit)
 
 
 def notation(name: str) -> Notation:

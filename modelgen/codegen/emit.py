@@ -15,7 +15,7 @@ from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.sentence import kinds_of, sentence_of
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import expect
-from modelgen.notation import notation
+from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
 
@@ -163,4 +163,4 @@ def _entry(formula: Formula) -> Json:
 
 
 def _argument(name: str, size: int) -> Json:
-    return {"name": name, "shape": [int(size)], "unit": notation(name).unit}
+    return {"name": name, "shape": [int(size)], "unit": unit_of(name, int(size))}

@@ -67,7 +67,7 @@ DISPATCHERS = (
     ),
     Dispatcher(
         ("rates",), "mg_contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
-        ("d", "J_o", "J_f", "gamma", "eta_dot", "normal"),
+        ("d", "J_o", "J_f", "gamma", "eta_dot", "normal", "tangents"),
     ),
     Dispatcher(
         ("place",), "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
@@ -96,7 +96,8 @@ DISPATCHERS = (
 def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
     kinds = derivation.model.contact_kinds
-    lone = any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in kinds)
+    bare = all(kind.rows == 1 for kind in kinds)
+    lone = bare and any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in kinds)
     note = f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n"
     parts = [HEAD, note, *_tables(derivation)]
     for dispatcher in DISPATCHERS:
@@ -128,11 +129,11 @@ def _tables(derivation: Derivation) -> list[str]:
         for index, motion in enumerate(kind.motion for kind in model.body_kinds)
     ]
     contacts = [
-        _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking))
+        _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking), kind.rows)
         for index, kind in enumerate(model.contact_kinds)
     ]
     contacts += [
-        _row(6, 6, turn, sizes["rates", index], TURN if turn else 0, 0, 0)
+        _row(6, 6, turn, sizes["rates", index], TURN if turn else 0, 0, 0, 1)
         for index, turn in enumerate(_limit_turns(model), start=len(model.contact_kinds))
     ]
     contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
@@ -141,7 +142,7 @@ def _tables(derivation: Derivation) -> list[str]:
     loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
-        _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 7)),
+        _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),

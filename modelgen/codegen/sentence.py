@@ -85,6 +85,7 @@ def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
         "shapes": [model.shape_kinds.index(side.shape) for side in (kind.o, kind.f)],
         "sides": [_side(kind.o), _side(kind.f)],
         "parameters": [*_side_parameters(kind.o, "o"), *_side_parameters(kind.f, "f")],
+        **({"rows": kind.rows} if kind.rows > 1 else {}),
     }
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.centres import Centre, centre_of, has_centre
-from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
 from modelgen.contact.rows import jet_of_curve
 from modelgen.contact.sides import Pair, Partner
@@ -68,17 +68,28 @@ def centre_curve_rates(pair: Pair) -> Rates:
     gamma = dot(M_dot, V) + dot(turn, at.E * t_dot + slip) + at.centre.pull(M)
     moment = ca.mtimes(curve.rotation.T, cross(at.lever, M))
     row = curve.row(-M, -moment), at.centre.row(M)
-    steps = {"normal": at.side * M, "l": at.lever, "h": at.h, "E": at.E, "V": V, "slide": at.E * t_dot}
+    N, N_dot = at.side * M, at.side * M_dot
+    feet = _foot_of_curve(at, t_dot), at.centre.foot(N, -at.side)
+    steps = {"normal": N, "l": at.lever, "h": at.h, "E": at.E, "V": V, "slide": at.E * t_dot}
     return Rates(
         d=at.d,
         J_o=row[0 if at.side == 1 else 1],
         J_f=row[1 if at.side == 1 else 0],
         gamma=gamma,
         eta_dot=t_dot,
-        normal=at.side * M,
-        normal_rate=at.side * M_dot,
+        normal=N,
+        normal_rate=N_dot,
+        turning=pair.o.seen(N, N_dot),
+        foot_o=feet[0 if at.side == 1 else 1],
+        foot_f=feet[1 if at.side == 1 else 0],
         steps=steps,
     )
+
+
+def _foot_of_curve(at: Beside, t_dot: ca.SX) -> Foot:
+    to_shape = at.curve.rotation.T
+    normal = ca.mtimes(to_shape, at.side * at.M)
+    return Foot(ca.mtimes(to_shape, at.lever), ca.mtimes(to_shape, at.E) * t_dot, normal)
 
 
 def centre_curve_place(pair: Pair) -> Placement:

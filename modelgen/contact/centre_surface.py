@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.centres import Centre, centre_of, has_centre
-from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import centre_margin
 from modelgen.contact.points import Carrier
 from modelgen.contact.sides import Pair, Partner
@@ -68,16 +68,21 @@ def centre_surface_rates(pair: Pair, carrier: Carrier) -> Rates:
     a = solve2(at.U, V)
     nu = ca.mtimes(at.K, a)
     row = surface.row(-at.N, -cross(at.lever, carrier.normal)), at.centre.row(at.N)
-    N_dot = ca.mtimes(surface.rotation, ca.mtimes(T, nu) + cross(surface.spin, carrier.normal))
-    steps = {"normal": side * at.N, "l": at.lever, "h": at.h, "K": at.K, "V": V, "slide": a, "nu": nu}
+    N, turned, slide = side * at.N, ca.mtimes(T, nu), ca.mtimes(T, a)
+    N_dot = side * ca.mtimes(surface.rotation, turned + cross(surface.spin, carrier.normal))
+    feet = Foot(at.x + surface.arm, slide, side * carrier.normal), at.centre.foot(N, -side)
+    steps = {"normal": N, "l": at.lever, "h": at.h, "K": at.K, "V": V, "slide": a, "nu": nu}
     return Rates(
         d=at.d,
         J_o=row[0 if side == 1 else 1],
         J_f=row[1 if side == 1 else 0],
         gamma=dot(nu, V) + dot(turn, 2 * V + slip) + at.centre.pull(at.N),
-        eta_dot=carrier.eta_rate(ca.mtimes(T, a)),
-        normal=side * at.N,
-        normal_rate=side * N_dot,
+        eta_dot=carrier.eta_rate(slide),
+        normal=N,
+        normal_rate=N_dot,
+        turning=turned if side == 1 else pair.o.seen(N, N_dot),
+        foot_o=feet[0 if side == 1 else 1],
+        foot_f=feet[1 if side == 1 else 0],
         steps=steps,
     )
 

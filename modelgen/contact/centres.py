@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.kernels import Foot
 from modelgen.contact.sides import Partner
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import cross, dot, zeros
@@ -44,6 +45,10 @@ class Centre:
         """N.(w x (w x lever))."""
         spin = self.partner.spin
         return -dot(cross(spin, self._turned(N)), cross(spin, self.lever))
+
+    def foot(self, N: ca.SX, outward: int) -> Foot:
+        """The contact point, which is off the centre along N (`outward` 1, on o) or against it (-1, on f)."""
+        return Foot(self.lever, zeros(3), self._turned(N), outward * self.radius)
 
     def _turned(self, N: ca.SX) -> ca.SX:
         return ca.mtimes(self.partner.rotation.T, N)

@@ -13,9 +13,9 @@ import casadi as ca
 from modelgen.contact.curve_block import chart_curve_placement, curve_block
 from modelgen.contact.curve_curve import crossing, crossing_place
 from modelgen.contact.curve_surface import CurveSystem
-from modelgen.contact.extremal import along
+from modelgen.contact.extremal import along, slides
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.rows import Levers, jacobian_rows
+from modelgen.contact.rows import Levers, feet, jacobian_rows, passing
 from modelgen.contact.sides import Pair
 from modelgen.geometry.frames import dot, solve2, zeros
 
@@ -61,6 +61,8 @@ def _differentiated(pair: Pair, N: ca.SX, at: Levers, eta_dot: ca.SX, g: ca.SX) 
     J_o, J_f = jacobian_rows(pair, N, at)
     u_o, u_f = pair.o.twist[: pair.o.columns], pair.f.twist[: pair.f.columns]
     speed = ca.mtimes(J_o.T, u_o) + ca.mtimes(J_f.T, u_f)
+    N_dot = along(pair, N, eta_dot)
+    foot_o, foot_f = feet(pair, N, at)
     return Rates(
         d=dot(N, at.point_f - at.point_o),
         J_o=J_o,
@@ -68,6 +70,10 @@ def _differentiated(pair: Pair, N: ca.SX, at: Levers, eta_dot: ca.SX, g: ca.SX) 
         gamma=along(pair, speed, eta_dot),
         eta_dot=eta_dot,
         normal=N,
-        normal_rate=along(pair, N, eta_dot),
+        normal_rate=N_dot,
+        turning=pair.o.seen(N, N_dot),
+        foot_o=foot_o,
+        foot_f=foot_f,
+        passing=passing(pair, at, *slides(pair, at, eta_dot)),
         steps={"normal": N, "point_o": at.point_o, "point_f": at.point_f, "g": g},
     )

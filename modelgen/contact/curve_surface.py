@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import curve_margin
 from modelgen.contact.points import Carrier
 from modelgen.contact.rows import jet_of_curve
@@ -95,10 +95,12 @@ def curve_surface_rates(pair: Pair, o: Carrier) -> Rates:
     nu = ca.mtimes(at.K_o, a)
     gamma = dot(nu, V) - t_dot * dot(at.system.e, turn) - dot(turn_f, slip_f)
     gamma += dot(turn_o, slip_o + at.d * turn_o + 2 * V)
-    eta_dot = ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), t_dot)
+    over_o = ca.mtimes(frame.T_o, a)
+    eta_dot = ca.vertcat(o.eta_rate(over_o), t_dot)
+    feet = Foot(at.l_o, over_o, frame.n_o), Foot(at.l_f, at.jet.first * t_dot, frame.n_f)
     made = {"K_o": at.K_o, "e": at.system.e, "beta": at.system.beta, "turn": turn, "V": V}
     steps = {**made, "slide_o": a, "nu": nu}
-    return normal_row(pair, frame, at.d, (at.l_o, at.l_f), gamma, nu, eta_dot, steps)
+    return normal_row(pair, frame, at.d, feet, gamma, nu, eta_dot, steps)
 
 
 def curve_surface_place(pair: Pair, o: Carrier) -> Placement:

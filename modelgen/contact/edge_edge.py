@@ -19,7 +19,7 @@ import casadi as ca
 
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.rows import Levers, jacobian_rows, levers
+from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.contact.sides import Pair
 from modelgen.geometry.curves import STRAIGHT
 from modelgen.geometry.frames import cross, dot, zeros
@@ -65,8 +65,23 @@ def edge_edge_rates(pair: Pair) -> Rates:
     gamma = dot(N_dot, V) + t_o * tilt_o - t_f * tilt_f
     gamma += dot(turn_o, cross(w_o, at.levers.r_o)) - dot(turn_f, cross(w_f, at.levers.r_f))
     J_o, J_f = jacobian_rows(pair, at.N, at.levers)
+    foot_o, foot_f = feet(pair, at.N, at.levers)
     made = {"E_o": at.E_o, "E_f": at.E_f, "V": V, "slide_o": at.E_o * t_o, "slide_f": at.E_f * t_f}
-    return Rates(at.d, J_o, J_f, gamma, zeros(1), at.N, N_dot, {"normal": at.N, **made})
+    steps = {"normal": at.N, **made}
+    return Rates(
+        d=at.d,
+        J_o=J_o,
+        J_f=J_f,
+        gamma=gamma,
+        eta_dot=zeros(1),
+        normal=at.N,
+        normal_rate=N_dot,
+        turning=pair.o.seen(at.N, N_dot),
+        foot_o=foot_o,
+        foot_f=foot_f,
+        passing=passing(pair, at.levers, at.E_o * t_o, at.E_f * t_f),
+        steps=steps,
+    )
 
 
 def edge_edge_place(pair: Pair) -> Placement:

@@ -49,6 +49,9 @@ def sphere_rates(pair: Pair) -> Rates:
         eta_dot=ca.SX(0, 1),
         normal=at.N,
         normal_rate=N_dot,
+        turning=pair.o.seen(at.N, N_dot),
+        foot_o=at.o.foot(at.N, 1),
+        foot_f=at.f.foot(at.N, -1),
         steps={"distance": at.distance, "normal": at.N, "V": V},
     )
 

@@ -15,7 +15,7 @@ import casadi as ca
 from modelgen.contact.block import chart_placement
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.points import chart_jet, chart_normal
-from modelgen.contact.rows import Levers, jacobian_rows, levers
+from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.frames import cross, dot, solve2
 
@@ -69,6 +69,12 @@ def along(pair: Pair, x: ca.SX, eta_dot: ca.SX) -> ca.SX:
     return rate
 
 
+def slides(pair: Pair, at: Levers, eta_dot: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Velocities of the contact points over both shapes, world axes."""
+    over_o, over_f = ca.jtimes(at.l_o, pair.eta, eta_dot), ca.jtimes(at.l_f, pair.eta, eta_dot)
+    return ca.mtimes(pair.o.rotation, over_o), ca.mtimes(pair.f.rotation, over_f)
+
+
 def differentiated_rates(pair: Pair) -> Rates:
     """eta_dot, N_dot and gamma by implicit differentiation of g and of J u."""
     system = extremality(pair)
@@ -78,6 +84,8 @@ def differentiated_rates(pair: Pair) -> Rates:
     J_o, J_f = jacobian_rows(pair, system.N, system.levers)
     u_o, u_f = pair.o.twist[: pair.o.columns], pair.f.twist[: pair.f.columns]
     speed = ca.mtimes(J_o.T, u_o) + ca.mtimes(J_f.T, u_f)
+    N_dot = along(pair, system.N, eta_dot)
+    foot_o, foot_f = feet(pair, system.N, system.levers)
     return Rates(
         d=_gap(system),
         J_o=J_o,
@@ -85,7 +93,11 @@ def differentiated_rates(pair: Pair) -> Rates:
         gamma=along(pair, speed, eta_dot),
         eta_dot=eta_dot,
         normal=system.N,
-        normal_rate=along(pair, system.N, eta_dot),
+        normal_rate=N_dot,
+        turning=pair.o.seen(system.N, N_dot),
+        foot_o=foot_o,
+        foot_f=foot_f,
+        passing=passing(pair, system.levers, *slides(pair, system.levers, eta_dot)),
         steps={
             "normal": system.N,
             "point_o": system.levers.point_o,

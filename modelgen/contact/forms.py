@@ -46,6 +46,7 @@ from modelgen.contact.explicit import sphere_place, sphere_rates
 from modelgen.contact.extremal import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
 from modelgen.contact.sides import Layout, Pair, pair
+from modelgen.contact.slip import with_tangential_rows
 from modelgen.contact.support import support_place, support_rates
 from modelgen.contact.surface_surface import angle_function, paper_rates
 from modelgen.model import ContactKind, ShapeKind
@@ -58,7 +59,8 @@ def _build(
     place: Callable[[Pair], Placement],
 ) -> ContactKernels:
     symbols = pair(kind, layout(kind.o.shape, kind.f.shape))
-    return kernels(kind.name, symbols, rates(symbols), place(symbols))
+    rows = with_tangential_rows(symbols, rates(symbols), kind.rows)
+    return kernels(kind, symbols, rows, place(symbols))
 
 
 def build_explicit(kind: ContactKind) -> ContactKernels:

@@ -8,25 +8,53 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from modelgen.contact.sides import Pair
+from modelgen.model import ContactKind
 
 RATES_INPUTS = ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters")
 RATES_OUTPUTS = ("d", "J_o", "J_f", "gamma", "eta_dot", "normal")
+SLIP_OUTPUTS = (*RATES_OUTPUTS, "tangents")  # of kinds with tangential rows
 PLACE_INPUTS = ("pose_o", "pose_f", "eta", "parameters")
 PLACE_OUTPUTS = ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f")
 
 
 @dataclass(frozen=True)
+class Foot:
+    """The contact point on one body, lever + offset N; vectors in the axes of its shape."""
+
+    lever: ca.SX  # (3,) m, from the centre of mass
+    slide: ca.SX | None  # (3,) m/s, its rate; None where `Rates.passing` is known
+    normal: ca.SX  # (3,) N
+    offset: ca.SX = field(default_factory=lambda: ca.SX(1, 1))  # (1,) m, constant: the radius of a centre
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How the material point of f passes that of o, world axes."""
+
+    V: ca.SX  # (3,) m/s, its velocity past that of o
+    pull: ca.SX  # (3,) m/s^2, the rate of V without accelerations
+
+
+@dataclass(frozen=True)
 class Rates:
-    """Instantaneous quantities of a contact on its extremal pair of points."""
+    """Instantaneous quantities of a contact on its extremal pair of points.
+
+    J_o, J_f and gamma are those of the normal row; `slip` puts the tangential rows below them.
+    """
 
     d: ca.SX  # (1,) m, positive when apart
-    J_o: ca.SX  # (columns of o,)
-    J_f: ca.SX  # (columns of f,)
-    gamma: ca.SX  # (1,) m/s^2, the second derivative of d without accelerations
+    J_o: ca.SX  # (rows x columns of o,) row after row
+    J_f: ca.SX  # (rows x columns of f,)
+    gamma: ca.SX  # (rows,) m/s^2, rad/s^2, d/dt (J u) without accelerations
     eta_dot: ca.SX  # (n_eta,) m/s for points, parameter/s for charts
     normal: ca.SX  # (3,) world, from o to f
     normal_rate: ca.SX  # (3,) 1/s, world
+    turning: ca.SX  # (3,) 1/s, rate of the normal seen from o, shape axes of o
+    foot_o: Foot
+    foot_f: Foot
+    passing: Passing | None = None  # of forms in world axes; follows from the feet otherwise
     steps: Mapping[str, ca.SX] = field(default_factory=dict)  # what they are made of, by name, in order
+    tangents: ca.SX = field(default_factory=lambda: ca.SX(0, 1))  # (6,) t1, t2, world; none with one row
 
 
 @dataclass(frozen=True)
@@ -53,16 +81,17 @@ class ContactKernels:
     steps: ca.Function
 
 
-def kernels(name: str, pair: Pair, rates: Rates, placement: Placement) -> ContactKernels:
+def kernels(kind: ContactKind, pair: Pair, rates: Rates, placement: Placement) -> ContactKernels:
     """The kernels `mg_<name>_rates`, `mg_<name>_place`; `mg_<name>_normal_rate`, `mg_<name>_steps`."""
-    o, f = pair.o, pair.f
+    name, o, f = kind.name, pair.o, pair.f
+    outputs = RATES_OUTPUTS if kind.rows == 1 else SLIP_OUTPUTS
     parameters = ca.vertcat(o.argument, f.argument)
     moving = [o.pose, o.twist, f.pose, f.twist, pair.eta, parameters]
     resting = [o.pose, f.pose, pair.eta, parameters]
     known = vars(rates)
-    made = {**rates.steps, "normal_rate": rates.normal_rate, **{out: known[out] for out in RATES_OUTPUTS}}
+    made = {**rates.steps, "normal_rate": rates.normal_rate, **{out: known[out] for out in outputs}}
     return ContactKernels(
-        _function(f"mg_{name}_rates", moving, RATES_INPUTS, known, RATES_OUTPUTS),
+        _function(f"mg_{name}_rates", moving, RATES_INPUTS, known, outputs),
         _function(f"mg_{name}_place", resting, PLACE_INPUTS, vars(placement), PLACE_OUTPUTS),
         _function(f"mg_{name}_normal_rate", moving, RATES_INPUTS, known, ("normal_rate",)),
         _function(f"mg_{name}_steps", moving, RATES_INPUTS, made, tuple(made)),

@@ -29,7 +29,7 @@ from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of
 from modelgen.geometry.curves import CURVES, is_curve, is_straight
 from modelgen.geometry.points3d import is_point
-from modelgen.model import ContactKind, ShapeKind, Side
+from modelgen.model import ContactKind, Rows, ShapeKind, Side
 
 
 @dataclass(frozen=True)
@@ -250,7 +250,7 @@ def refuse_points(o: ShapeKind, f: ShapeKind) -> None:
 
 
 @cache
-def choose_form(o: Side, f: Side) -> str:
+def choose_form(o: Side, f: Side, rows: Rows = 1) -> str:
     """The regular form whose rates take the fewest instructions; SceneError if there is none."""
     refuse_points(o.shape, f.shape)
     names = regular_forms(o, f)
@@ -258,7 +258,7 @@ def choose_form(o: Side, f: Side) -> str:
         raise SceneError(
             f"contact {o.shape.name}-{f.shape.name}", "no form has isolated contact points for this pair"
         )
-    return min(names, key=lambda name: instructions(ContactKind("candidate", name, o, f)))
+    return min(names, key=lambda name: instructions(ContactKind("candidate", name, o, f, rows)))
 
 
 def instructions(kind: ContactKind) -> int:

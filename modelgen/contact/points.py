@@ -47,7 +47,7 @@ def implicit_point(partner: Partner, x: ca.SX) -> Carrier:
     return Carrier(
         x=x,
         normal=normal,
-        tangents=tangent_frame(normal),
+        tangents=tangent_frame(normal, partner.seam),
         curvature=curvature,
         eta_rate=lambda velocity: velocity,
         height=phi.value * inverse,

@@ -12,8 +12,10 @@ import casadi as ca
 
 from modelgen.geometry.frames import (
     POSE_SIZE,
+    SEAM,
     TWIST_SIZE,
     Frame,
+    cross,
     frame_of,
     identity_frame,
     zeros,
@@ -39,6 +41,7 @@ class Partner:
     rotation: ca.SX  # (3,3) shape axes -> world
     spin: ca.SX  # (3,) rad/s, shape axes
     arm: ca.SX  # (3,) m, shape axes, from the centre of mass to the shape's origin
+    seam: float = 0.0  # of `tangent_frame` on it
 
     @property
     def origin(self) -> ca.SX:
@@ -49,6 +52,10 @@ class Partner:
     def spin_world(self) -> ca.SX:
         return ca.mtimes(self.rotation, self.spin)
 
+    def seen(self, direction: ca.SX, rate: ca.SX) -> ca.SX:
+        """The rate (3,) in shape axes of a world direction with the given world rate, seen from the body."""
+        return ca.mtimes(self.rotation.T, rate) - cross(self.spin, ca.mtimes(self.rotation.T, direction))
+
     def row(self, linear: ca.SX, angular: ca.SX) -> ca.SX:
         """The columns of J as (columns,): `linear` in world axes, `angular` in shape axes."""
         if self.columns == TWIST_SIZE:
@@ -56,7 +63,7 @@ class Partner:
         return linear if self.columns else ca.SX(0, 1)
 
 
-def partner(side: Side, name: str) -> Partner:
+def partner(side: Side, name: str, seam: float = 0.0) -> Partner:
     """The symbols of one side; `name` is "o" or "f"."""
     posed = not (side.motion == "fixed" and side.pose == "identity")
     pose = ca.SX.sym(f"pose_{name}", POSE_SIZE if posed else 0)
@@ -82,6 +89,7 @@ def partner(side: Side, name: str) -> Partner:
         rotation=ca.mtimes(body.rotation, placement.rotation),
         spin=ca.mtimes(placement.rotation.T, twist[3:6]) if turning else zeros(3),
         arm=ca.mtimes(placement.rotation.T, placement.position),
+        seam=seam,
     )
 
 
@@ -104,4 +112,6 @@ def pair(kind: ContactKind, layout: Layout) -> Pair:
     """Symbols of a contact whose eta has the given layout."""
     size_o, size_f = ETA_SIZE[layout[0]], ETA_SIZE[layout[1]]
     eta = ca.SX.sym("eta", size_o + size_f)
-    return Pair(partner(kind.o, "o"), partner(kind.f, "f"), layout, eta, eta[:size_o], eta[size_o:])
+    seam = SEAM if kind.rows > 1 else 0.0
+    o, f = partner(kind.o, "o", seam), partner(kind.f, "f", seam)
+    return Pair(o, f, layout, eta, eta[:size_o], eta[size_o:])

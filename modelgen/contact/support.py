@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import FLOOR, NO_LENGTH, margin
 from modelgen.contact.points import implicit_point
 from modelgen.contact.sides import Pair
@@ -73,6 +73,8 @@ def support_rates(pair: Pair) -> Rates:
     m = turn_f - turn_o_f
     gamma = -at.support.form(m) - dot(turn_f, slip_f) - dot(turn_o, slip_o)
     gamma += 2 * (dot(turn_o_world, pair.f.velocity - pair.o.velocity) + dot(turn_o_f, slip_f))
+    slide = at.support.slope(m)
+    past = pair.f.velocity - pair.o.velocity + ca.mtimes(pair.f.rotation, slip_f + slide)
     return Rates(
         d=at.d,
         J_o=pair.o.row(-at.N, -cross(l_o, at.n_o)),
@@ -81,8 +83,16 @@ def support_rates(pair: Pair) -> Rates:
         eta_dot=ca.SX(0, 1),
         normal=at.N,
         normal_rate=turn_o_world,
+        turning=zeros(3),
+        foot_o=_foot_of_plane(pair.o.arm, l_o, ca.mtimes(to_o, past) - slip_o, at.n_o),
+        foot_f=Foot(at.l_f, slide, at.n, -at.support.offset),
         steps={"normal": at.N, "n_f": -at.n, "l_f": at.l_f, "m": m},
     )
+
+
+def _foot_of_plane(arm: ca.SX, above: ca.SX, past: ca.SX, normal: ca.SX) -> Foot:
+    """The foot of the core point that is `above` the plane and moves `past` it, shape axes of o."""
+    return Foot(ca.vertcat(above[0:2], arm[2]), ca.vertcat(past[0:2], zeros(1)), normal)
 
 
 def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:

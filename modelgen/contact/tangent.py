@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.kernels import Rates
+from modelgen.contact.kernels import Foot, Rates
 from modelgen.contact.margin import relative_curvature
 from modelgen.contact.points import Carrier
 from modelgen.contact.sides import Pair, Partner
@@ -98,32 +98,37 @@ def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
     a = V + b - at.d * nu
     gamma = dot(nu, V) - dot(b, turn) - dot(turn_f, slip_f)
     gamma += dot(turn_o, slip_o + at.d * turn_o + 2 * V)
-    eta_dot = ca.vertcat(o.eta_rate(ca.mtimes(frame.T_o, a)), f.eta_rate(ca.mtimes(frame.T_f, b)))
+    over_o, over_f = ca.mtimes(frame.T_o, a), ca.mtimes(frame.T_f, b)
+    eta_dot = ca.vertcat(o.eta_rate(over_o), f.eta_rate(over_f))
+    feet = Foot(at.l_o, over_o, frame.n_o), Foot(at.l_f, over_f, frame.n_f)
     steps = {"K_o": at.K_o, "K_f": at.K_f, "A": A, "turn": turn, "V": V, "slide_f": b, "nu": nu, "slide_o": a}
-    return normal_row(pair, frame, at.d, (at.l_o, at.l_f), gamma, nu, eta_dot, steps)
+    return normal_row(pair, frame, at.d, feet, gamma, nu, eta_dot, steps)
 
 
 def normal_row(
     pair: Pair,
     frame: ContactFrame,
     d: ca.SX,
-    lever: tuple[ca.SX, ca.SX],
+    feet: tuple[Foot, Foot],
     gamma: ca.SX,
     nu: ca.SX,
     eta_dot: ca.SX,
     steps: Mapping[str, ca.SX],
 ) -> Rates:
-    """The rates from the frame, the levers of o and f, and the rate nu of the normal seen from o."""
+    """The rates from the frame, the contact points on o and f, and the rate nu of the normal seen from o."""
     t1, t2 = ca.horzsplit(frame.T_w)
-    known = {"normal": frame.n_w, "t1": t1, "t2": t2, "l_o": lever[0], "l_f": lever[1]}
+    known = {"normal": frame.n_w, "t1": t1, "t2": t2, "l_o": feet[0].lever, "l_f": feet[1].lever}
     return Rates(
         d=d,
-        J_o=pair.o.row(-frame.n_w, -cross(lever[0], frame.n_o)),
-        J_f=pair.f.row(frame.n_w, cross(lever[1], frame.n_f)),
+        J_o=pair.o.row(-frame.n_w, -cross(feet[0].lever, frame.n_o)),
+        J_f=pair.f.row(frame.n_w, cross(feet[1].lever, frame.n_f)),
         gamma=gamma,
         eta_dot=eta_dot,
         normal=frame.n_w,
         normal_rate=ca.mtimes(frame.T_w, nu) + cross(pair.o.spin_world, frame.n_w),
+        turning=ca.mtimes(frame.T_o, nu),
+        foot_o=feet[0],
+        foot_f=feet[1],
         steps={**known, **steps},
     )
 

@@ -9,7 +9,7 @@ static void mg_rates(mg_context *c, const mg_real *x) {
     mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
                      x + s->n_q + s->n_u + s->contact_eta[i], s->parameters + c->parameters[i], c->d + i,
                      c->J + 12 * i, c->J + 12 * i + 6, c->gamma + i, c->eta_dot + s->contact_eta[i],
-                     c->normal + 3 * i);
+                     c->normal + 3 * i, 0);
     if (!c->set->use_gamma) c->gamma[i] = 0;
   }
 }

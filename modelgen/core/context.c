@@ -21,12 +21,14 @@ static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->
 /* The most rows held at a time. */
 static long mg_held_of(const mg_system *s) { return (long)s->n_closed + s->n_row; }
 
+static long mg_onset_size(void) { return (long)(sizeof(mg_onset) / sizeof(mg_real)); }
+
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
-         (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size();
+         (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() + m * mg_onset_size();
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
@@ -71,6 +73,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
   c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
+  c->onset = (mg_onset *)(void *)mg_take(&work, m * mg_onset_size());
   c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->upright = mg_take_int(&iwork, m);
   c->n_eta = mg_take_int(&iwork, m);
   c->kind = mg_take_int(&iwork, r), c->parameters = mg_take_int(&iwork, m + 1);

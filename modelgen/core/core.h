@@ -14,6 +14,7 @@
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
 #define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
+#define MG_RADAU 7   /* stages of collocation */
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
 
@@ -35,6 +36,16 @@ typedef struct {
   int count;
   mg_found list[MG_FOUNDS];
 } mg_founds;
+
+typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
+  mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
+  mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
+  mg_real blur[MG_RADAU];                                         /* what rounding of the poses makes of the azimuth, rad */
+} mg_onset;
+
+typedef struct { /* a contact's lean: the part across N of what was N when f lay flat, and the frame of an azimuth */
+  mg_real normal[3], along[3], across[3], lean[3];
+} mg_lean;
 
 typedef struct {
   const mg_system *sys;
@@ -73,6 +84,8 @@ typedef struct {
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
+  mg_onset *onset;                          /* per contact */
+  mg_real pace;                             /* what an explicit step after collocation can follow, s */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 
@@ -193,6 +206,31 @@ static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
 
+/* lean.c */
+static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
+static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
+static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
+static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
+static mg_real mg_misses(const mg_lean *at, mg_real tilt);
+static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
+
+/* collocate.c, start_rolling.c */
+static mg_real *mg_stage_state(const mg_context *c, int stage);
+static mg_real *mg_stage_slope(const mg_context *c, int stage);
+static mg_real mg_stage_time(int stage);
+static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+static void mg_collocated(mg_context *c, const mg_real *x);
+static mg_real mg_derivative(const mg_real *value, int stage);
+static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
+static mg_real mg_twice(int row, int column);
+static int mg_starts_rolling(const mg_context *c);
+static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
+static void mg_grow_up(mg_context *c);
+static int mg_is_singular(const mg_context *c, int contact);
+
+/* advance.c */
+static int mg_finite(const mg_real *x, int n);
+
 /* rk4.c, dop853.c, step.c */
 static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
@@ -228,6 +266,7 @@ static int mg_transition(mg_context *c, mg_events *events);
 static int mg_unsettled(mg_context *c);
 static void mg_refresh(mg_context *c);
 static mg_real mg_largest(const mg_context *c, const mg_real *value);
+static void mg_turn(mg_real *e, const mg_real *angle);
 static int mg_project(mg_context *c);
 static int mg_project_start(mg_context *c);
 static int mg_start_joints(mg_context *c);

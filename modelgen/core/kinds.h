@@ -21,6 +21,7 @@ typedef struct {
   int n_eta, n_parameters;
   int carrier_o, carrier_f; /* what carries the points in eta: MG_NONE .. */
   int seeks; /* both shapes are convex: mg_contact_aim and mg_contact_seek know it */
+  int rows; /* 1: N; 3: and t1, t2; 6: and spin about N, rolling about t1, t2 */
 } mg_contact_kind;
 
 typedef struct {
@@ -57,7 +58,8 @@ static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameter
                            mg_real *direction); /* exterior normal, tangent of any length, or nothing */
 static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
                              const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d,
-                             mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal);
+                             mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal,
+                             mg_real *tangents); /* J: n_o, n_f a row; tangents: with 3 or 6 rows only */
 static void mg_contact_place(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
                              const mg_real *parameters, mg_real *eta_next, mg_real *d, mg_real *residual,
                              mg_real *margin, mg_real *normal, mg_real *point_o, mg_real *point_f);

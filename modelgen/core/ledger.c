@@ -35,6 +35,6 @@ static void mg_ledger(mg_context *c) {
     mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
     mg_raise(&run->gap_max, fabs(c->d[i]));
-    if (run->margin[i] < run->margin_min) run->margin_min = run->margin[i];
+    if (!run->fresh[i] && run->margin[i] < run->margin_min) run->margin_min = run->margin[i];
   }
 }

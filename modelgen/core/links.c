@@ -51,5 +51,5 @@ static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta
   c->run->link[contact] = link;
   mg_take_link(c, contact);
   for (int k = 0; k < mg_eta_room(c, contact); k++) kept[k] = k < c->n_eta[contact] ? eta[k] : 0;
-  if (link < 0) c->run->closed[contact] = c->run->active[contact] = 0;
+  if (link < 0) c->run->closed[contact] = c->run->active[contact] = c->run->fresh[contact] = 0;
 }

@@ -30,7 +30,7 @@ MG_FLATTEN static void mg_rhs_lone(mg_context *c, int body, const mg_real *x, mg
   mg_body_motion(kind, q, u, c->wrench, s->gravity, parameters + s->body_parameters[body], x_dot + s->body_q[body],
                  accel);
   mg_contact_rates(c->kind[0], c->pose + 12 * c->o[0], c->twist + 6 * c->o[0], pose, u, eta,
-                   parameters + c->parameters[0], &d, none, J, &gamma, x_dot + s->n_q + s->n_u, normal);
+                   parameters + c->parameters[0], &d, none, J, &gamma, x_dot + s->n_q + s->n_u, normal, 0);
   if (!c->set->use_gamma) gamma = 0;
   mg_weigh_side(mass_inverse, J, MJ);
   const mg_real force = -(mg_dot6(J, accel) + gamma) / mg_dot6(J, MJ);

@@ -13,7 +13,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 3
+#define MG_ABI 4
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -88,6 +88,8 @@ typedef struct {
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
 } mg_settings;
 
+enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2 }; /* a contact that starts from flat; that did, its margin still small */
+
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */
        MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24,
@@ -105,6 +107,8 @@ typedef struct {
   int *active;            /* per contact: closed and carrying force */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
+  int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG */
+  mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */

@@ -29,6 +29,6 @@ static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind,
 static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_STAYS && closed != c->run->closed[contact])
-    c->run->closed[contact] = closed, c->run->active[contact] = 0;
+    c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;
   if (event != MG_SILENT) mg_emit(c, events, t, event, contact, speed);
 }

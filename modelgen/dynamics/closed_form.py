@@ -67,9 +67,10 @@ class Row:
 
 
 def is_closed_form(model: Model) -> bool:
-    """Whether the scene is small enough, has no joints, and each pair of shapes has one link."""
+    """Whether the scene is small enough, has no joints and no friction, and each pair of shapes one link."""
     single = all(pair.links[1] - pair.links[0] == 1 for pair in model.pairs)
-    return single and not model.joints and len(model.pairs) <= MAX_CONTACTS
+    smooth = all(kind.rows == 1 for kind in model.contact_kinds)
+    return single and smooth and not model.joints and len(model.pairs) <= MAX_CONTACTS
 
 
 def right_hand_side(model: Model, functions: Functions) -> ca.Function:

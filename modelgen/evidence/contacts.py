@@ -16,8 +16,9 @@ from modelgen.contact.sides import pair as symbols_of
 from modelgen.evidence.drawing import Array, Configurations, Partnership, draw
 from modelgen.evidence.findings import AGREE, Finding, compared
 from modelgen.evidence.motion import Truth, columns, repeated, truth
+from modelgen.evidence.slip import check_slip, passing, row_products
 from modelgen.geometry.curves import is_straight
-from modelgen.model import Side
+from modelgen.model import ContactKind, Side
 
 Record = TypeVar("Record", Configurations, Truth)
 MOTION = "time derivatives of the extremal pair by differentiation of the motion"
@@ -108,16 +109,23 @@ def moving_inputs(sample: Sample) -> tuple[Array, ...]:
 def check_rates(sample: Sample, rates: ca.Function) -> list[Finding]:
     """d, normal, d_dot = J u, d_ddot = J u_dot + gamma, eta_dot."""
     at, known = sample.at, sample.truth
-    d, J_o, J_f, gamma, eta_dot, normal = columns(rates, *moving_inputs(sample))
-    speed = np.sum(J_o * at.twist_o[: len(J_o)], axis=0) + np.sum(J_f * at.twist_f[: len(J_f)], axis=0)
-    gained = np.sum(J_o * at.accel_o[: len(J_o)], axis=0) + np.sum(J_f * at.accel_f[: len(J_f)], axis=0)
-    length = sample.pair.length
-    return [
+    d, J_o, J_f, gamma, eta_dot, normal, *tangents = columns(rates, *moving_inputs(sample))
+    rows, length = len(gamma), sample.pair.length
+    speed = row_products(J_o, at.twist_o, rows) + row_products(J_f, at.twist_f, rows)
+    gained = row_products(J_o, at.accel_o, rows) + row_products(J_f, at.accel_f, rows) + gamma
+    found = [
         compared("d", CONSTRUCTION, d + length, known.d[None] + length),
-        compared("J", f"J u = d_dot; {MOTION}", speed, known.d_dot),
-        compared("gamma", f"J u_dot + gamma = d_ddot; {MOTION}", gained + gamma[0], known.d_ddot),
+        compared("J", f"J u = d_dot; {MOTION}", speed[0], known.d_dot),
+        compared("gamma", f"J u_dot + gamma = d_ddot; {MOTION}", gained[0], known.d_ddot),
         compared("eta_dot", MOTION, eta_dot, eta_of(sample, rate=True)),
         compared("normal", CONSTRUCTION, normal, known.normal),
+    ]
+    if rows == 1:
+        return found
+    (turned,) = along_motion(sample, rates, ("tangents",))
+    return [
+        *found,
+        *check_slip(passing(sample.pair, at, known), known, tangents[0], turned, speed, gained),
     ]
 
 
@@ -160,8 +168,8 @@ def check_angle(sample: Sample, angle: ca.Function) -> list[Finding]:
     kind = sample.pair.kind
     values = columns(angle, *moving_inputs(sample))
     rates = dict(zip(angle.name_out(), values, strict=True))
-    slopes = columns(angle_slopes(kind, angle), *moving_inputs(sample), eta_of(sample, rate=True))
-    names = [name for name in angle.name_out() if not name.endswith("_dot")]
+    names = tuple(name for name in angle.name_out() if not name.endswith("_dot"))
+    slopes = along_motion(sample, angle, names)
     straight = [f"phi_{side}" for side in "of" if is_straight(getattr(kind, side).shape)]
     return [
         compared(
@@ -172,21 +180,27 @@ def check_angle(sample: Sample, angle: ca.Function) -> list[Finding]:
     ]
 
 
+def along_motion(sample: Sample, function: ca.Function, names: tuple[str, ...]) -> tuple[Array, ...]:
+    """The rates of the outputs of that name along the motion of the pairs, by differentiation."""
+    slopes = _slopes(sample.pair.kind, function, names)
+    return columns(slopes, *moving_inputs(sample), eta_of(sample, rate=True))
+
+
 @cache
-def angle_slopes(kind: object, angle: ca.Function) -> ca.Function:
-    at: Pair = symbols_of(kind, eta_layout(kind))  # type: ignore[arg-type]
+def _slopes(kind: ContactKind, function: ca.Function, names: tuple[str, ...]) -> ca.Function:
+    at: Pair = symbols_of(kind, eta_layout(kind))
     numbers = ca.vertcat(at.o.argument, at.f.argument)
     arguments = [at.o.pose, at.o.twist, at.f.pose, at.f.twist, at.eta, numbers]
     eta_dot = ca.SX.sym("eta_dot", at.eta.numel())
     outputs = []
-    for name, value in zip(angle.name_out(), angle.call(arguments), strict=True):
-        if name.endswith("_dot"):
+    for name, value in zip(function.name_out(), function.call(arguments), strict=True):
+        if name not in names:
             continue
         slope = ca.jtimes(value, at.eta, eta_dot)
         for side in (at.o, at.f):
             if side.pose.numel():
                 slope += ca.jtimes(value, side.pose, pose_rate(side))
-        outputs.append(slope)
+        outputs.append(ca.densify(slope))
     return ca.Function("slopes", [*arguments, eta_dot], outputs)
 
 

@@ -63,7 +63,7 @@ def moved(pose: ca.SX, twist: ca.SX, accel: ca.SX, t: ca.SX) -> tuple[ca.SX, ca.
     return pose[:3] + twist[:3] * t + accel[:3] * t**2 / 2, R @ (ca.SX.eye(3) + h + h @ h / 2)
 
 
-def _placed(feature: Feature, alpha: ca.SX, p: ca.SX, placement: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def placed(feature: Feature, alpha: ca.SX, p: ca.SX, placement: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Point in the shape frame; point and tangents in body axes."""
     x = feature.point(alpha, p)
     R = ca.reshape(placement[3:], 3, 3)
@@ -77,8 +77,8 @@ def _derivatives(o: Feature, f: Feature) -> ca.Function:
     sides = [[ca.SX.sym(f"s{i}{k}", size) for k, size in enumerate((12, 6, 6))] for i in range(2)]
     numbers = [ca.SX.sym("n", len(side.shape.parameter_names)) for side in (o, f)]
     places = [ca.SX.sym("place", 12) for _ in range(2)]
-    x_o, b_o, e_o = _placed(o, alpha[:n_o], numbers[0], places[0])
-    x_f, b_f, e_f = _placed(f, alpha[n_o:], numbers[1], places[1])
+    x_o, b_o, e_o = placed(o, alpha[:n_o], numbers[0], places[0])
+    x_f, b_f, e_f = placed(f, alpha[n_o:], numbers[1], places[1])
     (p_o, R_o), (p_f, R_f) = (moved(side[0], side[1], side[2], t) for side in sides)
     point_o, point_f, E_o, E_f = p_o + R_o @ b_o, p_f + R_f @ b_f, R_o @ e_o, R_f @ e_f
     between = point_f - point_o

@@ -201,13 +201,13 @@ def _unfolded(kind: BodyKind | ShapeKind) -> bool:
 
 
 def _two_spheres(kind: ContactKind) -> bool:
-    """Centres in the origins of their bodies, numbers left as parameters."""
+    """Centres in the origins of their bodies, numbers left as parameters, the normal row alone."""
     sides = (kind.o, kind.f)
     plain = all(
         s.placement == "identity" and s.shape.kind in ("sphere", "point") and _unfolded(s.shape)
         for s in sides
     )
-    return kind.form == "explicit" and plain
+    return kind.form == "explicit" and kind.rows == 1 and plain
 
 
 MUST_BE_PROVED: Mapping[str, tuple[str, Callable[..., bool], Callable[..., list[Finding]]]] = {  # by role

@@ -49,18 +49,30 @@ def dot(a: ca.SX, b: ca.SX) -> ca.SX:
     return ca.mtimes(a.T, b)
 
 
-def tangent_frame(n: ca.SX) -> ca.SX:
+SEAM = -0.38  # a latitude that no cylinder, equator or plane has its normals on
+
+
+def tangent_frame(n: ca.SX, seam: float = 0.0) -> ca.SX:
     """Two unit vectors (3,2) that complete the unit vector n to a right-handed frame [t1 t2 n].
 
     Without branches and without a singular direction (Duff et al., Building an Orthonormal Basis,
-    Revisited, JCGT 6(1), 2017); it jumps where n_z changes sign, so nothing exported may depend on it.
+    Revisited, JCGT 6(1), 2017); it jumps where n_z passes `seam`, so nothing may depend on which it is.
     """
-    sign = 2 * (n[2] >= 0) - 1
+    sign = 2 * (n[2] >= seam) - 1
     a = -1 / (sign + n[2])
     b = n[0] * n[1] * a
     t1 = ca.vertcat(1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0])
     t2 = ca.vertcat(b, sign + n[1] * n[1] * a, -n[1])
     return ca.horzcat(t1, t2)
+
+
+def frame_spin(n: ca.SX, rate: ca.SX, seam: float = 0.0) -> ca.SX:
+    """t1_dot.t2 of `tangent_frame` when n moves with the given rate (3,): how fast the frame turns about n.
+
+    The frame is that of a pole +-z carried along the great circle to n, without turning on the way.
+    """
+    sign = 2 * (n[2] >= seam) - 1
+    return -1 / (sign + n[2]) * (n[0] * rate[1] - n[1] * rate[0])
 
 
 def solve2(A: ca.SX, b: ca.SX) -> ca.SX:

@@ -23,14 +23,15 @@ class Support:
     offset: ca.SX  # (1,) m
     height: ca.SX  # (1,) m, n . core
     form: Callable[[ca.SX], ca.SX]  # m (3,), tangential -> m . (d core/dn) m, m
+    slope: Callable[[ca.SX], ca.SX]  # m (3,), tangential -> (d core/dn) m, m
 
 
 def sphere(n: ca.SX, p: ca.SX) -> Support:
-    return Support(zeros(3), p[0], zeros(1), lambda m: zeros(1))
+    return Support(zeros(3), p[0], zeros(1), lambda m: zeros(1), lambda m: zeros(3))
 
 
 def point(n: ca.SX, p: ca.SX) -> Support:
-    return Support(p, zeros(1), dot(n, p), lambda m: zeros(1))
+    return Support(p, zeros(1), dot(n, p), lambda m: zeros(1), lambda m: zeros(3))
 
 
 def ellipsoid(n: ca.SX, p: ca.SX) -> Support:
@@ -40,7 +41,11 @@ def ellipsoid(n: ca.SX, p: ca.SX) -> Support:
     height = ca.sqrt(dot(n, scaled))
     inverse = 1 / height
     x = scaled * inverse
-    return Support(x, zeros(1), height, lambda m: (dot(m, squares * m) - dot(x, m) ** 2) * inverse)
+    return Support(
+        x, zeros(1), height,
+        lambda m: (dot(m, squares * m) - dot(x, m) ** 2) * inverse,
+        lambda m: (squares * m - x * dot(x, m)) * inverse,
+    )  # fmt: skip
 
 
 def torus(n: ca.SX, p: ca.SX) -> Support:
@@ -48,15 +53,18 @@ def torus(n: ca.SX, p: ca.SX) -> Support:
     nx = n[0] + TINY
     across = ca.sqrt(nx * nx + n[1] * n[1])
     ex, ey = nx / across, n[1] / across
-
     core = ca.vertcat(p[0] * ex, p[0] * ey, zeros(1))
-    return Support(core, p[1], p[0] * across, lambda m: p[0] / across * (m[1] * ex - m[0] * ey) ** 2)
+    return Support(
+        core, p[1], p[0] * across,
+        lambda m: p[0] / across * (m[1] * ex - m[0] * ey) ** 2,
+        lambda m: p[0] / across * (m[1] * ex - m[0] * ey) * ca.vertcat(-ey, ex, zeros(1)),
+    )  # fmt: skip
 
 
 def circle(n: ca.SX, p: ca.SX) -> Support:
     """The circle of `torus` by itself."""
     tube = torus(n, ca.vertcat(p[0], zeros(1)))
-    return Support(tube.core, zeros(1), tube.height, tube.form)
+    return Support(tube.core, zeros(1), tube.height, tube.form, tube.slope)
 
 
 def ellipse(n: ca.SX, p: ca.SX) -> Support:
@@ -64,7 +72,11 @@ def ellipse(n: ca.SX, p: ca.SX) -> Support:
     nx = n[0] + TINY
     h = ca.sqrt((p[0] * nx) ** 2 + (p[1] * n[1]) ** 2)
     core = ca.vertcat(p[0] ** 2 * nx / h, p[1] ** 2 * n[1] / h, zeros(1))
-    return Support(core, zeros(1), h, lambda m: (p[0] * p[1] * (m[0] * n[1] - m[1] * nx)) ** 2 / h**3)
+    return Support(
+        core, zeros(1), h,
+        lambda m: (p[0] * p[1] * (m[0] * n[1] - m[1] * nx)) ** 2 / h**3,
+        lambda m: (p[0] * p[1]) ** 2 * (m[0] * n[1] - m[1] * nx) / h**3 * ca.vertcat(n[1], -nx, zeros(1)),
+    )  # fmt: skip
 
 
 def superellipsoid(n: ca.SX, p: ca.SX) -> Support:
@@ -85,4 +97,7 @@ def superellipsoid(n: ca.SX, p: ca.SX) -> Support:
     def form(m: ca.SX) -> ca.SX:
         return ca.substitute(dot(m, ca.jtimes(x, symbol, m)), symbol, n)
 
-    return Support(core, zeros(1), h, form)
+    def slope(m: ca.SX) -> ca.SX:
+        return ca.substitute(ca.jtimes(x, symbol, m), symbol, n)
+
+    return Support(core, zeros(1), h, form, slope)

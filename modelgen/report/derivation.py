@@ -14,6 +14,7 @@ import sympy as sp
 from modelgen.codegen.emit import emit
 from modelgen.codegen.manifest import Manifest
 from modelgen.contact.kinds import FORMS, contact_kernels
+from modelgen.contact.slip import with_tangential_rows
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.evidence.configuration import inputs_at, substituted
@@ -175,8 +176,12 @@ def _statement(formula: Formula, model: Model) -> str:
         return inspect.getdoc(rows_kernel) or ""
     if formula.role not in ("rates", "place", "angle") or _is_limit(formula, model):
         return ""
-    form = FORMS[model.contact_kinds[formula.kind].form]
-    return inspect.getdoc(form.angle if formula.role == "angle" else form.build) or ""
+    kind = model.contact_kinds[formula.kind]
+    form = FORMS[kind.form]
+    stated = inspect.getdoc(form.angle if formula.role == "angle" else form.build) or ""
+    if formula.role == "rates" and kind.rows > 1:
+        return f"{stated}\n\n{inspect.getdoc(with_tangential_rows)}"
+    return stated
 
 
 def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict[str, list[str]]:

@@ -96,7 +96,7 @@ class Touching:
     def __init__(self, derivation: Derivation, library: Library) -> None:
         self.model = model = derivation.model
         self.functions = {formula.name: formula.function for formula in derivation.formulas}
-        _refuse_driven(model)
+        _refuse(model)
         self.library = library
         self.contacts = self._at_start()
         self.mass_inverse = _mass_inverse(model)
@@ -197,12 +197,18 @@ def _holding(held: list[Contact], model: Model) -> Model:
     return replace(model, links=links, pairs=pairs, contacts=contacts, n_eta=int(offsets[-1]))
 
 
-def _refuse_driven(model: Model) -> None:
+def _refuse(model: Model) -> None:
+    """Raises SimulationError where a body is driven, or a contact has friction, which has no derivative."""
+    where = f"{model.scene.name}: linearise"
     for body in model.bodies:
         if model.body_kinds[body.kind].motion == "driven":
-            where = f"{model.scene.name}: linearise"
             found, allowed = f"body {body.name!r} is driven", "fixed and dynamic bodies have an equilibrium"
             raise SimulationError(where, found, allowed, "make it fixed")
+    for link in model.links:
+        if model.contact_kinds[link.kind].rows > 1:
+            found = f"contact {model.pairs[link.pair].name!r} has friction"
+            allowed = "contacts without friction, whose motions near rest are smooth"
+            raise SimulationError(where, found, allowed, "leave its friction out")
 
 
 def _call(function: ca.Function, *arguments: Array) -> list[Array]:

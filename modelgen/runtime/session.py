@@ -43,6 +43,8 @@ class Session:
         self.closed = np.zeros(n_contact + 1, dtype=np.intc)
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
+        self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
+        self.outward = self._reals(3 * n_contact + 3)
         self.run = self.tables.Run()
         self.link = np.full(n_contact + 1, -1, dtype=np.intc)
         self.moved = self._reals(len(sentence["pairs"]) + len(sentence["limits"]) + 1)

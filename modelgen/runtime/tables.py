@@ -37,7 +37,7 @@ SETTINGS_REALS = (
     *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search", "flat", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
-RUN_ARRAYS = ("x", "link", "moved", "closed", "active", "force", "margin")
+RUN_ARRAYS = ("x", "link", "moved", "closed", "active", "force", "margin", "fresh", "outward")
 RUN_COUNTS = (
     "steps",
     "rejected",

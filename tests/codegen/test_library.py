@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -9,10 +10,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from modelgen import derive, require
+from modelgen import build, derive, emit, require
 from modelgen.errors import LibraryError
+from modelgen.model import Rows
 from tests.model.scenes import WIDE, contact, egg, scene
-from tests.running import library_of
+from tests.running import folder, library_of
 
 Array = np.ndarray[Any, Any]
 DERIVATION = derive(require(WIDE))
@@ -44,6 +46,22 @@ def test_casadi_loads_the_same_kernel_from_the_same_file(name: str) -> None:
     loaded = external.call([ca.DM(a) for a in given])
     for a, b in zip(library.kernel(name)(*given), loaded, strict=True):
         np.testing.assert_array_equal(a, np.array(b).ravel())
+
+
+@pytest.mark.parametrize("rows", [3, 6])
+def test_tangential_rows_reach_the_library(rows: Rows) -> None:
+    model = require(WIDE)
+    derivation = derive(
+        replace(model, contact_kinds=tuple(replace(kind, rows=rows) for kind in model.contact_kinds))
+    )
+    library = build(emit(derivation), folder=folder() / f"rows{rows}")
+    for kind in library.manifest.kinds["contact"]:
+        assert kind["rows"] == rows
+        function = derivation.function(f"mg_{kind['name']}_rates")
+        given = [np.random.default_rng(1).uniform(0.1, 0.9, function.numel_in(i)) for i in range(6)]
+        found = library.kernel(function.name())(*given)
+        for a, b in zip(found, function.call([ca.DM(a) for a in given]), strict=True):
+            np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-11, atol=1e-12)
 
 
 @pytest.mark.parametrize(("real", "digits"), [("float", 1e-3), ("long double", 1e-11)])

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.contact.kernels import PLACE_INPUTS, PLACE_OUTPUTS, RATES_INPUTS, RATES_OUTPUTS
+from modelgen.contact.kernels import PLACE_INPUTS, PLACE_OUTPUTS, RATES_INPUTS, RATES_OUTPUTS, SLIP_OUTPUTS
 from modelgen.contact.kinds import (
     FORMS,
     choose_form,
@@ -19,12 +19,13 @@ from modelgen.contact.kinds import (
     regular_forms,
 )
 from modelgen.errors import SceneError
-from modelgen.model import BodyMotion, ContactKind, Posing, ShapeKind, Side
+from modelgen.model import BodyMotion, ContactKind, Posing, Rows, ShapeKind, Side
 from modelgen.notation import ETA_SIZE, notation
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.types import Chart
 
+ROWS: tuple[Rows, ...] = (1, 3, 6)
 X, Y, Z = (parse_expression(text, ("u", "v")) for text in ("u", "v", "u**2 + v**2"))
 KINDS = {name: ShapeKind(name, name, spec.parameters) for name, spec in SHAPES.items()}
 KINDS["sheet"] = ShapeKind("sheet", "chart", (), chart=Chart((X, Y, Z), ((-1.0, 1.0), (-1.0, 1.0))))
@@ -64,6 +65,17 @@ CEILINGS = {  # instructions of the rates
     ("plane", "free", "general", "point", "explicit"): 205,
     ("sphere", "free", "general", "point", "explicit"): 168,
 }
+SLIDING = {  # instructions of the rates with 1, 3 and 6 rows, in the cheapest form of each
+    ("plane", "fixed", "identity", "ellipsoid"): (89, 164, 185),
+    ("plane", "free", "general", "ellipsoid"): (235, 392, 448),
+    ("ellipsoid", "fixed", "identity", "ellipsoid"): (335, 439, 476),
+    ("ellipsoid", "free", "general", "ellipsoid"): (466, 645, 709),
+    ("plane", "fixed", "identity", "sphere"): (16, 51, 75),
+    ("sphere", "free", "general", "sphere"): (71, 368, 427),
+    ("plane", "fixed", "identity", "circle"): (67, 131, 152),
+    ("plane", "fixed", "identity", "point"): (62, 125, 146),
+    ("edge", "free", "general", "edge"): (322, 582, 681),
+}
 
 
 def side(name: str, motion: BodyMotion = "free", pose: Posing = "general") -> Side:
@@ -76,6 +88,17 @@ def test_rates_cost_no_more_than_their_ceiling(
 ) -> None:
     o, motion, pose, f, form = key
     assert instructions(ContactKind("count", form, side(o, motion, pose), side(f))) <= ceiling
+
+
+@pytest.mark.parametrize(("key", "ceilings"), SLIDING.items())
+def test_tangential_rows_cost_no_more_than_their_ceiling(
+    key: tuple[str, BodyMotion, Posing, str], ceilings: tuple[int, int, int]
+) -> None:
+    o, motion, pose, f = key
+    one, two = side(o, motion, pose), side(f)
+    for rows, ceiling in zip(ROWS, ceilings, strict=True):
+        kind = ContactKind("count", choose_form(one, two, rows), one, two, rows)
+        assert instructions(kind) <= ceiling
 
 
 def test_a_ball_on_the_ground_costs_next_to_nothing() -> None:
@@ -155,6 +178,17 @@ def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str)
             dict(zip(PLACE_INPUTS, (12, 12, n_eta, n_par), strict=True)),
             dict(zip(PLACE_OUTPUTS, (n_eta, 1, 2, 2, 3, 3, 3), strict=True)),
         )
+
+
+@pytest.mark.parametrize("rows", ROWS[1:])
+@pytest.mark.parametrize(("o", "f"), [("plane", "ellipsoid"), ("ellipsoid", "helix")])
+def test_tangential_rows_stand_below_the_normal_one(o: str, f: str, rows: Rows) -> None:
+    one, two = side(o, "point"), side(f, "driven")
+    kind = ContactKind("sliding", choose_form(one, two, rows), one, two, rows)
+    n_eta = sum(ETA_SIZE[carrier] for carrier in eta_layout(kind))
+    wanted = (1, 3 * rows, 6 * rows, rows, n_eta, 3, 6)
+    sizes = signature(contact_kernels(kind).rates)[1]
+    assert sizes == dict(zip(SLIP_OUTPUTS, wanted, strict=True))
 
 
 def signature(f: ca.Function) -> tuple[dict[str, int], dict[str, int]]:

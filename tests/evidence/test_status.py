@@ -12,7 +12,8 @@ from modelgen.contact.kinds import FORMS
 from modelgen.derive import Derivation, Formula
 from modelgen.evidence.proofs import MUST_BE_PROVED, must_be_proved
 from modelgen.evidence.verify import verified
-from modelgen.report.derivation import kind_scene
+from modelgen.model import Rows
+from modelgen.report.derivation import View, formula_facts, kind_scene
 
 N = 12
 PAIRS = {
@@ -38,15 +39,53 @@ def pair(kind: str) -> Derivation:
     return derive(require(kind_scene(kind)))
 
 
-def corrupted(formula: Formula, output: str) -> Formula:
-    """The same formula with one output a millionth too large."""
+def corrupted(formula: Formula, output: str, part: int | None = None) -> Formula:
+    """The same formula with one output, or a sixth of it, a millionth too large."""
     function = formula.function
     given = [ca.SX.sym(name, function.size1_in(k)) for k, name in enumerate(function.name_in())]
     values = function.call(given)
     k = function.name_out().index(output)
-    values[k] = values[k] * (1 + 1e-6)
+    sixth = values[k].numel() // 6
+    chosen = slice(None) if part is None else slice(part * sixth, (part + 1) * sixth)
+    values[k][chosen] = values[k][chosen] * (1 + 1e-6)
     wrong = ca.Function(function.name(), given, values, function.name_in(), function.name_out())
     return replace(formula, function=wrong)
+
+
+def with_rows(kind: str, rows: Rows) -> Derivation:
+    """The derivation of a pair whose contacts have tangential rows."""
+    model = require(kind_scene(kind))
+    return derive(replace(model, contact_kinds=tuple(replace(k, rows=rows) for k in model.contact_kinds)))
+
+
+@pytest.mark.parametrize("rows", [3, 6])
+@pytest.mark.parametrize("form", FORMS)
+def test_tangential_rows_agree_with_material_points(form: str, rows: Rows) -> None:
+    derivation = with_rows(f"{PAIRS[form]}:{form}", rows)
+    formula = next(f for f in derivation.formulas if f.role == "rates")
+    verdict = verified(formula, derivation, N, 7)
+    assert verdict.status == "tested", verdict.as_dict()
+    assert [finding.quantity for finding in verdict.findings].count("gamma") == 2
+    assert "tangents" in {finding.quantity for finding in verdict.findings}
+
+
+@pytest.mark.parametrize("output", ["J_o", "J_f", "gamma", "tangents"])
+@pytest.mark.parametrize("kind", ["ellipsoid-torus", "plane-ellipsoid", "circle-helix"])
+def test_a_corrupted_tangential_row_is_reported(kind: str, output: str) -> None:
+    derivation = with_rows(kind, 6)
+    formula = next(f for f in derivation.formulas if f.role == "rates")
+    for row in range(6):
+        assert verified(corrupted(formula, output, row), derivation, N, 6).status == "failed"
+
+
+def test_tangential_rows_are_written_out_with_their_source() -> None:
+    (facts,) = formula_facts(with_rows("plane-ellipsoid", 6), "rates", "text", view=View(n=N))
+    assert "Montana" in facts["citation"]
+    assert "sigma t2" in facts["statement"]
+    assert {"slip", "rolling"} <= {step["name"] for step in facts["steps"]}
+    assert {port["name"]: port["unit"] for port in facts["outputs"]}["gamma"] == "m/s^2, rad/s^2"
+    assert facts["status"] == "tested"
+    assert facts["unchecked"] == []
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 
 from modelgen.contact.kinds import FORMS, order
-from modelgen.model import BodyMotion, ContactKind, Posing, Side
+from modelgen.model import BodyMotion, ContactKind, Posing, Rows, Side
 from tests.laws.shapes import SPECIMENS
 
 ROUGH = ("ellipsoid", "torus", "superellipsoid", "patch")
@@ -50,8 +50,9 @@ def kind_of(
     motions: tuple[BodyMotion, BodyMotion] = ("free", "free"),
     pose: Posing = "general",
     placement: Posing = "identity",
+    rows: Rows = 1,
 ) -> ContactKind:
     """A contact kind of two specimens; `pose` is that of o, `placement` that of both shapes."""
     one = Side(SPECIMENS[o].kind, motions[0], pose, placement)
     two = Side(SPECIMENS[f].kind, motions[1], "general", placement)
-    return ContactKind("law", form, one, two)
+    return ContactKind("law", form, one, two, rows)

@@ -146,6 +146,14 @@ def test_a_driven_body_is_refused() -> None:
         linear(scene)
 
 
+def test_friction_is_refused() -> None:
+    scene = standing(0.3, 0.2, 0.1)
+    model = require(scene)
+    rough = replace(model, contact_kinds=tuple(replace(kind, rows=3) for kind in model.contact_kinds))
+    with pytest.raises(SimulationError, match=r"egg-table.*friction"):
+        linearise(derive(rough), library_of(scene))
+
+
 def test_a_wrong_argument_is_refused() -> None:
     with pytest.raises(ModelgenError, match="linearise"):
         linearise("scenes/ball_in_bowl.toml", None)  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ from modelgen.contact.points import montana_frame
 from modelgen.contact.rows import jet_of_curve, levers
 from modelgen.contact.sides import Pair, Partner, pair
 from modelgen.contact.surface_surface import angle_function, montana
-from modelgen.evidence.contacts import Sample, angle_slopes, eta_of, moving_inputs, sample
+from modelgen.evidence.contacts import Sample, along_motion, moving_inputs, sample
 from modelgen.evidence.drawing import partnership
 from modelgen.evidence.motion import columns
 from modelgen.model import ContactKind, ShapeKind, Side
@@ -95,10 +95,8 @@ class Body:
 
 
 def _kind(o: str, f: str, form: str) -> tuple[ContactKind, tuple[float, ...]]:
-    shapes = [ShapeKind(name, name, tuple(_SHAPES[name][0].split())) for name in (o, f)]
-    return ContactKind("paper", form, *(Side(shape, "free") for shape in shapes)), _SHAPES[o][1] + _SHAPES[f][
-        1
-    ]
+    one, two = (Side(ShapeKind(name, name, tuple(_SHAPES[name][0].split())), "free") for name in (o, f))
+    return ContactKind("paper", form, one, two), _SHAPES[o][1] + _SHAPES[f][1]
 
 
 @cache
@@ -118,8 +116,8 @@ def ground(o: str, f: str, form: str, n: int, seed: int) -> Ground:
     found = {
         name: _stacked(out, drawn.n) for name, out in zip(values, columns(function, *inputs), strict=True)
     }
-    slopes = columns(angle_slopes(kind, angle), *inputs, eta_of(drawn, rate=True))
-    names = [name for name in angle.name_out() if not name.endswith("_dot")]
+    names = tuple(name for name in angle.name_out() if not name.endswith("_dot"))
+    slopes = along_motion(drawn, angle, names)
     return Ground(drawn, found, {name: slope.ravel() for name, slope in zip(names, slopes, strict=True)})
 
 
