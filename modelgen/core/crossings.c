@@ -13,7 +13,7 @@ typedef struct {
 static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_real t) {
   const mg_track *k = h->track + track;
   const mg_span *first = h->span + k->span, *last = first + k->n_span - 1;
-  const mg_real near = h->regions->shared, middle = (k->t0 + k->t1) / 2;
+  const mg_real near = MG_SHARES * h->regions->shared, middle = (k->t0 + k->t1) / 2;
   if (t <= middle && mg_apart2(first->P, point) <= near) return k->t0;
   if (t >= middle && mg_apart2(last->Q, point) <= near) return k->t1;
   return t;
@@ -38,7 +38,7 @@ static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_
 static void mg_try_end(mg_hull *h, int ending, int last, int other) {
   const mg_track *e = h->track + ending, *k = h->track + other;
   const mg_span *s = h->span + e->span + (last ? e->n_span - 1 : 0);
-  const mg_real *p = last ? s->Q : s->P, shared = h->regions->shared;
+  const mg_real *p = last ? s->Q : s->P, shared = MG_SHARES * h->regions->shared;
   for (int i = k->span; i < k->span + k->n_span; i++) {
     const mg_span *cell = h->span + i;
     const mg_real chord[2] = {cell->Q[0] - cell->P[0], cell->Q[1] - cell->P[1]};

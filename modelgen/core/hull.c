@@ -56,16 +56,17 @@ static void mg_sort_spots(mg_hull *h, int n) {
     }
 }
 
-/* Spots within `shared` of one further left are left out and noted as its twins, in a ring. */
+/* Spots that are one with one further left are left out and noted as its twins, in a ring. */
 static int mg_join_twins(mg_hull *h, int n) {
+  const mg_real near = 2 * MG_SHARES * h->regions->shared;
   int kept = 0;
   for (int i = 0; i < n; i++) {
     const int spot = h->order[i];
     int same = -1;
     for (int j = kept - 1; j >= 0 && same < 0; j--) {
       const mg_spot *other = h->spot + h->order[j];
-      if (h->spot[spot].point[0] - other->point[0] > h->regions->shared) break;
-      if (mg_apart2(other->point, h->spot[spot].point) <= h->regions->shared) same = h->order[j];
+      if (h->spot[spot].point[0] - other->point[0] > near) break;
+      if (mg_apart2(other->point, h->spot[spot].point) <= near) same = h->order[j];
     }
     if (same < 0) {
       h->order[kept++] = spot;
@@ -203,7 +204,7 @@ static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
 static void mg_settle_tangents(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) {
     mg_edge *e = h->edge + i;
-    if (e->way || !(e->length > 0)) continue;
+    if (e->way || e->length <= MG_SHORT * h->regions->shared) continue;
     mg_settle_tangent(h, e->u, e->normal), mg_settle_tangent(h, e->v, e->normal);
   }
   for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edge + i, h->edge[i].u, h->edge[i].v);

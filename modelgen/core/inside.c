@@ -2,10 +2,10 @@
 #include "region.h"
 
 /* Whether p is between the chord of a span and its curve; -1: on the curve. */
-static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, mg_real cross) {
+static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, mg_real cross, mg_real shared) {
   const mg_track *k = h->track + s->track;
   const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, arm[2] = {p[0] - s->P[0], p[1] - s->P[1]};
-  const mg_real length = sqrt(mg_dot2(chord, chord)), shared = h->regions->shared;
+  const mg_real length = sqrt(mg_dot2(chord, chord));
   const mg_real along = mg_dot2(chord, arm) / length, off = cross / length;
   if (fabs(off) > length * s->turn + shared || along < -shared || along > length + shared) return 0;
   if (k->straight) return fabs(off) <= shared ? -1 : 0;
@@ -17,17 +17,18 @@ static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, m
   return (side > 0) != (cross > 0);
 }
 
-/* 1: p is inside o's (side 0) or f's region, 2: within `shared` of its boundary, 0: outside. */
+/* 1: p is inside o's (side 0) or f's region, 2: on its boundary, 0: outside. */
 static int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
   const mg_regions *r = h->regions;
   const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;
+  const mg_real shared = r->shared * MG_SHARES / (side ? 1 : 2);
   int inside = first == end;
   for (int i = first; i < end; i++)
     for (int j = h->track[i].span; j < h->track[i].span + h->track[i].n_span; j++) {
       const mg_span *s = h->span + j;
       const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, arm[2] = {p[0] - s->P[0], p[1] - s->P[1]};
       const mg_real cross = mg_cross2(chord, arm);
-      const int between = mg_is_between(h, s, p, cross);
+      const int between = mg_is_between(h, s, p, cross, shared);
       if (between < 0) return 2;
       const int up = s->Q[1] > p[1], was_up = s->P[1] > p[1];
       inside ^= between ^ (up != was_up && (cross > 0) == up);

@@ -73,7 +73,7 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
 static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
   mg_real p[2], T[2];
   mg_on(h->track + track, t, p, T);
-  const mg_real step = 64 * h->regions->shared / sqrt(mg_dot2(T, T));
+  const mg_real step = 8 * MG_SHARES * h->regions->shared / sqrt(mg_dot2(T, T));
   const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
   return !(mg_is_inside(h, 0, left) && mg_is_inside(h, 1, left)) &&
          !(mg_is_inside(h, 0, right) && mg_is_inside(h, 1, right));

@@ -12,7 +12,8 @@ static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Notes at the flat start what leans against what. Returns 0 where no body could. */
+/* Notes at the flat start what leans against what, and how little it is held to lean at first in a step h. Returns 0 where
+   no body could. */
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_poses(c, t, x);
   for (int i = 0; i < c->sys->n_contact; i++) {

@@ -39,7 +39,8 @@ static int mg_try_side(const mg_hull *h, int edge, const mg_real *x, mg_nearest_
     const mg_nearest_side found = {fabs(off), 0, edge, -1, 0};
     *best = found;
   }
-  return off * e->length > 4 * MG_EPS * h->size * (fabs(arm[0]) + fabs(arm[1]) + e->length);
+  const mg_real rounding = 4 * MG_EPS * h->size * ((fabs(arm[0]) + fabs(arm[1])) / e->length + 1);
+  return e->length > MG_SHORT * h->regions->shared && off > rounding;
 }
 
 /* Whether x is beyond the tangent at an end of a curved side. */

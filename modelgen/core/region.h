@@ -23,6 +23,11 @@ typedef struct {
   mg_real shared;     /* m: points of the two boundaries nearer than this are one */
 } mg_regions;
 
+/* Ends of arcs are on the other boundary, and o's parts within f's, up to MG_SHARES times `shared`; f's within o's up to
+   half of it: where f's part is left out for o's, o's has been cut at its ends and is kept. */
+#define MG_SHARES 16
+#define MG_SHORT 1024 /* sides of a hull up to so many times `shared` have no direction that can be relied on */
+
 typedef struct { /* an arc placed in the plane, or a part of it; turn: sum of its end tangents' sines to the chord */
   int track;
   mg_real a, b, P[2], Q[2], S[2], E[2], turn;

@@ -40,7 +40,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
-SHARED = 64  # boundaries of two planar regions within so many epsilons of their size are one
+SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
 def is_number(value: object) -> bool:

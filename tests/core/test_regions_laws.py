@@ -200,3 +200,21 @@ def _scaled(arcs: list[Arc], size: float) -> list[Arc]:
         )
         for arc in arcs
     ]
+
+
+@settings(deadline=None)
+@given(
+    shape=st.sampled_from([disc(0.7), ellipse(0.9, 0.5), stadium(0.5, 0.3), rectangle(0.8, 0.5), regular(5)]),
+    apart=st.floats(-17, -6),
+    way=st.floats(-pi, pi),
+)
+def test_equal_regions_nearly_on_each_other_have_nearly_the_whole_margin(
+    plane_core: CoreBuild, shape: list[Arc], apart: float, way: float
+) -> None:
+    """Through the tolerance within which their boundaries count as one."""
+    slip = 10**apart
+    pose = facing(slip * np.cos(way), slip * np.sin(way))
+    points = np.array([[0.1, 0.05], [-0.2, 0.1]])
+    whole = overlap(plane_core, [], shape, points=points).margin
+    found = overlap(plane_core, shape, shape, pose, points).margin
+    assert np.all(np.abs(found - whole) <= 2 * slip + 4e-13)
