@@ -191,7 +191,6 @@ typedef struct {          /* two planar regions laid on each other: A on the fac
   const mg_real *parameters;
   const mg_real *numbers; /* 14 an arc: placement of the curve in the axes of its face (12), first and last parameter */
   const mg_real *pose;    /* 12, of f's face in the axes of o's */
-  mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* m: points of the two boundaries nearer than this are one */
   const mg_real *x;       /* 2 a point, in the axes of o's face */
   mg_real *margin;        /* 1 a point: signed distance to the boundary of the hull of A cap B, m, > 0 inside */
