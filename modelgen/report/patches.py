@@ -33,8 +33,8 @@ def face_outlines(library: Library, patches: Sequence[int]) -> dict[str, Array]:
 
 
 def patch_overlap(library: Library, trajectory: Trajectory, sample: int, patch: int) -> Overlap:
-    """The regions of a patch laid on each other at a sample of a run, and its centre of pressure against their
-    hull, in the axes of o's face (12,); of f's where o's is a whole plane. Without a centre, NaN."""
+    """The regions of a patch laid on each other at a sample of a run, and its centre of pressure against
+    their hull, in the axes of o's face; of f's where o's is a whole plane."""
     entry = library.manifest.sentence["patches"][patch]
     o, f = (library.manifest.sentence["faces"][k] for k in entry["faces"])
     whole = not o["boundary"]

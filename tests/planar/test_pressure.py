@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import cos, sin
 
 import numpy as np
 import pytest
@@ -26,9 +27,8 @@ def reach_of_hull(points: np.ndarray, direction: np.ndarray) -> float:
     """How far a ray from the origin goes in the convex hull of points (n, 2)."""
     equations = ConvexHull(points).equations
     slopes = equations[:, :2] @ direction
-    return float(
-        min(-offset / slope for slope, offset in zip(slopes, equations[:, 2], strict=True) if slope > 0)
-    )
+    ahead = slopes > 0
+    return float((-equations[ahead, 2] / slopes[ahead]).min())
 
 
 @pytest.mark.parametrize("angle", [0.3, 1.1, 2.0, 3.5, 5.0])
@@ -37,7 +37,7 @@ def test_an_l_shape_tips_where_the_ray_of_its_pressure_leaves_its_convex_hull(an
     direction = np.array([np.cos(angle), np.sin(angle)])
     reach = reach_of_hull(np.array(L_SHAPE), direction)
     time = reach * MASS * G / (2.0 * 0.03)
-    force = [f"{2.0 * direction[0]!r}*t", f"{2.0 * direction[1]!r}*t", "0"]
+    force = [f"{2 * float(direction[0])!r}*t", f"{2 * float(direction[1])!r}*t", "0"]
     path = pushed(make.extrusion(HEIGHT, points=L_SHAPE), force, [0, 0, 0.03], time + 0.01, 4)
     (tip,) = events(path, "tip")
     assert tip.t == pytest.approx(time, abs=1e-9)
@@ -48,10 +48,9 @@ def test_an_elliptic_base_tips_where_the_ray_of_its_pressure_leaves_the_ellipse(
     a, b = 0.04, 0.03
     reach = 1 / np.hypot(np.cos(angle) / a, np.sin(angle) / b)
     time = reach * MASS * G / (2.0 * 0.03)
-    shape = make.extrusion(
-        HEIGHT, x="a*cos(t)", y="b*sin(t)", domain=["-pi", "pi"], parameters={"a": a, "b": b}
-    )
-    force = [f"{2.0 * np.cos(angle)!r}*t", f"{2.0 * np.sin(angle)!r}*t", "0"]
+    outline = {"x": "a*cos(t)", "y": "b*sin(t)", "domain": ["-pi", "pi"], "parameters": {"a": a, "b": b}}
+    shape = make.extrusion(HEIGHT, **outline)
+    force = [f"{2 * cos(angle)!r}*t", f"{2 * sin(angle)!r}*t", "0"]
     path = pushed(shape, force, [0, 0, 0.03], time + 0.002, 4)
     (tip,) = events(path, "tip")
     assert tip.t == pytest.approx(time, abs=1e-9)
@@ -107,7 +106,7 @@ def test_a_brick_slides_across_the_corners_of_another_on_one_planar_contact() ->
     weight = 1000.0 * 0.2 * 0.16 * 0.05 * G
     assert path.patch_force[:, 0] == pytest.approx(weight, rel=1e-10)
     assert path.patch_point[:, 0, :2] == pytest.approx(path.p[:, 1, :2], abs=1e-10)
-    straight = np.outer(path.t, [0.2, 0.1]) + [-0.05, -0.03]
+    straight = np.array([-0.05, -0.03]) + np.outer(path.t, [0.2, 0.1])
     assert path.p[:, 1, :2] == pytest.approx(straight, abs=1e-12)
 
 
