@@ -28,7 +28,7 @@ def draw_frames(record: Record, samples: list[int], panels: list[Any]) -> None:
     """One picture a sample, all to one scale, each about the bodies that move."""
     meshes = _meshes_by_body(record)
     sizes = [_view(record, meshes, sample) for sample in samples]
-    half = ROOM * max(size for _, size in sizes)
+    half = ROOM * max((size for _, size in sizes), default=0.0)
     for axes, sample, (centre, _) in zip(panels, samples, sizes, strict=True):
         axes.set_title(f"t = {record.columns['t'][sample]:.4g} s")
         for body, grids in meshes.items():
