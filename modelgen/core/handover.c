@@ -80,7 +80,7 @@ static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const m
 static int mg_is_closed_loop(const mg_context *c, int arc) {
   const mg_system *s = c->sys;
   const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
-  mg_real point[2][3], tangent[3], arm[3];
+  mg_real point[2][3] = {{0}}, tangent[3], arm[3];
   for (int end = 0; end < 2; end++) {
     const mg_real uv[2] = {ends[end], 0};
     mg_shape_point(s->arc_shape[arc], uv, s->parameters + s->arc_parameters[arc], point[end], tangent);

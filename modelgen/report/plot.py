@@ -44,7 +44,7 @@ def draw(record: Record, path: str | Path, frames: int = 0) -> None:
     shaped = [k for k in _contacts(record) if k < len(record.pairs)]
     curves = shaped[:CURVES] if len(record.columns["t"]) else []
     panels = _panels(record)
-    shown = frame_samples(record, frames) if len(record.columns["t"]) and record.meshes else []
+    shown = frame_samples(record, frames) if frames and len(record.columns["t"]) and record.meshes else []
     above, rows = -(-len(shown) // 2), -(-len(panels) // 2)
     heights = [1.7] * above + [1.0] * rows + [1.7] * len(curves)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
