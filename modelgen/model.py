@@ -85,11 +85,12 @@ class JointKind:
 
 @dataclass(frozen=True, slots=True)
 class LimitKind:
-    """One bound of the first coordinate of a kind of joint."""
+    """One bound of a coordinate of a kind of joint."""
 
     name: str  # C identifier
     kind: str  # of joint
     upper: bool
+    coordinate: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,6 +137,7 @@ def plot(
     from modelgen.report.export import FORMATS, load
     from modelgen.report.plot import draw
     from modelgen.report.record import record_of
+    from modelgen.report.summary import print_written
 
     check_outputs(None, out)
     pictures = read_option("frames", frames) or 0
@@ -148,7 +149,7 @@ def plot(
         record = record_of(trajectory, library)
     draw(record, out, pictures)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
-    print_facts(facts, as_json, lambda: typer.echo(out))
+    print_facts(facts, as_json, lambda: print_written(out, Console()))
     if trajectory:
         exit_with(trajectory)
 

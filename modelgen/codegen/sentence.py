@@ -43,6 +43,7 @@ _INERTIA_NAMES = {
     "diagonal": ("Ixx", "Iyy", "Izz"),
     "full": ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"),
 }
+_SPRING_NAMES = ("stiffness", "damping", "rest")
 _POSE_NAMES = ("p_x", "p_y", "p_z", *(f"R_{i}{j}" for j in "xyz" for i in "xyz"))
 
 
@@ -115,7 +116,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
 
 def _load_size(kind: LoadKind) -> int:
     if kind.joint:
-        return len(_joint_parameters(kind.joint)) + 3
+        return len(parameters_of_joint(kind))
     return 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0)
 
 
@@ -127,17 +128,27 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
         "rows": row_count(kind),
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
-        "parameters": _joint_parameters(kind.kind),
+        "parameters": parameters_of_joint(kind),
     }
 
 
 def _limit_kind(kind: LimitKind) -> dict[str, Any]:
-    return asdict(kind) | {"parameters": [*_joint_parameters(kind.kind), "bound"]}
+    named = {key: value for key, value in asdict(kind).items() if key != "coordinate"}
+    further = {"coordinate": kind.coordinate} if kind.coordinate else {}
+    return {**named, **further, "parameters": parameters_of_joint(kind)}
 
 
 def _joint_parameters(kind: str) -> list[str]:
     placements = (f"{side}.{name}" for side in "ab" for name in _POSE_NAMES)
     return [*placements, "length", *FORMS_OF_JOINTS[kind].numbers]
+
+
+def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
+    """Of the kernels of a kind of joint, of its limits or of its springs, in order."""
+    if isinstance(kind, LoadKind):
+        return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
+    bound = ["bound"] if isinstance(kind, LimitKind) else []
+    return [*_joint_parameters(kind.kind), *bound]
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:

@@ -12,6 +12,7 @@
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
+#include "friction.h"
 #include "lcp.h"
 #include "real.h"
 

@@ -85,6 +85,9 @@ _LINEARISED = {
         ),
     ),
     "force": _entry("object", "of each contact that touches, N", additionalProperties={"type": _NUMBER}),
+    "redundant": _entry(
+        "integer", "contacts that touch beyond the rank of their rows; their forces are those of minimum norm"
+    ),
     "modes": _entry(
         "array",
         "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)), by frequency",

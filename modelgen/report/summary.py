@@ -42,7 +42,12 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         console.print(f"{name}: {', '.join(acting + standing)}", markup=False, soft_wrap=True)
     for key in ("out", "plot"):
         if summary[key] is not None:
-            console.print(f"written: {summary[key]}", markup=False, highlight=False, soft_wrap=True)
+            print_written(summary[key], console)
+
+
+def print_written(file: object, console: Console) -> None:
+    """The name of a file that was written."""
+    console.print(f"written: {file}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:

@@ -93,9 +93,9 @@ def require(scene: Scene) -> Model:
     expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     check_observed(scene, contact_names(scene))
-    body_kinds, contact_kinds = Vocabulary[BodyKind](), Vocabulary[ContactKind]()
-    shape_kinds = Vocabulary[ShapeKind]()
-    touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
+    warnings = soundness(scene)
+    body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
+    touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
@@ -122,7 +122,7 @@ def require(scene: Scene) -> Model:
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),
-        warnings=soundness(scene),
+        warnings=warnings,
     )
 
 
@@ -172,13 +172,12 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[Body
 def _touching(
     scene: Scene,
     pieces: Sequence[Piece],
-    names: Sequence[str],
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
 ) -> Touching:
     """The pairs that may touch, their links, and the contacts that follow them."""
     touching, faces = Touching((), (), ()), Faces(shapes)
-    for index, (name, pair) in enumerate(zip(names, scene.contacts, strict=True)):
+    for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
         first = len(touching.links)

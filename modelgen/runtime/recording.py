@@ -33,6 +33,14 @@ class Recording:
         self.session = session
         self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
 
+    def end(self) -> None:
+        """One sample more at the end of a run that came beyond its last sample, if its state is finite."""
+        count, t = self.record.count, self.arrays["t"]
+        if 0 < count < len(t) and self.session.run.t > t[count - 1] and np.isfinite(self.session.x).all():
+            t[count] = self.session.run.t
+            self.record.capacity = count + 1
+            self.session.advance(float(t[count]), 0, self.record)
+
     def columns(self) -> dict[str, Any]:
         """The samples taken so far, as the fields of a Trajectory."""
         kept = {name: array[: self.record.count] for name, array in self.arrays.items()}

@@ -41,7 +41,7 @@ def simulate(
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
-        Ctrl-C and failures keep what was computed; the outcome says which.
+        Ctrl-C and failures keep what was computed, with one more sample at the end; the outcome says which.
 
     Raises:
         ModelgenError: what is given is no library.
@@ -56,6 +56,7 @@ def simulate(
     session.begin()
     recording = Recording(session, np.linspace(0.0, end, intervals + 1))
     outcome, events = _run(session, end, recording, on_progress)
+    recording.end()
     wall = time.perf_counter() - started
     return _trajectory(session, recording, outcome, events, chosen, wall)
 
@@ -106,7 +107,8 @@ def _run(
             if on_progress:
                 on_progress(float(session.run.t) / end)
     except KeyboardInterrupt:
-        return Outcome.INTERRUPTED, events + session.drain_events()
+        done = session.run.t >= end
+        return Outcome.DONE if done else Outcome.INTERRUPTED, events + session.drain_events()
 
 
 def _trajectory(

@@ -60,7 +60,8 @@ class Event:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
-    """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes.
+    """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes; the last is the state
+    at `t_end`, at whatever time a run that ended early did.
 
     `modelgen.record_of(trajectory, library)` makes of it what `modelgen.save` and `modelgen.draw` take.
 
@@ -114,6 +115,11 @@ class Trajectory:
     instructions: dict[str, int]
     accuracy: str
     warnings: tuple[str, ...] = ()
+
+    @property
+    def reaches_its_end(self) -> bool:
+        """Whether the last sample is the state at `t_end`; False where that state is not finite."""
+        return len(self.t) > 0 and bool(self.t[-1] == self.t_end)
 
     def __repr__(self) -> str:
         """What it is of, how it ended and how much there is of it; no arrays."""

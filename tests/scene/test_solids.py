@@ -77,7 +77,15 @@ REFUSED: list[tuple[Callable[[], object], list[str]]] = [
     ),
     (lambda: build.extrusion(1, points=[*SQUARE, SQUARE[0]]), ["points[", "on one line with its neighbours"]),
     (lambda: build.extrusion(1, x="cos(t)", y="sin(t)", domain=[0, 6]), ["ends are 0.282 m apart", "close"]),
-    (lambda: build.extrusion(1, x="cos(t)", y="sin(2*t)", domain=[0, "2*pi"]), ["next to nothing"]),
+    (lambda: build.extrusion(1, x="sin(t)", y="1e-5*cos(t)", domain=[0, "2*pi"]), ["next to nothing"]),
+    (
+        lambda: build.extrusion(1, x="cos(t)", y="sin(2*t)", domain=[0, "2*pi"]),
+        ["turns 0 times", "crosses itself", "one extrusion for each loop"],
+    ),
+    (
+        lambda: build.extrusion(1, x="cos(t)", y="sin(t)", domain=[0, "4*pi"]),
+        ["turns 2 times", "halve the domain"],
+    ),
     (
         lambda: build.extrusion(1, x="cos(t)", y="sin(t) + 2*cos(t)**2", domain=[0, "2*pi"]),
         ["cannot see", "star-shaped", "use points"],
