@@ -1,7 +1,7 @@
 """Bodies with edges in the scene format: fields, numbers in a fixed order, and what makes them degenerate.
 
-Shape frames: box, cylinder with a length, tube, disc, capsule and frustum centred at the origin, round about z;
-half torus the half y >= 0 of a torus about z; extrusion along z, centred in z.
+Shape frames: box, cylinder with a length, tube, disc, capsule and frustum centred at the origin, round about
+z; half torus the half y >= 0 of a torus about z; extrusion along z, centred in z.
 """
 
 from __future__ import annotations
