@@ -19,6 +19,7 @@
 #define MG_PARTS 6      /* the same: no force is left between the faces */
 #define MG_ROLLS 7      /* the same: an imaginary edge gives way to the rim */
 #define MG_SETTLES 8    /* the same: or to the face, which is flat again */
+#define MG_YIELDS 9     /* the same: a side of the hull that is held no longer presses at one of its ends */
 
 #define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_RADAU 7   /* stages of collocation */
