@@ -208,7 +208,8 @@ def _is_linear(condition: Condition) -> bool:
 
 
 def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str]) -> list[_Run] | None:
-    """The sides of a convex polygon, given by the half-planes in order, but for those to other members."""
+    """The sides of a convex polygon, given by its half-planes, but for those to other members."""
+    conditions = sorted(conditions, key=lambda each: np.arctan2(each.numbers[2], each.numbers[1]))
     lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in conditions]
     corners = []
     for k, (normal, offset) in enumerate(lines):
