@@ -123,6 +123,17 @@ static int mg_turn_on_edge(mg_context *c, int slot, const mg_brink *brink, mg_re
   return 1;
 }
 
+/* What a face would turn on is a curve, and it has not begun to. */
+static int mg_turns_on_curve(mg_context *c, int slot) {
+  mg_real centre[3];
+  mg_brink brink;
+  mg_resultant(c, slot, c->force, centre);
+  mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  int curved = 0;
+  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved(c, brink.at + k);
+  return curved && !mg_pair_starts(c, c->sys->patch_pair[mg_patch_in(c, slot)]);
+}
+
 static void mg_turn_over(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
   mg_real centre[3], o[12], outward[3], world[2][3];
