@@ -137,6 +137,19 @@ class LinkEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class Grip:
+    """One or two rows of a contact below its normal one, whose force is bounded by the normal force."""
+
+    aspect: Literal["slip", "spin", "roll"]
+    row: int  # its first among the contact's rows below the normal one
+    rows: int
+    static: tuple[float, float]  # slip: coefficients along the direction and across it; others: m, twice
+    kinetic: tuple[float, float]
+    body: int = -1  # whose axes the direction is in; -1: alike in all directions
+    direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class PairEntry:
     """Two shapes that the scene lets touch: a range of links and a range of contacts."""
 
@@ -146,6 +159,7 @@ class PairEntry:
     search: Search
     restitution: float
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
+    grips: tuple[Grip, ...] = ()  # of each of its contacts
 
 
 @dataclass(frozen=True, slots=True)

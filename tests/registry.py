@@ -62,6 +62,13 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
         events={"walk": 2},
     ),
+    "block_on_incline": Shipped(
+        kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", "force"),
+        forms=("explicit", "support"),
+        reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
+        events={"slip": 4},
+        apart=1e-9,
+    ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),
@@ -156,6 +163,16 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("curves_block", "curves_differentiated"),
         reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
     ),
+    "rolling_disc": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_circle_support_slip"),
+        forms=("support", *CURVE_ON_SURFACE),
+        reference="oracles/friction/test_rolling_scenes.py::test_a_coin_rolls_as_published",
+    ),
+    "rolling_ellipsoid": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
+        forms=("support", "implicit"),
+        reference="oracles/friction/test_rolling_scenes.py::test_a_passive_ellipsoid_rolls_as_its_reference",
+    ),
     "slider_crank": Shipped(
         kinds=(
             *("free_diagonal", "free_isotropic", "free_isotropic_loaded", "fixed"),
@@ -174,6 +191,19 @@ REGISTRY: Mapping[str, Shipped] = {
         ),
         forms=("implicit", "block", "mixed", "paper", "differentiated", *CURVE_ON_SURFACE),
         reference="oracles/test_second_formulations.py::test_a_peg_in_a_hole_follows_a_second_formulation",
+    ),
+    "sphere_slide_to_roll": Shipped(
+        kinds=("fixed", "free_isotropic", "plane_sphere_explicit_slip"),
+        forms=("explicit", "support", "implicit"),
+        reference="oracles/friction/test_sliding_scenes.py::test_a_ball_comes_to_roll_as_published",
+        events={"stick": 1},
+    ),
+    "turntable": Shipped(
+        kinds=("driven", "free_isotropic", "plane_sphere_explicit_slip"),
+        forms=("explicit", "support", "implicit"),
+        reference="oracles/friction/test_rolling_scenes.py::"
+        "test_a_ball_on_a_turntable_goes_round_a_circle_of_its_own",
+        apart=1e-11,
     ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),

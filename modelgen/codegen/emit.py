@@ -54,6 +54,8 @@ SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a separati
 
 JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where there are joints
 
+GRIPPING = ("grips.c", "oblique.c", "slip.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and with friction
+
 PER_STEP = (
     *("conditions.c", "sample.c", "starts.c"),
     *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
@@ -93,7 +95,9 @@ def emit(derivation: Derivation) -> Package:
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     kernels = _kernels(compiled)
     roles = {formula.role for formula in compiled}
+    grips = any(kind.rows > 1 for kind in derivation.model.contact_kinds)
     quick = (*INNER_LOOP, *(SEEKING if "seek" in roles else ()), *(JOINING if "rows" in roles else ()))
+    quick += GRIPPING if grips else ()
     files = {
         **core,
         "kernels.c": kernels,

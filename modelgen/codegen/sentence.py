@@ -260,6 +260,7 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         "search": entry.search,
         "restitution": entry.restitution,
         "normal": entry.normal and list(entry.normal),
+        **({"grips": [asdict(grip) for grip in entry.grips]} if entry.grips else {}),
     }
 
 

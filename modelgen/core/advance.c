@@ -23,7 +23,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
       if (c->set->method == MG_RK4) return MG_DONE;
-      if (mg_starts_rolling(c)) run->h = c->pace;
+      if (mg_starts_rolling(c) || mg_starts_slipping(c)) run->h = c->pace;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -63,6 +63,7 @@ static void mg_commit(mg_context *c, mg_real h) {
   c->run->t += h;
   c->run->steps++;
   mg_grow_up(c);
+  mg_slip_on(c);
 }
 
 static int mg_settle_drift(mg_context *c) {
@@ -95,6 +96,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   c->left.count = 0;
   mg_mark_falling(c);
   mg_mark_upright(c);
+  if (c->sys->n_grip) mg_aim_all(c);
   int outcome = mg_accurate_step(c, &h), event = 0;
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);

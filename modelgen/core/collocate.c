@@ -6,6 +6,7 @@
 static mg_real *mg_stage_state(const mg_context *c, int stage) { return c->K + (1 + stage) * c->n_x; }
 static mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->K + (1 + MG_RADAU + stage) * c->n_x; }
 static mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
+static mg_real mg_stage_weight(int row, int column) { return mg_radau_weight[row][column]; }
 
 /* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by. */
 static mg_real mg_twice(int row, int column) {

@@ -21,12 +21,14 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
 static void mg_rates(mg_context *c, const mg_real *x) {
   const mg_system *s = c->sys;
   for (int i = 0; i < s->n_contact; i++) {
-    const int kind = c->kind[i], o = c->o[i], f = c->f[i];
+    const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = mg_contact_kinds[kind].rows > 1;
     if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
     mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
                      x + s->n_q + s->n_u + s->contact_eta[i], mg_parameters_of(c, i), c->d + i,
-                     c->J + 12 * i, c->J + 12 * i + 6, c->gamma + i, c->eta_dot + s->contact_eta[i],
-                     c->normal + 3 * i, 0);
+                     below ? c->block : c->J + 12 * i, below ? c->block + 36 : c->J + 12 * i + 6,
+                     below ? c->block + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
+                     below ? c->tangents + 6 * i : 0);
+    if (below) mg_scatter(c, i);
     if (!c->set->use_gamma) c->gamma[i] = 0;
   }
 }
@@ -112,4 +114,5 @@ static mg_real mg_driven_rate(const mg_context *c, int contact) {
 static void mg_gap_rates(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
   for (int i = c->bilateral; i < c->n_rows; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->bias[i];
+  if (c->sys->n_grip) mg_slip_rates(c);
 }

@@ -15,11 +15,26 @@ static int *mg_take_int(int **next, long n) {
 
 static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
-/* Contacts, one to spare, rows of joints. */
-static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_row; }
+/* Contacts, one to spare, rows of joints, rows below the normal ones. */
+static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_row + s->n_below; }
 
 /* The most rows held at a time. */
-static long mg_held_of(const mg_system *s) { return (long)s->n_closed + s->n_row; }
+static long mg_held_of(const mg_system *s) {
+  const long below = MG_BELOW * (long)s->n_closed;
+  return (long)s->n_closed + s->n_row + (below < s->n_below ? below : s->n_below);
+}
+
+/* What grips need: reals, ints. */
+static long mg_grip_size(const mg_system *s) {
+  if (!s->n_grip) return 0;
+  return s->n_below + 2L * s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
+         mg_friction_work_size((int)mg_held_of(s), s->n_closed);
+}
+
+static long mg_grip_isize(const mg_system *s) {
+  if (!s->n_grip) return 0;
+  return 4L * s->n_grip + 4L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
+}
 
 static long mg_onset_size(void) { return (long)(sizeof(mg_onset) / sizeof(mg_real)); }
 
@@ -38,12 +53,14 @@ static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sam
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
-         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() + m * mg_onset_size();
+         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() +
+         m * mg_onset_size() + mg_grip_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 6 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1;
+  return 6 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+         mg_grip_isize(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -54,7 +71,7 @@ static void mg_incidence(mg_context *c) {
   int n = 0;
   for (int b = 0; b < s->n_body; b++) {
     c->first[b] = n;
-    for (int i = 0; i < c->n_rows && mg_moves(c, b); i++) {
+    for (int i = 0; i < c->n_all && mg_moves(c, b); i++) {
       if (i == s->n_contact) continue;
       if (c->o[i] == b || c->f[i] == b) c->incident[n++] = i;
     }
@@ -66,9 +83,24 @@ static void mg_zero(mg_real *a, long n) {
   for (long i = 0; i < n; i++) a[i] = 0;
 }
 
+static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
+  const mg_system *s = c->sys;
+  const long n = mg_held_of(s), k = s->n_closed;
+  c->lean = mg_take(&work, s->n_below), c->over = mg_take(&work, s->n_grip);
+  c->steer = mg_take(&work, s->n_grip);
+  mg_zero(c->over, s->n_grip);
+  c->cone = mg_take(&work, MG_CONE * k), c->tangents = mg_take(&work, 6L * s->n_contact);
+  c->block = mg_take(&work, 78), c->coulomb = mg_take(&work, mg_friction_work_size((int)n, (int)k));
+  c->slipped = mg_take_int(&iwork, s->n_grip), c->before = mg_take_int(&iwork, s->n_grip);
+  c->bound_of = mg_take_int(&iwork, s->n_grip), c->cone_contact = mg_take_int(&iwork, k);
+  c->gives = mg_take_int(&iwork, s->n_grip);
+  c->cone_first = mg_take_int(&iwork, k), c->cone_rows = mg_take_int(&iwork, k), c->marks = mg_take_int(&iwork, k);
+  c->coulomb_i = mg_take_int(&iwork, mg_friction_iwork_size((int)n, (int)k));
+}
+
 static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
-  const long b = s->n_body, m = s->n_contact, r = c->n_rows, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
+  const long b = s->n_body, m = s->n_contact, r = c->n_all, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
   c->arc = mg_part_of_memory(&work, mg_most_arcs(s), sizeof(mg_arc)), c->lay = mg_take(&work, mg_lay_size(s)); /* pointers first */
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
@@ -97,6 +129,8 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);
   c->parent = mg_take_int(&iwork, b), c->head = mg_take_int(&iwork, b);
   c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * r);
+  c->tangents = c->block = 0;
+  if (s->n_grip) mg_carve_grips(c, work, iwork);
 }
 
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
@@ -104,12 +138,14 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   c->sys = sys, c->set = set, c->run = run;
   c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0, c->laid = -1;
   c->first_pad = sys->n_contact - 3 * sys->n_slot, c->first_pad_link = sys->n_link - 3 * sys->n_patch;
-  c->bilateral = sys->n_contact + 1, c->n_rows = (int)mg_rows_of(sys);
+  c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
+  c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = c->steering = 0;
   mg_carve(c, work, iwork);
   mg_zero(c->pose, 30L * sys->n_body);
-  mg_zero(c->J, 24L * c->n_rows); /* J and MJ: the columns a kind lacks stay zero */
-  mg_zero(c->force, c->n_rows);
-  mg_zero(c->bias, c->n_rows);
+  mg_zero(c->J, 24L * c->n_all); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero(c->force, c->n_all);
+  mg_zero(c->bias, c->n_all);
+  mg_zero(c->d + c->below, sys->n_below);
   c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
   for (int slot = 0; slot < sys->n_slot; slot++) c->barred[slot] = -1;

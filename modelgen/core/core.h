@@ -2,6 +2,7 @@
 #ifndef MG_CORE_H
 #define MG_CORE_H
 
+#include "friction.h"
 #include "kinds.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
@@ -17,7 +18,7 @@
 
 #define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
 #define MG_PARTS 6      /* the same: no force is left between the faces */
-#define MG_ROLLS 7      /* the same: an imaginary edge gives way to the rim */
+#define MG_ROLLS_OFF 7  /* the same: an imaginary edge gives way to the rim */
 #define MG_SETTLES 8    /* the same: or to the face, which is flat again */
 #define MG_YIELDS 9     /* the same: a side of the hull that is held no longer presses at one of its ends */
 
@@ -59,6 +60,7 @@ typedef struct {
   const mg_system *sys;
   const mg_settings *set;
   mg_run *run;
+  int below, n_all;                         /* rows below the normal ones: from `below` to n_all, behind all others */
   int first_pad, first_pad_link;            /* contacts and links from there on are of patches */
   int n_x, work_index;                      /* length of x; index of the work state */
   mg_real *pose, *twist, *accel, *wrench;   /* per body 12, 6, 6, 6; accel without, then with contact forces */
@@ -68,7 +70,10 @@ typedef struct {
   mg_real *part, *most;                     /* per row of a joint: its own part, 0..1; per joint: their product at most */
   mg_real *MJ_before;                       /* per row of a joint 12: M^-1 J^T after the step before */
   mg_real *bias;                            /* per row: what time alone makes of d_dot */
-  mg_real *normal;                          /* per contact 3 */
+  mg_real *normal, *tangents;               /* per contact 3; 6 */
+  mg_real *block;                           /* rows of one contact as its kernel gives them: 6, 6 and 1 a row */
+  mg_real *lean, *steer;                    /* per row below: force over -N of slip; per grip: angle of slip from its course */
+  int leaning, steering;                    /* forces are sought: rows of slipping grips go with N; along steer */
   mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
   mg_real *S, *s, *y;                       /* the same with the joints eliminated */
@@ -79,6 +84,9 @@ typedef struct {
   int *list, *mask, *fired, *lcp_i;
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
+  int *slipped, *before, *bound_of, *gives; /* per grip: its event has fired; its mode before; what bounds it; it slips */
+  mg_real *over, *cone, *coulomb;           /* per grip: s, slip that was stopped had left; MG_CONE a contact; scratch */
+  int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *upright;                             /* per contact: it had passed no watched border at the start of the step */
   int *way;                                 /* per contact: the condition that leads it off its link */
@@ -231,14 +239,6 @@ static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
 
-/* lean.c */
-static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
-static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
-static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
-static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
-static mg_real mg_misses(const mg_lean *at, mg_real tilt);
-static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
-
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);
 
@@ -288,5 +288,6 @@ static void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 static void mg_record_now(mg_context *c, mg_record *record);
 
 #include "planar.h"
+#include "grips.h"
 
 #endif

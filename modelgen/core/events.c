@@ -48,7 +48,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
     if (leaves) c->fired[i] = leaves;
     count += c->fired[i] != 0;
   }
-  return count;
+  return c->sys->n_grip ? count + mg_grips_fired(c) : count;
 }
 
 static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
@@ -64,6 +64,14 @@ static int mg_first_fired(const mg_context *c) {
   return -1;
 }
 
+/* Events are told by contact; those of grips follow. */
+static int mg_first_event(const mg_context *c) {
+  const int first = mg_first_fired(c), grip = first < 0 && c->sys->n_grip ? mg_first_slipped(c) : -1;
+  return grip < 0 ? first : c->sys->n_contact + grip;
+}
+
+static int mg_is_grip(const mg_context *c, int event) { return event >= c->sys->n_contact; }
+
 /* The condition that a walking contact passed, with eta of the state x on the extremum. */
 static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
   mg_real next[6], beyond[6];
@@ -74,6 +82,8 @@ static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
 
 /* The function whose zero is the event; `cause` as in c->fired where the contact leaves its link, or a patch ends. */
 static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
+  const int grip = contact - c->sys->n_contact;
+  if (grip >= 0) return mg_grip_value(c, mg_contact_of(c, grip), grip);
   if (mg_is_pad(c, contact)) return mg_patch_value(c, contact, cause);
   if (cause) return mg_border_value(c, contact, x);
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
@@ -81,20 +91,25 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 
 /* The rate of the event function at theta; needs the rows there. */
 static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, mg_real theta) {
-  if (!c->run->closed[contact] && !cause) return c->d_dot[contact];
-  const int way = c->way[contact];
+  const int grip = mg_is_grip(c, contact), way = grip ? 0 : c->way[contact];
+  if (!grip && !c->run->closed[contact] && !cause) return c->d_dot[contact];
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
   const mg_real value = mg_event_value(c, contact, cause, c->x_stage);
   mg_fired_at(c, h, theta - step);
-  c->way[contact] = way;
+  if (!grip) c->way[contact] = way;
   return (value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
 }
 
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
-   far as the interpolant may err. */
+   far as the interpolant may err. That of a collocation is the step itself. */
 static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
   const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0;
+  if (mg_starts_rolling(c)) {
+    mg_interpolate(c, c->run->x, h / tried, c->x_next);
+    mg_finish_step(c, t, h);
+    return h;
+  }
   for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);
@@ -140,10 +155,10 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
     else low = middle;
   }
   mg_fired_at(c, h, high);
-  const int first = mg_first_fired(c);
+  const int first = mg_first_event(c);
   if (first < 0) return 0;
-  const int cause = c->fired[first] >= MG_WALKS ? c->fired[first] : 0;
-  const mg_real slope = mg_held(c, first) && !cause ? 0 : mg_event_slope(c, first, cause, h, high);
+  const int grip = mg_is_grip(c, first), cause = !grip && c->fired[first] >= MG_WALKS ? c->fired[first] : 0;
+  const mg_real slope = !grip && mg_held(c, first) && !cause ? 0 : mg_event_slope(c, first, cause, h, high);
   mg_fired_at(c, h, high);
   return mg_polish(c, first, cause, high * h, slope, h);
 }

@@ -123,6 +123,17 @@ static int mg_turn_on_edge(mg_context *c, int slot, const mg_brink *brink, mg_re
   return 1;
 }
 
+/* What a face would turn on is a curve, and it has not begun to. */
+static int mg_turns_on_curve(mg_context *c, int slot) {
+  mg_real centre[3];
+  mg_brink brink;
+  mg_resultant(c, slot, c->force, centre);
+  mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  int curved = 0;
+  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved(c, brink.at + k);
+  return curved && !mg_pair_starts(c, c->sys->patch_pair[mg_patch_in(c, slot)]);
+}
+
 static void mg_turn_over(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
   mg_real centre[3], o[12], outward[3], world[2][3];
@@ -173,10 +184,10 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
     c->fired[pad] = 0;
     if (!cause || patch < 0) continue;
-    if (cause < MG_ROLLS) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
+    if (cause < MG_ROLLS_OFF) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);
-    else if (cause == MG_ROLLS || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
+    else if (cause == MG_ROLLS_OFF || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
     else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
     c->run->moved[c->sys->patch_pair[patch]] = MG_MAX / 2;
     count++;

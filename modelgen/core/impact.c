@@ -71,6 +71,7 @@ static void mg_rate_pads(mg_context *c) {
 /* The impulses on closed contacts that are not hidden, and on pads and joints, into c->z in the order of c->list, and
    of each contact into c->amount. Returns how many of the list can only push, -1 without a solution. */
 static int mg_find_impulses(mg_context *c) {
+  if (c->sys->n_grip) return mg_find_impulses_with_friction(c);
   const int n = mg_list_closed(c);
   mg_lcp_report report;
   mg_rate_pads(c);
@@ -111,8 +112,10 @@ static int mg_impact(mg_context *c, mg_events *events) {
     n = mg_find_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
   } while (mg_reject(c, c->amount, floor) || mg_tear_off(c, c->amount, floor));
+  if (c->sys->n_grip) mg_note_gain(c, n);
   mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
   mg_poses(c, c->run->t, c->run->x);
+  if (c->sys->n_grip) mg_forget_slip(c);
   mg_after_impact(c, events);
   mg_drop_tried(c);
   return MG_DONE;

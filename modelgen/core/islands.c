@@ -31,6 +31,10 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
   for (int i = first; i >= 0; i = c->next[i]) c->island[n++] = i;
   mg_assemble(c, c->island, n);
   for (int r = 0; r < n; r++) c->b[r] = rate[c->island[r]], c->mask[r] = 1;
+  if (c->leaning) {
+    mg_hold_leaning(c, n, amount);
+    return;
+  }
   mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
   for (int r = 0; r < n; r++) amount[c->island[r]] = c->z[r];
 }
@@ -44,10 +48,12 @@ static int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_rea
     if (marked[i]) c->list[n++] = i;
   }
   n = mg_list_joints(c, c->list, n);
-  if (n == 1) {
+  for (int i = c->below; i < c->n_all; i++) amount[i] = 0;
+  if (c->sys->n_grip) n = mg_list_stuck(c, c->list, n);
+  if (n == 1 && !c->leaning) {
     const mg_real weight = mg_weigh(c, c->list[0]);
     amount[c->list[0]] = weight > 0 ? -rate[c->list[0]] / weight : 0;
-  } else if (n > 1) {
+  } else if (n > 0) {
     mg_chain(c, n);
     for (int b = 0; b < c->sys->n_body; b++)
       if (c->head[b] >= 0) mg_hold_island(c, c->head[b], rate, amount);

@@ -52,6 +52,7 @@ static void mg_take_link(mg_context *c, int contact) {
   for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
   c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;
+  if (s->n_grip) mg_take_rows(c, contact);
   if (held < 0) c->d[contact] = MG_MAX, c->run->margin[contact] = 1;
 }
 

@@ -25,6 +25,7 @@ enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION 
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
 enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
    body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */
 
@@ -35,6 +36,7 @@ typedef struct {
   int n_joint, n_row; /* joints, and the rows of all of them */
   int n_patch, n_slot; /* patches, with three links each, the last; how many rest at a time, with three contacts each,
                           the last */
+  int n_grip, n_below; /* grips of friction and resistance, and the rows of contacts below their normal ones */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
   const int *pair_contact, *pair_link, *pair_search;    /* first contact, first link (n_pair + 1); MG_SEARCH_.. */
@@ -52,10 +54,14 @@ typedef struct {
   const int *patch_cover, *covered;    /* covered[patch_cover[p]] ..: the links of the pair that lie in the patch */
   const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
       the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
+  const int *contact_below, *contact_grip; /* first of its rows below the normal one; first grip (n_contact + 1) */
+  const int *grip_aspect, *grip_row, *grip_body; /* MG_SLIP ..; first row of its contact's; axes of its direction, or -1 */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
   const mg_real *restitution;  /* one a contact, 0..1 */
   const mg_real *parameters;
   const mg_real *numbers;      /* of sides and conditions */
+  const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
+  const mg_real *grip_direction; /* three a grip, axes of grip_body */
   const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
@@ -77,6 +83,8 @@ typedef struct {
   mg_real start_joint;    /* joints that fit at the start to start_joint * length are brought together, others refused */
   mg_real drift;          /* d beyond drift * length (d_dot: / time) is projected away */
   mg_real rest_speed;     /* approach below rest_speed * length / time is caught without bounce */
+  mg_real slip_speed;     /* slip below slip_speed * length / time sticks, if the forces let it */
+  mg_real cone;           /* a grip whose force has reached its bound is tried with this part less */
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
@@ -104,17 +112,23 @@ typedef struct {
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
 } mg_settings;
 
+/* What a grip of a contact that carries force does: it holds; it slips from now on, of the second order in time; it has
+   begun to and is slower yet than slip_speed; it slips along what its rows tell. */
+enum { MG_LOOSE = 0, MG_STUCK = 1, MG_ONSET = 2, MG_STARTING = 3, MG_SLIPPING = 4 };
+
 enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2, /* a contact that starts from flat; that did, its margin still small */
        MG_HINGED = 3 }; /* the first pad of a slot: the first two hold a straight side of the hull */
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */
        MG_MARGIN = 20, MG_STEP_TOO_SMALL = 21, MG_NOT_FINITE = 22, MG_COMPLEMENTARITY = 23, MG_TOO_MANY_EVENTS = 24,
-       MG_TOO_MANY_CLOSED = 25 };
+       MG_TOO_MANY_CLOSED = 25, MG_NO_FRICTION = 26 };
 
 enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3,
        MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6,
-       MG_EVENT_FLAT = 7, MG_EVENT_TIP = 8 }; /* of the first pad of a slot: its patch rests; turns over its edge */
+       MG_EVENT_FLAT = 7, MG_EVENT_TIP = 8, /* of the first pad of a slot: its patch rests; turns over its edge */
+       MG_EVENT_SLIP = 9, MG_EVENT_STICK = 10, MG_EVENT_REVERSAL = 11,
+       MG_EVENTS_A_GRIP = 3 }; /* of slip; those of spin and of rolling follow, in this order */
 
 typedef struct {
   mg_real t, h;           /* time and the next step to try, s */
@@ -124,6 +138,9 @@ typedef struct {
   mg_real *moved;         /* per pair: relative movement since it was searched, m */
   int *closed;            /* per contact: its gap is held at zero */
   int *active;            /* per contact: closed and carrying force */
+  int *grip;              /* per grip: MG_LOOSE .. */
+  mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
+  mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
@@ -136,11 +153,14 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
+  mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
+  int gain;               /* the contact that made gain_max, or -1 */
+  int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;
 
 typedef struct {          /* caller's arrays for the samples; t is given, count advances */
@@ -151,6 +171,7 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   int *link;              /* per contact */
   int *patch;             /* per slot: what it holds, or -1 */
   mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
+  mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
   mg_real *energy, *work;

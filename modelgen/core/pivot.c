@@ -30,14 +30,14 @@ static mg_real mg_least_end(const mg_context *c, int slot, const mg_real *amount
 static int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
   const mg_real lean = mg_lean_of(c, slot);
   if (mg_is_hinged(c, slot) && mg_least_end(c, slot, amount) < -fabs(floor)) return MG_YIELDS;
-  if (lean > mg_lean_held(c, slot) + c->set->border) return MG_ROLLS;
+  if (lean > mg_lean_held(c, slot) + c->set->border) return MG_ROLLS_OFF;
   return lean < -c->set->border ? MG_SETTLES : 0;
 }
 
 /* The function whose zero ends an edge. */
 static mg_real mg_edge_value(const mg_context *c, int slot, int cause) {
   if (cause == MG_YIELDS) return mg_least_end(c, slot, c->force);
-  return cause == MG_ROLLS ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
+  return cause == MG_ROLLS_OFF ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
 }
 
 /* Moves the pads of a slot onto an edge between two points of the world; needs the patch still held. */

@@ -132,6 +132,6 @@ static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
-  if (cause >= MG_ROLLS) return mg_edge_value(c, slot, cause);
+  if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }

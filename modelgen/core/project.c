@@ -7,6 +7,9 @@ static mg_real mg_largest(const mg_context *c, const mg_real *value) {
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
   for (int i = c->bilateral; i < c->n_rows; i++)
     if (fabs(value[i]) > largest) largest = fabs(value[i]);
+  const int n = c->sys->n_grip ? mg_list_stuck(c, c->list, 0) : 0;
+  for (int r = 0; r < n; r++)
+    if (fabs(value[c->list[r]]) > largest) largest = fabs(value[c->list[r]]);
   return largest;
 }
 

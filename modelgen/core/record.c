@@ -18,6 +18,23 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
   mg_copy(record->point_f + 3 * k, c->place + 11, 3);
 }
 
+/* What the rows below make of c->force or c->d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
+static void mg_below_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
+  const mg_real *t = c->tangents + 6 * contact, *N = c->normal + 3 * contact;
+  const mg_real *rows = value + c->below + c->sys->contact_below[contact];
+  for (int k = 0; k < 3; k++)
+    out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
+}
+
+static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
+  const long k = 3 * ((long)row * c->sys->n_contact + contact);
+  const int rows = mg_present(c, contact) ? mg_contact_kinds[c->kind[contact]].rows : 1;
+  for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
+  if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
+  if (rows > 3) mg_below_vector(c, contact, c->force, 1, record->torque + k);
+  if (rows > 1 && c->run->closed[contact]) mg_below_vector(c, contact, c->d_dot, 0, record->slip + k);
+}
+
 /* What a joint does to its second body, and where it stands. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->sys;
@@ -59,6 +76,7 @@ static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   mg_copy(record->twist + row * 6 * s->n_body, c->twist, 6 * s->n_body);
   mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
+  for (int i = 0; i < s->n_contact; i++) mg_record_grips(c, record, (int)row, i);
   for (int i = 0; i < s->n_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   record->energy[row] = mg_energy_of(c, x);

@@ -6,9 +6,13 @@
 static void mg_forces(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) c->rate[i] = mg_separation(c, i);
-  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = mg_separation(c, i);
+  for (int i = c->bilateral; i < c->n_all; i++) c->rate[i] = mg_separation(c, i);
+  c->leaning = c->sys->n_grip > 0;
+  if (c->leaning) mg_lean_all(c);
   const int n = mg_hold(c, c->run->active, c->rate, c->force);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->force[c->list[r]], c->accel);
+  if (c->leaning) mg_add_slipping(c);
+  c->leaning = 0;
 }
 
 /* Power that driven bodies and given motions put into the moving bodies through contacts and joints. */
@@ -30,6 +34,7 @@ static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
   for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
   if (c->driven || c->prescribed) x_dot[c->work_index] += mg_driven_power(c);
+  if (s->n_grip) x_dot[c->work_index] += mg_slipping_power(c);
   c->run->rhs_evals++;
 }
 

@@ -7,6 +7,11 @@ static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   c->suspect = 0;
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
+  if (c->sys->n_grip && mg_starts_slipping(c)) {
+    const mg_real error = mg_start_slipping(c, t, x, h), least = c->sys->time * sqrt(c->set->tolerance);
+    if (error <= MG_MAX / 2 || (c->set->method == MG_DOP853 && h > least)) return error;
+    mg_slip_on(c);
+  }
   if (c->set->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
   return 0;
@@ -20,7 +25,7 @@ static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
 
 static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->n_x;
-  if (mg_starts_rolling(c)) return; /* collocation has made it */
+  if (mg_starts_rolling(c) || mg_starts_slipping(c)) return; /* collocation has made it */
   if (c->set->method == MG_DOP853) {
     mg_dop853_dense(c, t, x, h);
     return;
@@ -48,4 +53,5 @@ static void mg_watch(mg_context *c) {
   if (mg_any_patch_ends(c)) c->suspect = 1;
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
+  if (c->sys->n_grip && mg_grips_suspect(c)) c->suspect = 1;
 }

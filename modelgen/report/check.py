@@ -93,6 +93,7 @@ def _contacts(model: Model) -> list[dict[str, Any]]:
             "form": model.contact_kinds[link.kind].form,
             "forms": forms[link.kind],
             "restitution": model.pairs[link.pair].restitution,
+            "friction": [asdict(grip) for grip in model.pairs[link.pair].grips],
         }
         for link in model.links
     ]

@@ -99,8 +99,9 @@ def _save_csv(record: Record, path: Path) -> None:
 
 
 def _table(record: Record) -> tuple[list[str], Array]:
-    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact; force and centre of
-    pressure of each patch that rested; force, torque of each joint, and coordinates; energy, work."""
+    """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact, and friction,
+    torque and slip where one has friction; force and centre of pressure of each patch that rested; force,
+    torque of each joint, and coordinates; energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -111,6 +112,9 @@ def _table(record: Record) -> tuple[list[str], Array]:
     for k, contact in enumerate(record.contact_names):
         header += [f"{contact}.force", f"{contact}.gap"]
         parts += [columns["force"][:, k : k + 1], columns["gap"][:, k : k + 1]]
+        for name in ("friction", "contact_torque", "slip") if record.has_friction else ():
+            header += [f"{contact}.{name.removeprefix('contact_')}_{axis}" for axis in "xyz"]
+            parts.append(columns[name][:, k])
     for patch in record.rested:
         header += [f"{record.patch_names[patch]}.{name}" for name in ("force", "x", "y", "z")]
         mine = columns["patch"] == patch

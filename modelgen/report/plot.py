@@ -62,10 +62,12 @@ def draw(record: Record, path: str | Path, frames: int = 0) -> None:
 
 
 def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
-    """What is drawn over time, two a row; force and gap where there are contacts, likewise of joints."""
+    """What is drawn over time, two a row; force and gap where there are contacts, friction and slip
+    where there is any, likewise of joints."""
     contacts = (_force, _gap) if record.contact_names else ()
+    grips = (_friction, _slip) if record.has_friction else ()
     joints = (_joint_force, _coordinates) if record.joint_names else ()
-    over_time = (_position, _velocity, _rotation, *contacts, *joints, _energy)
+    over_time = (_position, _velocity, _rotation, *contacts, *grips, *joints, _energy)
     pressed = (partial(_pressure, patch=patch) for patch in record.rested[:CURVES])
     return (*(partial(_over_time, panel=panel) for panel in over_time), *pressed)
 
@@ -146,6 +148,24 @@ def _gap(record: Record, axes: Any) -> None:
     axes.set_title("gap")
     axes.set_ylabel("d [m]")
     _per_contact(record, axes, "gap")
+
+
+def _friction(record: Record, axes: Any) -> None:
+    axes.set_title("friction force")
+    axes.set_ylabel("|friction| [N]")
+    _sizes(record, axes, "friction")
+
+
+def _slip(record: Record, axes: Any) -> None:
+    axes.set_title("slip")
+    axes.set_ylabel("|slip| [m/s]")
+    _sizes(record, axes, "slip")
+
+
+def _sizes(record: Record, axes: Any, column: str) -> None:
+    for k in _contacts(record):
+        sizes = np.linalg.norm(record.columns[column][:, k], axis=-1)
+        axes.plot(record.columns["t"], sizes, linewidth=1.0, label=record.contact_names[k])
 
 
 def _per_contact(record: Record, axes: Any, column: str) -> None:

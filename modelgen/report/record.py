@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = np.ndarray[Any, Any]
 COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
-    *("points_o", "points_f", "normals", "energy", "work"),
+    *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
     *("patch", "patch_force", "patch_point"),
 )
@@ -58,6 +58,11 @@ class Record:
             column = self.columns[name]
             moved |= (column != column[:1]).any(axis=(0, 2))
         return [int(i) for i in np.flatnonzero(moved)]
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether any contact ever slipped, or felt friction."""
+        return any(bool(self.columns[name].any()) for name in ("friction", "contact_torque", "slip"))
 
     @property
     def rested(self) -> list[int]:

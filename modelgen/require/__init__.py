@@ -26,6 +26,7 @@ from modelgen.model import (
 )
 from modelgen.notation import ETA_SIZE
 from modelgen.require.following import Following, confined, following
+from modelgen.require.grips import grips_of
 from modelgen.require.joints import Joined, joined
 from modelgen.require.links import Whole, links_of
 from modelgen.require.masses import (
@@ -189,7 +190,8 @@ def _touching(
         contacts = _contacts(name, index, links, way, touching, room, kinds)
         normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
-        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal)
+        grips = grips_of(pair, a.owner.body)
+        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips)
         patches = patches_of(a, b, pair, name, where, links, first, faces, kinds)
         touching = Touching(
             (*touching.pairs, entry),

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from modelgen.contact.kinds import FORMS, choose_form, order, refuse_points
 from modelgen.errors import SceneError, nearest
-from modelgen.model import BodyMotion, ContactKind, ShapeKind, Side
+from modelgen.model import BodyMotion, ContactKind, Rows, ShapeKind, Side
+from modelgen.require.grips import rows_of
 from modelgen.require.masses import pose_numbers
 from modelgen.scene.types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
+
+SUFFIX: Mapping[Rows, tuple[str, ...]] = {1: (), 3: ("slip",), 6: ("spin",)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,14 +98,16 @@ def pair_up(a: Partner, b: Partner, pair: ContactPair, where: str) -> tuple[Cont
     """The kind of the contact with its sides in canonical order, and whether that order is (b, a)."""
     swapped = order(a.kind, b.kind)
     o, f = (b.side, a.side) if swapped else (a.side, b.side)
-    form = _form(o, f, pair.form, where)
-    return ContactKind(f"{o.shape.name}_{f.shape.name}_{form}", form, o, f), swapped
+    rows = rows_of(pair)
+    form = _form(o, f, rows, pair.form, where)
+    name = "_".join([o.shape.name, f.shape.name, form, *SUFFIX[rows]])
+    return ContactKind(name, form, o, f, rows), swapped
 
 
-def _form(o: Side, f: Side, wanted: str, where: str) -> str:
+def _form(o: Side, f: Side, rows: Rows, wanted: str, where: str) -> str:
     refuse_points(o.shape, f.shape)
     if wanted == "auto":
-        return choose_form(o, f)
+        return choose_form(o, f, rows)
     fitting = [name for name, form in FORMS.items() if form.applies(o.shape, f.shape)]
     if wanted not in fitting:
         raise SceneError(

@@ -73,8 +73,13 @@ def patches_of(
     faces: Faces,
     kinds: Vocabulary[ContactKind],
 ) -> tuple[PatchEntry, ...]:
-    """The patches of a pair of shapes with these links, the first of which has the number `first`."""
-    found = []
+    """The patches of a pair of shapes with these links, the first of which has the number `first`.
+
+    Faces with friction on each other stand on points.
+    """
+    found: list[PatchEntry] = []
+    if pair.friction is not None:
+        return ()
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:
             continue

@@ -10,6 +10,7 @@ from modelgen.require.masses import Mass
 from modelgen.scene.types import (
     IDENTITY_QUATERNION,
     Body,
+    ContactPair,
     ForceLoad,
     Load,
     Scene,
@@ -73,6 +74,7 @@ def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
     turns = (
         _is_watched(scene, body)
         or any(body.name in joint.between for joint in scene.joints)
+        or any(_grips(pair, body.name) for pair in scene.contacts)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
         or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(scene, body))
     )
@@ -83,6 +85,11 @@ def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
     """The shapes of the body that take part in a contact."""
     used = {shape for pair in scene.contacts for owner, shape in pair.between if owner == body.name}
     return tuple(shape for shape in body.shapes if shape.name in used)
+
+
+def _grips(pair: ContactPair, body: str) -> bool:
+    """True if friction turns the body."""
+    return pair.friction is not None and body in (owner for owner, _ in pair.between)
 
 
 def _is_watched(scene: Scene, body: Body) -> bool:

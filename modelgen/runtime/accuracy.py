@@ -26,6 +26,8 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "start_joint": 64,
         "drift": 4,
         "rest_speed": 16,
+        "slip_speed": 64,
+        "cone": 64,
         "rest_acceleration": 64,
         "event": 8,
         "residual": 64,
@@ -67,6 +69,8 @@ class Accuracy:
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
         rest_speed: approach below rest_speed L/T is caught without bounce.
+        slip_speed: slip below slip_speed L/T sticks if the forces let it; spin, rolling below slip_speed/T.
+        cone: a contact whose friction has reached its bound is tried with this part less of it.
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.
         residual: the extremality residual reached at the start, against L and 1.
@@ -106,6 +110,8 @@ class Accuracy:
     start_joint: float = 1e-6
     drift: float = 1e-15
     rest_speed: float = 1e-6
+    slip_speed: float = 1e-7
+    cone: float = 1e-9
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13

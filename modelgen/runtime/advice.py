@@ -41,8 +41,29 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
             "its contact points lose about as many digits as the margin has zeros"
         )
     if redundant:
-        found.append(
-            f"contact forces are not unique: {redundant} more contacts carried force than have independent "
-            "rows; the motion is unique, the forces given are those of minimum norm"
-        )
+        found.append(_redundancy(redundant, bool(session.system.n_grip)))
+    found += _gains(session, accuracy)
     return (*found, *joint_warnings(session, accuracy))
+
+
+def _redundancy(redundant: int, has_friction: bool) -> str:
+    if has_friction:
+        return (
+            f"contact forces are not unique: there were up to {redundant} more than independent rows; while "
+            "all contacts hold the motion is unique, and forces within their bounds are given"
+        )
+    return (
+        f"contact forces are not unique: {redundant} more contacts carried force than have independent "
+        "rows; the motion is unique, the forces given are those of minimum norm"
+    )
+
+
+def _gains(session: Session, accuracy: Accuracy) -> list[str]:
+    """Newton's law of impact may make energy where there is friction."""
+    run = session.run
+    if run.gain < 0 or float(run.gain_max) <= accuracy.tolerance * float(run.kinetic_max):
+        return []
+    return [
+        f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
+        f"{session.contacts[run.gain]}: Newton's restitution with friction does not exclude it"
+    ]

@@ -75,15 +75,11 @@ def _checked(name: str, values: Array, width: int) -> Array:
 def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], dict[str, Array]]:
     """One mg_run a row of x, and the arrays that they point into."""
     n, m = len(x), session.n_contact + 1
-    closed, active = np.zeros((n, m), dtype=np.intc), np.zeros((n, m), dtype=np.intc)
-    force, margin = np.zeros((n, m), dtype=x.dtype), np.zeros((n, m), dtype=x.dtype)
     runs = (session.tables.Run * n)()
-    link = np.full((n, m), -1, dtype=np.intc)
-    moved = np.zeros((n, len(session.moved)), dtype=x.dtype)
-    fresh = np.zeros((n, m), dtype=np.intc)
-    point, outward = np.zeros((n, 3 * m), dtype=x.dtype), np.zeros((n, 3 * m), dtype=x.dtype)
-    arrays: tuple[Array, ...] = (x, link, point, moved, closed, active, force, margin, fresh, outward)
-    columns = dict(zip(RUN_ARRAYS, arrays, strict=True))
+    columns: dict[str, Array] = {"x": x, "link": np.full((n, m), -1, dtype=np.intc)}
+    for name in RUN_ARRAYS:
+        like = getattr(session, name)
+        columns.setdefault(name, np.zeros((n, len(like)), dtype=like.dtype))
     for index, run in enumerate(runs):
         for name, array in columns.items():
             setattr(run, name, address(array[index]))

@@ -22,6 +22,7 @@ class Recording:
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
+            **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
             **{"patch": (n, session.n_slot), "pressure": (n, session.n_slot, 4)},
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
@@ -59,6 +60,9 @@ class Recording:
             "points_o": kept["point_o"][:, : self.session.n_shown],
             "points_f": kept["point_f"][:, : self.session.n_shown],
             "normals": kept["normal"][:, : self.session.n_shown],
+            "friction": kept["friction"][:, : self.session.n_shown],
+            "contact_torque": kept["torque"][:, : self.session.n_shown],
+            "slip": kept["slip"][:, : self.session.n_shown],
         }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
+from modelgen.runtime.grips import Grips
 from modelgen.runtime.limits import add_limits
 from modelgen.runtime.patches import PADS, add_patches, point_restitutions, slot_count
 from modelgen.runtime.sides import Sides, append
@@ -19,7 +20,7 @@ Array = np.ndarray[Any, Any]
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
     *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
-    *("n_patch", "n_slot"),
+    *("n_patch", "n_slot", "n_grip", "n_below"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -32,17 +33,25 @@ SYSTEM_INDICES = (
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
     *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_cover", "covered"),
     *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
+    *("contact_below", "contact_grip", "grip_aspect", "grip_row", "grip_body"),
 )
-SYSTEM_REALS = ("mass_inverse", "restitution", "parameters", "numbers", "pair_normal", "scale")
+SYSTEM_REALS = (
+    *("mass_inverse", "restitution", "parameters", "numbers"),
+    *("grip_static", "grip_kinetic", "grip_direction", "pair_normal", "scale"),
+)
 SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
-    *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed", "rest_acceleration"),
+    *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed"),
+    *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
     *("flat", "imaginary_edge", "shared", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
-RUN_ARRAYS = ("x", "link", "point", "moved", "closed", "active", "force", "margin", "fresh", "outward")
+RUN_ARRAYS = (
+    *("x", "link", "point", "moved", "closed", "active", "grip", "course", "share"),
+    *("force", "margin", "fresh", "outward"),
+)
 RUN_COUNTS = (
     "steps",
     "rejected",
@@ -56,14 +65,15 @@ RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
+    *("gain_max", "gain_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre"),
+    *("dead_centres", "dead_centre", "gain", "shared"),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
-    *("patch", "pressure"),
+    *("patch", "pressure", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work"),
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
@@ -148,14 +158,17 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, sentence)
-    reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers}
+    grips = Grips(sentence, slot_count(sentence))
+    integers |= grips.integers
+    reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers} | grips.reals
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
     rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
-    system = tables.System(*_sizes(sentence, integers), *states, *rows, *patches)
+    counts = *rows, *patches, grips.count, grips.rows
+    system = tables.System(*_sizes(sentence, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])

@@ -28,6 +28,10 @@ class Outcome(Enum):
         "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
     )
     TOO_MANY_CLOSED = "more contacts closed at once than there is room for; leave out pairs that cannot touch"
+    NO_FRICTION = (
+        "no contact forces with this friction are found: bodies jam, or the friction is too large for finite "
+        "forces (Painleve); lower the friction"
+    )
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property
@@ -43,8 +47,13 @@ OUTCOME_OF_CODE = {
     23: Outcome.COMPLEMENTARITY,
     24: Outcome.TOO_MANY_EVENTS,
     25: Outcome.TOO_MANY_CLOSED,
+    26: Outcome.NO_FRICTION,
 }
-EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip")
+EVENT_KINDS = (
+    *("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip"),
+    *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
+    *("roll", "roll-stop", "roll-reversal"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +91,9 @@ class Trajectory:
     link: Array  # (n, nc) index into `link_names`, -1 on no link
     points_o: Array  # (n, nc, 3) m
     points_f: Array  # (n, nc, 3) m
+    friction: Array  # (n, nc, 3) N, world, on the second body of the contact's kind
+    contact_torque: Array  # (n, nc, 3) N m, world, on it: resistance against spinning and rolling
+    slip: Array  # (n, nc, 3) m/s, world, of its material point past that of the first body; 0 where open
     normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
     patch: Array  # (n, n_slot) index into `patch_names` of a patch that rests, -1 none
     patch_force: Array  # (n, n_slot) N

@@ -11,7 +11,7 @@ from modelgen.errors import nearest
 from modelgen.scene.place import Place, describe
 from modelgen.scene.scalars import NUMBER, Choice, Schema, Type
 
-UNSUPPORTED = dict.fromkeys(("friction", "mu"), "contacts are frictionless; remove it")  # keys often tried
+OTHERWISE = {"mu": "did you mean 'friction'?"}  # keys often tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class Table:
         for key in value:
             if key not in known:
                 shown = key if isinstance(key, str) and len(key) <= 60 else str(key)[:57] + "..."
-                remedy = UNSUPPORTED.get(shown) or nearest(shown, known)
+                remedy = OTHERWISE.get(shown) or nearest(shown, known)
                 raise place.error(f"unknown key {shown!r}", "allowed are " + ", ".join(known), remedy)
         for field in self.fields:
             if field.required and field.key not in value:

@@ -86,9 +86,22 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
             "a nonzero direction between two curves is allowed: a surface has an exterior side",
             "remove it",
         )
-    return ContactPair(
-        (first, second), values["restitution"], values["form"], normal, values["features"], values["points"]
+    _check_resistance(values, place)
+    keys = (
+        *("restitution", "form", "normal", "features", "points"),
+        *("friction", "rolling_resistance", "spinning_resistance"),
     )
+    return ContactPair((first, second), **{key: values[key] for key in keys})
+
+
+def _check_resistance(values: Mapping[str, Any], place: Place) -> None:
+    for key in ("rolling_resistance", "spinning_resistance"):
+        if values[key] and values["friction"] is None:
+            raise place.key(key).error(
+                f"{values[key]:g} m without friction",
+                "a contact that resists rolling or spinning has friction",
+                "add friction, or remove it",
+            )
 
 
 def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:

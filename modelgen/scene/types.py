@@ -130,6 +130,15 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class Friction:
+    """Coulomb friction: coefficients along `direction` and across it, alike unless there is one."""
+
+    static: tuple[float, float]
+    kinetic: tuple[float, float]
+    direction: Vector | None = None  # axes of the first body of the pair
+
+
+@dataclass(frozen=True, slots=True)
 class ContactPair:
     between: tuple[tuple[str, str], tuple[str, str]]  # ((body, shape), (body, shape))
     restitution: float = 0.0  # Newton's coefficient, 0..1
@@ -137,6 +146,9 @@ class ContactPair:
     normal: Vector | None = None  # two curves: roughly N at t = 0, world, from the first to the second
     features: tuple[str, ...] = ()  # of the two shapes, that may touch; empty: all
     points: int | None = None  # how many points of the pair may touch at a time; None: from the shapes
+    friction: Friction | None = None
+    rolling_resistance: float = 0.0  # m: the torque against rolling is at most this times the normal force
+    spinning_resistance: float = 0.0  # m: the same about the normal
 
 
 @dataclass(frozen=True, slots=True)

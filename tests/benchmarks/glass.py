@@ -2,9 +2,10 @@
 
     python -m tests.benchmarks.glass
 
-For a load in one plane, for a torque about the axis that turns the glass while it tips, and for the shipped scene, which
-has begun to spin before: the error of the centre of mass over the rolling phase against the reference of
-tests/oracles/glass_reference.py, and that of the energy ledger. The imaginary edge (section 5.3) is fixed in the glass.
+For a load in one plane, for a torque about the axis that turns the glass while it tips, and for the shipped
+scene, where it spins before: the error of the centre of mass over the rolling phase against the reference of
+tests/oracles/glass_reference.py, and that of the energy ledger. The imaginary edge (section 5.3) is fixed in
+the glass; where that turns it away from the load, the glass stands flat again before it leans enough.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ EDGES = (0.003, 0.01, 0.03)  # rad
 
 @dataclass(frozen=True)
 class Load:
-    """Torques: `tip` N m/s about x, `turn` N m about z from the start, `late` N m/s about z from the tip on."""
+    """Torques: `tip` N m/s about x, `turn` N m about z, `late` N m/s about z from the tip on."""
 
     tip: float = 0.0
     turn: float = 0.0

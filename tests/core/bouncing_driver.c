@@ -7,6 +7,7 @@
 int main(void) {
   const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, link_parameters[] = {13};
   const int ends[] = {0, 1}, sides[] = {0, 1}, side_parameters[] = {13, 13}, side_numbers[] = {0, SIDE};
+  const int no_grips[] = {0, 0};
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0};
@@ -29,12 +30,14 @@ int main(void) {
                       .link_kind = zeros, .link_o = zeros, .link_f = f, .link_parameters = link_parameters,
                       .link_pair = zeros, .link_group = groups, .link_condition = zeros,
                       .side_shape = sides, .side_parameters = side_parameters, .side_numbers = side_numbers,
+                      .contact_below = no_grips, .contact_grip = no_grips,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
                       .numbers = numbers, .pair_normal = pair_normal, .scale = scale,
                       .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
                           .gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift = (mg_real)1e-15,
-                          .rest_speed = (mg_real)1e-6, .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
+                          .rest_speed = (mg_real)1e-6, .slip_speed = (mg_real)1e-7, .cone = (mg_real)1e-9,
+                          .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
                           .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
                           .lost = (mg_real)1e-9, .apart = (mg_real)1e-6, .reach = (mg_real)0.2,
                           .search = (mg_real)0.05, .border = (mg_real)1e-9,

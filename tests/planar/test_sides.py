@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.optimize import minimize_scalar
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene.types import Scene, Shape
 from tests.oracles.pieces import rotations
 from tests.planar.scenes import HEIGHT, INERTIA, MASS, TIGHT, G, events, pushed, standing, table
 from tests.planar.stadium import RADIUS, stadium
@@ -96,3 +97,34 @@ def test_a_ring_tips_where_a_disc_of_its_radius_does_and_rolls_like_it(angle: fl
     assert tip.t == pytest.approx(0.04 * MASS * G / (RATE * ARM), abs=1e-9)
     assert np.abs(ring.p - disc.p).max() < 1e-12
     assert np.abs(ring.quaternion - disc.quaternion).max() < 1e-11
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.8])
+def test_a_glass_that_is_pressed_outside_its_base_from_the_start_rolls_over_its_rim(angle: float) -> None:
+    """Not over a chord between points that hold it; the plane motion is that of any side at the radius."""
+    start = 0.04 * MASS * G / (RATE * ARM) * 1.01
+    push = RATE * np.array([cos(angle), sin(angle)])
+    force = [f"{float(push[0])!r}*({start!r} + t)", f"{float(push[1])!r}*({start!r} + t)", "0"]
+    path = pushed(make.cylinder(0.04, HEIGHT), force, [0, 0, ARM], 0.1, 20)
+    assert [event.kind for event in path.events] == ["flat", "tip"]
+    lean = np.arccos(np.clip(rotations(path, 1)[1:, 2, 2], -1, 1))
+    assert np.abs(lean - leans(0.04, start, start + path.t[1:])).max() < 1e-8
+
+
+def test_a_glass_on_an_imaginary_edge_turns_with_it() -> None:
+    """The edge is of the glass (section 5.3): the planar motion is that of the rim itself."""
+    edge, rim = (
+        simulate(library_of(rocking()), until=2.1, samples=30, accuracy=replace(TIGHT, imaginary_edge=lean))
+        for lean in (0.01, 0.0)
+    )
+    (walk,) = events(edge, "walk")
+    start = 0.04 * MASS * G / (RATE * ARM)
+    assert leans(0.04, start, np.array([start + 0.01, walk.t]))[-1] == pytest.approx(0.01, abs=1e-8)
+    assert np.abs(edge.p - rim.p).max() < 1e-12
+
+
+def rocking() -> Scene:
+    return make.scene(
+        "edge", [table(), standing(make.cylinder(0.04, HEIGHT))], contact=[{"between": ["body", "table"]}],
+        force=[{"body": "body", "force": [f"{RATE}*t", "0", "0"], "point": [0, 0, ARM]}],
+    )  # fmt: skip

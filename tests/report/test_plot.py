@@ -35,6 +35,13 @@ def test_svg_has_motion_forces_gap_energy_and_both_curves(tmp_path: Path) -> Non
     assert {"E", "work", "E - E0 - work (right axis)"} <= texts
 
 
+def test_friction_and_slip_are_drawn_where_there_are_any(tmp_path: Path) -> None:
+    record = ball_on_table()
+    assert not {"friction force", "slip"} & comments(record, tmp_path / "run.svg")
+    record.columns["slip"][:5, 0, 1] = 0.3
+    assert {"friction force", "slip"} <= comments(record, tmp_path / "run.svg")
+
+
 def test_png_is_a_picture(tmp_path: Path) -> None:
     draw(ball_on_table(), tmp_path / "run.png")
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
@@ -54,7 +61,7 @@ def test_a_run_without_samples_or_contacts_is_drawn(tmp_path: Path) -> None:
     assert "angular velocity, world axes" in texts
 
 
-PER_CONTACT = ("force", "gap", "points_o", "points_f", "normals")
+PER_CONTACT = ("force", "gap", "friction", "contact_torque", "slip", "points_o", "points_f", "normals")
 
 
 def test_a_picture_has_a_known_suffix(tmp_path: Path) -> None:

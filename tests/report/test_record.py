@@ -45,6 +45,17 @@ def test_csv_has_one_exact_row_a_sample(tmp_path: Path) -> None:
         np.testing.assert_array_equal(table[:, header.index(name)], column)
 
 
+def test_csv_has_friction_and_slip_where_there_are_any(tmp_path: Path) -> None:
+    record = ball_on_table()
+    record.columns["friction"][:5, 0, 1] = -2.0
+    save(record, tmp_path / "run.csv")
+    with (tmp_path / "run.csv").open(newline="") as file:
+        header, *rows = csv.reader(file)
+    friction = np.array(rows, dtype=float)[:, header.index("ball-table.friction_y")]
+    np.testing.assert_array_equal(friction, record.columns["friction"][:, 0, 1])
+    assert {"ball-table.slip_x", "ball-table.torque_z"} <= set(header)
+
+
 def test_contact_curve_is_in_the_axes_of_the_body() -> None:
     record = ball_on_table()
     np.testing.assert_allclose(record.contact_curve(0, "o"), record.columns["points_o"][:, 0])

@@ -1,0 +1,297 @@
+/* Which closed contacts carry force, which of their grips hold and which slip: Coulomb's law for accelerations. A slip
+   that is under way tells its force by itself; the others are bounded by static friction, or kinetic once they slip. */
+#include "core.h"
+
+enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
+
+/* The time in which slip, as it is going, is over; 0 if it is already. */
+static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
+  const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
+  const int row = mg_grip_row(c, contact, grip), spins = c->sys->grip_aspect[grip] == MG_SPIN;
+  mg_real slip[2], braking = -mg_separation(c, row) * (spins ? course[0] : mg_dot3(t, course));
+  if (!spins) braking -= mg_separation(c, row + 1) * mg_dot3(t + 3, course);
+  const mg_real along = mg_slip_along(c, contact, grip, slip);
+  return along > 0 && braking > 0 ? along / braking : 0;
+}
+
+/* A grip is told by its slip; one that hardly slips is stuck until the forces say otherwise, for slip that dies or begins
+   at one contact dies or begins at others of the body as well. */
+static void mg_sort_out(mg_context *c, int contact, int grip) {
+  int *mode = c->run->grip + grip;
+  if (!c->run->closed[contact]) *mode = MG_LOOSE;
+  else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
+  else if (*mode >= MG_ONSET) {
+    const int slips = mg_aim(c, contact, grip); /* if its event has fired, it has only left its course */
+    if (c->slipped[grip] && !slips) c->over[grip] = mg_slip_left(c, contact, grip);
+    *mode = slips ? MG_SLIPPING : MG_STUCK, c->slipped[grip] &= !slips;
+  }
+}
+
+/* Takes the slip of stuck grips away, as an impulse would. */
+static void mg_arrest(mg_context *c) {
+  mg_real worst = 0;
+  const int n = mg_list_stuck(c, c->list, 0);
+  for (int r = 0; r < n; r++)
+    if (fabs(c->d_dot[c->list[r]]) > worst) worst = fabs(c->d_dot[c->list[r]]);
+  if (!(worst > c->set->drift * c->sys->length / c->sys->time)) return;
+  mg_correction(c, c->run->closed, c->d_dot);
+  mg_push(c);
+  mg_refresh(c);
+}
+
+/* The rows and accelerations without contact forces. */
+static void mg_let_go(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
+  mg_refresh(c);
+}
+
+static void mg_bound_all(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
+      int *mode = c->run->grip + g;
+      if (c->run->closed[i] && *mode == MG_LOOSE) *mode = MG_STUCK;
+      c->bound_of[g] = *mode >= MG_ONSET ? MG_KNOWN : MG_STATIC;
+    }
+}
+
+/* The bounds of one contact of the problem, times `part`. A stuck grip that has reached its own is tried with less. */
+static void mg_put_cone(mg_context *c, int contact, mg_real part, mg_real *cone) {
+  for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
+  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
+    const int aspect = c->sys->grip_aspect[g], at = aspect == MG_SLIP ? 0 : 1 + aspect;
+    const mg_real *mu = (c->bound_of[g] == MG_STATIC ? c->sys->grip_static : c->sys->grip_kinetic) + 2 * g;
+    const mg_real less = c->slipped[g] ? part * (1 - c->set->cone) : part;
+    if (c->bound_of[g] == MG_KNOWN) continue;
+    cone[at] = less * mu[0];
+    if (aspect == MG_SLIP) cone[1] = less * mu[1];
+  }
+}
+
+static int mg_is_open_question(const mg_context *c, int contact) {
+  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++)
+    if (c->bound_of[g] != MG_KNOWN) return 1;
+  return 0;
+}
+
+/* Appends the rows of a contact to c->list of `size`, as contact k of the problem; returns the new size. */
+static int mg_put_contact(mg_context *c, int contact, int k, int size) {
+  c->cone_contact[k] = contact, c->cone_first[k] = size;
+  c->cone_rows[k] = mg_is_open_question(c, contact) ? mg_contact_kinds[c->kind[contact]].rows : 1;
+  c->list[size++] = contact;
+  for (int r = 1; r < c->cone_rows[k]; r++) c->list[size++] = c->below + c->sys->contact_below[contact] + r - 1;
+  return size;
+}
+
+/* The leans of slips under way, of contacts that carry no force as yet. */
+static void mg_lean_known(mg_context *c, int contact) {
+  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
+    if (c->bound_of[g] != MG_KNOWN) continue;
+    mg_slip_lean(c, contact, g);
+    for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, contact, g) + k);
+  }
+}
+
+/* The matrix and the accelerations of the closed contacts that are not skipped, of pads and of joints. */
+static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
+  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
+  mg_activate_pads(c);
+  p.n = mg_list_bilateral(c, c->list, p.n);
+  mg_assemble(c, c->list, p.n);
+  for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->cone_contact[k]);
+  mg_lean_columns(c, c->list, p.n);
+  for (int r = 0; r < p.n; r++) c->b[r] = mg_separation(c, c->list[r]);
+  return p;
+}
+
+static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
+                        mg_friction_report *report) {
+  c->run->lcp_solves++;
+  for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->cone_contact[k], part, c->cone + MG_CONE * k);
+  for (int r = 0; r < p->n; r++) z[r] = 0;
+  return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i) == MG_FRICTION_SOLVED;
+}
+
+/* How fast a row gets away under the forces z. */
+static mg_real mg_way_of(const mg_friction_problem *p, const mg_real *z, int row) {
+  mg_real sum = p->b[row];
+  for (int j = 0; j < p->n; j++) sum += p->A[row + p->n * j] * z[j];
+  return sum;
+}
+
+/* What counts as moving off among accelerations that are known to the solver's residual. */
+static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
+  mg_real size = 0;
+  for (int r = 0; r < p->n; r++)
+    if (fabs(p->b[r]) > size) size = fabs(p->b[r]);
+  return 10 * c->set->cone * size;
+}
+
+/* A grip of contact k of the problem is on its bound and moves off, against what its force at the bound does to it. */
+static int mg_gives_way(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
+  const int first = p->first[k], row = first + 1 + c->sys->grip_row[grip], aspect = c->sys->grip_aspect[grip];
+  const mg_real *cone = p->cone + MG_CONE * k + (aspect == MG_SLIP ? 0 : 1 + aspect), N = c->z[first];
+  mg_real way = 0, own = 0, size = 0;
+  if (!(c->marks[k] & MG_PRESSES)) return 0;
+  for (int j = 0; j < mg_grip_rows(c, grip); j++) {
+    const mg_real mu = cone[aspect == MG_SLIP ? j : 0], part = c->z[row + j] / mu;
+    way += fabs(mg_way_of(p, c->z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, size += part * part;
+  }
+  return way > c->set->cone / 10 * own && sqrt(size) > (1 - c->set->polish) * N;
+}
+
+/* Marks the grips found to slip; returns their number. */
+static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
+  int count = 0;
+  for (int k = 0; k < p->n_contact; k++) {
+    const int i = c->cone_contact[k];
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
+      count += c->gives[g] = c->bound_of[g] != MG_KNOWN && mg_gives_way(c, p, k, g);
+  }
+  return count;
+}
+
+/* Those that slip get their kinetic bounds; returns how many bounds that changes. */
+static int mg_loosen_one(mg_context *c) {
+  int count = 0;
+  for (int g = 0; g < c->sys->n_grip; g++) {
+    const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
+    if (!c->gives[g] || c->bound_of[g] == MG_KINETIC) continue;
+    c->bound_of[g] = MG_KINETIC;
+    count += s[0] != d[0] || s[1] != d[1];
+  }
+  return count;
+}
+
+static void mg_set_course(mg_context *c, int contact, int grip, const mg_real *force) {
+  const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *t = c->tangents + 6 * contact;
+  const mg_real a = -force[0] / (mu[0] * mu[0]), b = mg_grip_rows(c, grip) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
+  const mg_real size = sqrt(a * a + b * b);
+  mg_real *course = c->run->course + 3 * grip;
+  for (int k = 0; k < 3; k++) course[k] = (a * t[k] + b * t[3 + k]) / size;
+  if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
+}
+
+/* Slip begins where the force has reached its bound, which stays as it is: there may be no acceleration at first. */
+static int mg_begins_gently(const mg_context *c, int grip) {
+  const mg_real *s = c->sys->grip_static + 2 * grip, *d = c->sys->grip_kinetic + 2 * grip;
+  return c->before[grip] == MG_STUCK && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
+}
+
+static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
+  for (int k = 0; k < p->n_contact; k++) {
+    const int i = c->cone_contact[k];
+    c->run->active[i] = (c->marks[k] & MG_PRESSES) != 0;
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
+      if (!c->gives[g]) continue;
+      mg_set_course(c, i, g, c->z + c->cone_first[k] + 1 + c->sys->grip_row[g]);
+      c->run->grip[g] = mg_begins_gently(c, g) ? MG_ONSET : MG_STARTING;
+    }
+  }
+}
+
+static void mg_take_shares(mg_context *c, const mg_friction_problem *p) {
+  const int m = c->sys->n_contact;
+  for (int i = 0; i < m + c->sys->n_below; i++) c->run->share[i] = 0;
+  for (int r = 0; r < p->n; r++) {
+    const int row = c->list[r];
+    if (row < m) c->run->share[row] = c->z[r];
+    else if (row >= c->below) c->run->share[m + row - c->below] = c->z[r];
+  }
+  c->run->shared = 1;
+}
+
+static int mg_is_admissible(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (!c->run->active[i]) continue;
+    if (!(c->force[i] > 0)) return 0;
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
+      if (c->run->grip[g] == MG_STUCK && !(mg_grip_value(c, i, g) > c->set->cone * c->force[i])) return 0;
+  }
+  return 1;
+}
+
+/* Tries forces of least norm on all contacts that do not move off; where these are not admissible, the contacts are
+   left as they were. */
+static int mg_spread(mg_context *c, const mg_friction_problem *p) {
+  for (int k = 0; k < p->n_contact; k++)
+    if (mg_way_of(p, c->z, c->cone_first[k]) < mg_certain(c, p)) c->run->active[c->cone_contact[k]] = 1;
+  c->run->shared = 0;
+  mg_refresh(c);
+  if (mg_is_admissible(c)) return 1;
+  for (int k = 0; k < p->n_contact; k++) c->run->active[c->cone_contact[k]] = (c->marks[k] & MG_PRESSES) != 0;
+  c->run->shared = 1;
+  return 0;
+}
+
+/* Forces that hold all grips and are well within their bounds, if there are any. */
+static void mg_relieve(mg_context *c, const int *skip) {
+  mg_friction_report report;
+  const mg_friction_problem p = mg_pose_problem(c, skip);
+  for (mg_real less = (mg_real)0.5; less > c->set->cone; less /= 4) {
+    if (!mg_try_cones(c, &p, 1 - less, c->z, &report) || mg_mark_giving(c, &p)) continue;
+    mg_take_modes(c, &p);
+    mg_take_shares(c, &p);
+    return;
+  }
+  for (int k = 0; k < p.n_contact; k++) c->run->active[c->cone_contact[k]] = 1;
+}
+
+/* Which of the forces that make the same motion are meant. Needs the problem as it was solved. */
+static void mg_settle_shares(mg_context *c, const int *skip, const mg_friction_problem *p, int giving) {
+  mg_take_shares(c, p);
+  if (mg_spread(c, p) || giving) return;
+  mg_let_go(c);
+  mg_relieve(c, skip);
+}
+
+static void mg_note_report(mg_context *c, const mg_friction_report *report) {
+  const int redundant = report->active - report->rank;
+  if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
+  if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
+}
+
+/* Solves for the modes of the closed contacts that are not skipped. Needs the rows at run->x. */
+static int mg_choose_grips(mg_context *c, const int *skip) {
+  mg_friction_report report = {0};
+  int giving, redundant;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->gives[g] = 0;
+  mg_arrest(c);
+  mg_bound_all(c);
+  mg_let_go(c);
+  const mg_friction_problem p = mg_pose_problem(c, skip);
+  if (p.n_contact == 0) {
+    mg_refresh(c);
+    return MG_DONE;
+  }
+  redundant = mg_oblique_rank(c, c->list, p.n) < p.n;
+  do {
+    if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
+    giving = mg_mark_giving(c, &p);
+  } while (mg_loosen_one(c));
+  mg_note_report(c, &report);
+  mg_take_modes(c, &p);
+  c->run->shared = 0;
+  if (redundant) mg_settle_shares(c, skip, &p, giving);
+  for (int g = 0; g < c->sys->n_grip; g++)
+    if (!c->run->active[mg_contact_of(c, g)]) c->run->grip[g] = MG_LOOSE;
+  mg_refresh(c);
+  mg_arrest(c);
+  return MG_DONE;
+}
+
+/* Tells of slip that begins, dies, or dies and begins anew. */
+static void mg_report_grips(mg_context *c, mg_events *events) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
+      const int before = c->before[g], now = c->run->grip[g];
+      const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->sys->grip_aspect[g];
+      if (before == MG_STUCK && now >= MG_ONSET) mg_emit(c, events, c->run->t, first, i, 0);
+      if (before >= MG_ONSET && now == MG_STUCK) mg_emit(c, events, c->run->t + c->over[g], first + 1, i, 0);
+      if (before >= MG_ONSET && now >= MG_ONSET && now != MG_SLIPPING && c->slipped[g])
+        mg_emit(c, events, c->run->t + c->over[g], first + 2, i, 0);
+      c->over[g] = 0;
+    }
+}

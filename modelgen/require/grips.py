@@ -1,0 +1,28 @@
+"""Friction as what it bounds: slip in the tangent plane, spin about the normal, rolling."""
+
+from __future__ import annotations
+
+from modelgen.model import Grip, Rows
+from modelgen.scene.types import ContactPair
+
+SPIN, ROLL = 2, 3  # rows below the normal one
+
+
+def rows_of(pair: ContactPair) -> Rows:
+    """The rows that the contacts of a pair need."""
+    if pair.friction is None:
+        return 1
+    return 6 if pair.rolling_resistance or pair.spinning_resistance else 3
+
+
+def grips_of(pair: ContactPair, first: int) -> tuple[Grip, ...]:
+    """What friction and resistances hold at each contact of a pair; `first`: the index of its first body."""
+    if pair.friction is None:
+        return ()
+    static, kinetic, direction = pair.friction.static, pair.friction.kinetic, pair.friction.direction
+    slip = Grip("slip", 0, 2, static, kinetic)
+    if direction is not None:
+        slip = Grip("slip", 0, 2, static, kinetic, first, direction)
+    spin, roll = ((m, m) for m in (pair.spinning_resistance, pair.rolling_resistance))
+    grips = (slip, Grip("spin", SPIN, 1, spin, spin), Grip("roll", ROLL, 2, roll, roll))
+    return tuple(grip for grip in grips if grip.kinetic[0])

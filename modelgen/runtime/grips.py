@@ -1,0 +1,36 @@
+"""Friction and resistances in the tables of the core (modelgen.h): the grips of every contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from modelgen.runtime.patches import PADS
+
+ASPECTS = ("slip", "spin", "roll")  # MG_SLIP ..
+BELOW = {"slip": 2, "spin": 5, "roll": 5}  # rows below the normal one that a contact with this grip has
+
+
+class Grips:
+    """`integers`, `reals`: arrays of mg_system; `count`, `rows`: of all contacts."""
+
+    def __init__(self, sentence: Mapping[str, Any], slots: int) -> None:
+        of_contacts = [sentence["pairs"][each["pair"]].get("grips", []) for each in sentence["contacts"]]
+        of_contacts += [[]] * (len(sentence["limits"]) + PADS * slots)  # of limits and patches
+        grips = [grip for listed in of_contacts for grip in listed]
+        first, below = [0], [0]
+        for listed in of_contacts:
+            first.append(first[-1] + len(listed))
+            below.append(below[-1] + max((BELOW[grip["aspect"]] for grip in listed), default=0))
+        self.count, self.rows = len(grips), below[-1]
+        self.integers: dict[str, list[int]] = {
+            "contact_below": below,
+            "contact_grip": first,
+            "grip_aspect": [ASPECTS.index(grip["aspect"]) for grip in grips],
+            "grip_row": [grip["row"] for grip in grips],
+            "grip_body": [grip["body"] for grip in grips],
+        }
+        self.reals: dict[str, list[float]] = {
+            f"grip_{key}": [value for grip in grips for value in grip[key]]
+            for key in ("static", "kinetic", "direction")
+        }
