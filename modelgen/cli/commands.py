@@ -71,7 +71,7 @@ def check(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
 def build(
     scene: SceneFile,
     out: Annotated[Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER")] = None,
-    real: RealName = "double",
+    real: RealName = None,
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:

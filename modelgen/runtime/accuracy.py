@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from numbers import Real
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from modelgen.errors import SimulationError, nearest
 
@@ -38,6 +38,14 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "dependent": 4096,
     }
 )
+
+
+CHOICES = ("method", "step", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
+
+
+def _named(base: str, own: Mapping[str, Any]) -> str:
+    """`tolerance 1e-08, newton 2`."""
+    return ", ".join([base, *(f"{key} {value}" for key, value in own.items())])
 
 
 def is_number(value: object) -> bool:
@@ -158,6 +166,16 @@ class Accuracy:
             remedy = nearest(name, records) or "use one of these names"
             raise SimulationError("accuracy", repr(name), "fast, balanced, tight", remedy)
         return records[name]()
+
+    @classmethod
+    def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
+        """The record that the settings of a run describe, as they stand in a manifest."""
+        tolerance = run.get("tolerance")
+        base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
+        own = {key: run[key] for key in CHOICES if run.get(key) is not None}
+        if own.get("method") == "rk4" and "step" not in own:
+            raise SimulationError("method", "rk4 without a step", "step = SECONDS", "give the step beside it")
+        return replace(base, name=_named(base.name, own), **own) if own else base
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:

@@ -76,11 +76,10 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
 
 def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
     """The accuracy that the scene asks for."""
-    run, key = sentence["run"], "accuracy" if sentence["run"]["tolerance"] is None else "tolerance"
     try:
-        return Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+        return Accuracy.of_run(sentence["run"])
     except SimulationError as error:
-        where = f"{sentence['source']}: run.{key}"
+        where = f"{sentence['source']}: run.{error.where}"
         raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
