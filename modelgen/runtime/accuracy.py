@@ -147,6 +147,11 @@ class Accuracy:
         return cls(name="tight", tolerance=1e-13)
 
     @classmethod
+    def finest(cls) -> Accuracy:
+        """Close to the rounding of long double: for references, in that build."""
+        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+
+    @classmethod
     def of(cls, tolerance: float) -> Accuracy:
         """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:

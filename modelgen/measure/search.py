@@ -1,0 +1,74 @@
+"""Which settings are tried: all ladders, then one turned knob after another, wherever it moves the front."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+from modelgen.measure.front import Point, front, improves, is_measured, place
+from modelgen.measure.knobs import Settings, Space
+
+ROUNDS = 3  # in which combinations of knobs are built up
+IDLE = 4  # rungs without a smaller error before a ladder ends
+
+
+class Evaluate(Protocol):
+    def __call__(self, settings: Settings) -> Point: ...
+
+
+Left = Callable[[], bool]  # whether there is time left
+
+
+def sweep(space: Space, evaluate: Evaluate, left: Left) -> Iterator[Point]:
+    """The points in the order in which they are measured; the caller may stop at any."""
+    points: list[Point] = []
+    for rungs in space.ladders():
+        for point in _descend(rungs, evaluate, left):
+            points.append(point)
+            yield point
+    for _ in range(ROUNDS):
+        before = len(points)
+        found = False
+        for name, value in space.alternatives():
+            for point in _turn(space, points, name, value, evaluate, left):
+                found = found or improves(front(points), point)
+                points.append(point)
+                yield point
+        if not found or len(points) == before or not left():
+            return
+
+
+def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Iterator[Point]:
+    """One ladder from coarse to fine, until its errors stay where they are."""
+    best, idle = float("inf"), 0
+    for settings in rungs:
+        if not left():
+            return
+        point = evaluate(settings)
+        yield point
+        if is_measured(point):
+            idle = 0 if place(point)[1] < best else idle + 1
+            best = min(best, place(point)[1])
+        if idle == IDLE or point.costs.get("too_long"):
+            return
+
+
+def _turn(
+    space: Space, points: Sequence[Point], name: str, value: object, evaluate: Evaluate, left: Left
+) -> Iterator[Point]:
+    """One knob turned at three places of the front, and at all of them if that improved one."""
+    known = front(points)
+    seen = [dict(point.settings) for point in points]
+    turned = [space.with_value(point.settings, name, value) for point in known]  # type: ignore[arg-type]
+    fresh = [settings for settings in turned if settings is not None and settings not in seen]
+    scouts = {0, len(fresh) // 2, len(fresh) - 1}
+    helped = False
+    for chosen in (True, False):
+        for number, settings in enumerate(fresh):
+            if (number in scouts) != chosen or not left():
+                continue
+            point = evaluate(settings)
+            helped = helped or improves(known, point)
+            yield point
+        if not helped:
+            return
