@@ -4,6 +4,7 @@ Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad i
 130 interrupted (what was computed is written).
 """
 
+from modelgen.cli import measuring as _measuring  # noqa: F401  its verbs join the others
 from modelgen.cli.commands import app
 
 

@@ -12,7 +12,15 @@ from pathlib import Path
 import casadi as ca
 
 from modelgen import __version__
-from modelgen.codegen.compiler import LEVEL, LEVELS, REALS, Compiler, compile_library, cpu_target, find_compiler
+from modelgen.codegen.compiler import (
+    LEVEL,
+    LEVELS,
+    REALS,
+    Compiler,
+    compile_library,
+    cpu_target,
+    find_compiler,
+)
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import BuildRecord, record_name

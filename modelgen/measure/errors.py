@@ -38,11 +38,11 @@ def errors(found: Motion, true: Motion, bodies: Bodies, horizon: float | None) -
     """
     end = np.inf if horizon is None else horizon
     n = int(np.searchsorted(true.t[: len(found.t)], end, side="right"))
-    early = [_cut(motion, 0, n) for motion in (found, true)]
+    mine, theirs = _cut(found, 0, n), _cut(true, 0, n)
     result = {
-        "position": float(np.linalg.norm((early[0].p - early[1].p).astype(float), axis=-1).max(initial=0.0)),
-        "rotation": _angle(*early, bodies),
-        "force": _force(*early),
+        "position": float(np.linalg.norm((mine.p - theirs.p).astype(float), axis=-1).max(initial=0.0)),
+        "rotation": _angle(mine, theirs, bodies),
+        "force": _force(mine, theirs),
         **_events(found.events, true.events, end),
         **found.invariants,
     }
@@ -83,8 +83,8 @@ def _size(values: Array) -> float:
 
 def _cut(motion: Motion, start: int, end: int) -> Motion:
     force = None if motion.force is None else motion.force[start:end]
-    parts = (each[start:end] for each in (motion.t, motion.p, motion.rotation, motion.v))
-    return Motion(*parts, force, motion.events, motion.invariants)
+    t, p, rotation, v = (each[start:end] for each in (motion.t, motion.p, motion.rotation, motion.v))
+    return Motion(t, p, rotation, v, force, motion.events, motion.invariants)
 
 
 def _axes(quaternion: Array) -> Array:
@@ -114,7 +114,7 @@ def _force(a: Motion, b: Motion) -> float | None:
 
 def _events(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
     """Largest difference of event times, each matched with its like in order, and how many have none."""
-    if found is None or true is None:
+    if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
     times = [_by_kind(events, end) for events in (found, true)]
     worst, unmatched = 0.0, 0

@@ -90,7 +90,7 @@ def measure(
         root: the folder that generated libraries lie in.
         on_progress: called with the settings that are tried next.
 
-    Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for a name that is unknown.
+    Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name.
     """
     expect("measure", scene, Scene)
     chosen = _known("knobs", knobs, [knob.name for knob in KNOBS])
@@ -145,8 +145,7 @@ def _sweep_all(
         return point_of(bench, settings)
 
     try:
-        for point in sweep(bench.space, evaluate, left):
-            points.append(point)
+        points.extend(sweep(bench.space, evaluate, left))
         for peer in peers:
             others.append(PeerPoints(peer.name, [], []))
             peer_points(peer, bench, others[-1], left, report)
@@ -169,6 +168,7 @@ def _turns(bench: Bench, name: str) -> bool:
 def _known(option: str, names: Sequence[str] | None, allowed: list[str]) -> tuple[str, ...] | None:
     for name in names or ():
         if name not in allowed:
-            raise ModelgenError(option, f"no {name!r}", f"allowed: {', '.join(allowed)}", nearest(name, allowed))
+            raise ModelgenError(
+                option, f"no {name!r}", f"allowed: {', '.join(allowed)}", nearest(name, allowed)
+            )
     return None if names is None else tuple(names)
-

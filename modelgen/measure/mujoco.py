@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 REPEATS, ENOUGH_S = 3, 0.15
 ROUND = ("sphere", "ellipsoid", "capsule", "cylinder", "box")
-GEOMS: Mapping[str, tuple[tuple[str, ...], tuple[float, ...]]] = {  # parameters, and what of each MuJoCo takes
+GEOMS: Mapping[
+    str, tuple[tuple[str, ...], tuple[float, ...]]
+] = {  # parameters, and what of each MuJoCo takes
     "sphere": (("radius",), (1.0,)),
     "ellipsoid": (("a", "b", "c"), (1.0, 1.0, 1.0)),
     "capsule": (("radius", "length"), (1.0, 0.5)),

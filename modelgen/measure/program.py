@@ -93,7 +93,9 @@ def _measured(bench: Bench, settings: Settings) -> Point:
     sizes = {"binary_bytes": library.path.stat().st_size, "compile_s": built.compile_s}
     if not bench.came_as_far(path.t_end):
         ending = f"ended at {path.t_end:.6g} s: {path.outcome.value}"
-        return Point(settings, None, None, costs=sizes | {"too_long": path.wall_s > PATIENCE_S}, remark=ending)
+        return Point(
+            settings, None, None, costs=sizes | {"too_long": path.wall_s > PATIENCE_S}, remark=ending
+        )
     error, parts = bench.judged(motion_of(path, bench.reference.bodies))
     end = bench.subject.until
     cost = cost_of(lambda: core_time(library, accuracy, end), bench.yard)
@@ -116,13 +118,16 @@ def _measured(bench: Bench, settings: Settings) -> Point:
 
 def scaled(points: list[Point]) -> list[Point]:
     """Costs as of the fastest moment of the machine: each by what the yardstick took beside it."""
-    yards = [point.costs["yard_s"] for point in points if point.costs.get("yard_s")]
-    if not yards:
-        return points
-    fastest = min(yards)
-    return [
-        replace(point, cost_ns_per_s=point.cost_ns_per_s * fastest / point.costs["yard_s"])
-        if point.cost_ns_per_s is not None and point.costs.get("yard_s")
-        else point
-        for point in points
-    ]
+    fastest = min((point.costs["yard_s"] for point in points if _timed(point)), default=0.0)
+    return [_at_speed(point, fastest) if _timed(point) else point for point in points]
+
+
+def _timed(point: Point) -> bool:
+    return point.cost_ns_per_s is not None and bool(point.costs.get("yard_s"))
+
+
+def _at_speed(point: Point, yard: float) -> Point:
+    share = yard / point.costs["yard_s"]
+    return replace(
+        point, cost_ns_per_s=(point.cost_ns_per_s or 0.0) * share, costs=point.costs | {"yard_s": yard}
+    )

@@ -18,13 +18,15 @@ from modelgen.measure.subject import Subject
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
 
-PREDICTABLE = 1e-6  # over the length: where one rounding of double precision has grown to this, prediction ends
+PREDICTABLE = (
+    1e-6  # over the length: where one rounding of double precision has grown to this, prediction ends
+)
 ROUNDING = float(np.finfo(np.float64).eps)
 
 SENSITIVE = f"a change of one rounding in double precision has grown to {PREDICTABLE:g} of the length there"
 APART = (
-    f"the two references differ by {PREDICTABLE:g} of the length there, though a rounding has not grown to it: "
-    "their events fall otherwise"
+    f"the two references differ by {PREDICTABLE:g} of the length there, though a rounding has not grown "
+    "to it: their events fall otherwise"
 )
 
 
@@ -64,7 +66,7 @@ def reference_of(subject: Subject, space: Space) -> Reference:
     bodies = subject.bodies(first)
     motions = [motion_of(path, bodies) for path in settled]
     ending = _common_end(settled)
-    apart = separation(*motions, bodies)
+    apart = separation(motions[0], motions[1], bodies)
     twin = motion_of(subject.run(_nudged(first), finest), bodies)
     growth = separation(twin, motions[0], bodies) / ROUNDING
     horizon, n, reason = _horizon(motions[0].t, apart, growth)

@@ -12,7 +12,7 @@ from modelgen.errors import ModelgenError
 from modelgen.measure.front import Point, cheapest, finest, front, is_measured, place
 from modelgen.measure.knobs import Settings
 from modelgen.measure.measure import Measurement, Report, measure
-from modelgen.measure.program import Bench, point_of
+from modelgen.measure.program import Bench, point_of, scaled
 from modelgen.measure.store import Store
 from modelgen.measure.subject import applied
 from modelgen.scene.types import RunSettings, Scene
@@ -91,7 +91,9 @@ def tune(
     if found.interrupted and "interrupted" in found.interrupted:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)
-    bench = Bench(found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name))
+    bench = Bench(
+        found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name)
+    )
     points = _refined(bench, list(found.points), demand)
     report("verifying on a fresh run")
     return Tuned(*_verified(bench, points, demand, found), measurement=found)
@@ -104,7 +106,7 @@ def _refined(bench: Bench, points: list[Point], demand: Demand) -> list[Point]:
         middle = None if pick is None else _towards(bench, pick, points, demand)
         if middle is None:
             return points
-        points = [*points, point_of(bench, middle)]
+        points = scaled([*points, point_of(bench, middle)])
     return points
 
 
@@ -133,7 +135,7 @@ def _verified(
         pick = demand.pick(points)
         if pick is None:
             break
-        fresh = point_of(again, pick.settings)
+        fresh = scaled([*points, point_of(again, pick.settings)])[-1]
         if demand.is_met(fresh):
             return fresh, applied(found.subject.scene.run, pick.settings)
         points = [point for point in points if point.settings != pick.settings]
@@ -143,7 +145,9 @@ def _verified(
 def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
     known = front(found.points)
     if not known:
-        return ModelgenError("tune", "no setting runs this scene to its end", "", "look at `modelgen simulate`")
+        return ModelgenError(
+            "tune", "no setting runs this scene to its end", "", "look at `modelgen simulate`"
+        )
     if demand.error is not None:
         cost, error = place(known[-1])
         return ModelgenError(
