@@ -54,7 +54,7 @@ KNOBS: tuple[Knob, ...] = (
     Knob(
         "tolerance",
         "local error of a step",
-        lambda f: [float(f"1e-{k}") for k in range(2, 16)],
+        lambda f: [float(f"1e-{k}") for k in range(2, 18)],
         lambda f, s: s["method"] == "dop853",
         ladder=True,
     ),
@@ -113,6 +113,14 @@ class Space:
             for knob in self.knobs:
                 if knob.ladder and knob.name in start:
                     yield [self.settled(start | {knob.name: value}) for value in knob.values(self.facts)]
+
+    def below(self, settings: Settings) -> list[dict[str, Value]]:
+        """The settings that are finer on their ladder and the same otherwise, from coarse to fine."""
+        (ladder,) = (knob for knob in self.knobs if knob.ladder and knob.name in settings)
+        rungs = list(self.values(ladder))
+        here = settings[ladder.name]
+        finer = rungs[rungs.index(here) + 1 :] if here in rungs else []
+        return [{**settings, ladder.name: value} for value in finer]
 
     def alternatives(self) -> Iterator[tuple[str, Value]]:
         """Each value of each knob that is no ladder and not the method, but the first."""

@@ -93,8 +93,9 @@ def measure(
     Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name.
     """
     expect("measure", scene, Scene)
-    chosen = _known("knobs", knobs, [knob.name for knob in KNOBS])
     peers = [PEERS[name] for name in _known("against", against, list(PEERS)) or ()]
+    turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
+    chosen = _known("knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
     points: list[Point] = []

@@ -32,7 +32,7 @@ HARD = "0.9999 0.9999 0.001 0.5 2"  # solimp of a contact that hardly gives
 
 
 def _steps(facts: Facts) -> list[float]:
-    return [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6]
+    return [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5]
 
 
 KNOBS: tuple[Knob, ...] = (

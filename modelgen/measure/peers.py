@@ -11,9 +11,10 @@ from modelgen.measure.knobs import Knob, Settings, Space
 from modelgen.measure.motion import Motion
 from modelgen.measure.mujoco import KNOBS as MUJOCO
 from modelgen.measure.mujoco import MujocoScene
-from modelgen.measure.program import PATIENCE_S, Bench
+from modelgen.measure.program import Bench
 from modelgen.measure.search import sweep
 
+SLOW = 1.0  # s of CPU time per simulated second; a ladder goes no further than the first that takes longer
 Run = Callable[[Settings], tuple[Motion | None, float, str]]  # motion, CPU seconds, why there is none
 
 
@@ -67,13 +68,13 @@ def peer_points(
         key = bench.subject.key(bench.plain, what)
         return Point(**bench.recall(key, lambda: _judged(bench, theirs.run, settings).as_json()))
 
-    for point in sweep(Space(peer.knobs, bench.space.facts), evaluate, left):
+    for point in sweep(Space(peer.knobs, bench.space.facts, bench.space.free), evaluate, left):
         into.points.append(point)
 
 
 def _judged(bench: Bench, run: Run, settings: Settings) -> Point:
     motion, seconds, remark = run(settings)
-    costs = {"noise": None, "too_long": seconds > PATIENCE_S}
+    costs = {"noise": None, "too_long": seconds > SLOW * bench.subject.until}
     if motion is None:
         return Point(settings, None, None, costs=costs, remark=remark)
     error, parts = bench.judged(motion)

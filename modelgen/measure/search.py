@@ -9,7 +9,7 @@ from modelgen.measure.front import Point, front, improves, is_measured, place
 from modelgen.measure.knobs import Settings, Space
 
 ROUNDS = 3  # in which combinations of knobs are built up
-IDLE = 4  # rungs without a smaller error before a ladder ends
+IDLE = 3  # rungs without a smaller error before a ladder ends
 
 
 class Evaluate(Protocol):
@@ -27,15 +27,23 @@ def sweep(space: Space, evaluate: Evaluate, left: Left) -> Iterator[Point]:
             points.append(point)
             yield point
     for _ in range(ROUNDS):
-        before = len(points)
-        found = False
+        known = front(points)
         for name, value in space.alternatives():
             for point in _turn(space, points, name, value, evaluate, left):
-                found = found or improves(front(points), point)
                 points.append(point)
                 yield point
-        if not found or len(points) == before or not left():
+            for point in _descend(_further(space, points), evaluate, left):
+                points.append(point)
+                yield point
+        if not left() or not any(improves(known, point) for point in front(points)):
             return
+
+
+def _further(space: Space, points: Sequence[Point]) -> list[Settings]:
+    """The rungs below the most accurate point, on its ladder, that were not tried."""
+    known = front(points)
+    seen = [dict(point.settings) for point in points]
+    return [rung for rung in space.below(known[-1].settings) if rung not in seen] if known else []
 
 
 def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Iterator[Point]:

@@ -26,6 +26,8 @@ from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
 
+FORMAT = 1  # of what is remembered; another one makes the old unknown
+
 
 @dataclass(frozen=True, slots=True)
 class Built:
@@ -91,7 +93,7 @@ class Subject:
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""
         sentence = {k: v for k, v in library.manifest.sentence.items() if k not in ("run", "source")}
-        parts = [sentence, library.record.hash, self.until, self.samples, self.scene.run.accuracy, what]
+        parts = [FORMAT, sentence, library.record.hash, self.until, self.samples, self.scene.run.accuracy, what]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
     def bodies(self, library: Library) -> Bodies:
