@@ -25,6 +25,19 @@ Knobs = Annotated[
 Limit = Annotated[
     str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
 ]
+Against = Annotated[str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")]
+AllowedError = Annotated[
+    str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
+]
+Budget = Annotated[
+    str | None,
+    typer.Option(help="CPU time per simulated second that is allowed, such as 20us", metavar="TIME"),
+]
+OutScene = Annotated[
+    Path | None, typer.Option(help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE")
+]
+InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")]
 
 
 @app.command()
@@ -34,11 +47,9 @@ def measure(
     until: Until = None,
     samples: Samples = None,
     knobs: Knobs = None,
-    against: Annotated[
-        str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")
-    ] = None,
+    against: Against = None,
     limit: Limit = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")] = False,
+    fresh: Fresh = False,
     plot: OutPicture = None,
     as_json: AsJson = False,
 ) -> None:
@@ -72,21 +83,13 @@ def measure(
 @guarded
 def tune(
     scene: SceneFile,
-    error: Annotated[
-        str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
-    ] = None,
-    budget: Annotated[
-        str | None,
-        typer.Option(help="CPU time per simulated second that is allowed, such as 20us", metavar="TIME"),
-    ] = None,
+    error: AllowedError = None,
+    budget: Budget = None,
     until: Until = None,
     knobs: Knobs = None,
     limit: Limit = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE"),
-    ] = None,
-    in_place: Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")] = False,
+    out: OutScene = None,
+    in_place: InPlace = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""

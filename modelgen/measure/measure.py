@@ -101,14 +101,22 @@ def measure(
     points: list[Point] = []
     others: list[PeerPoints] = []
     stopped = _sweep_all(bench, points, peers, others, limit, on_progress or (lambda text: None))
+    return _measurement(bench, facts, points, others, stopped)
+
+
+def _measurement(
+    bench: Bench, reference: dict[str, Any], points: list[Point], peers: list[PeerPoints], stopped: str
+) -> Measurement:
+    space = bench.space
+    turned = [knob for knob in space.knobs if _turns(bench, knob.name)]
     return Measurement(
         subject=bench.subject,
-        knobs={k.name: list(bench.space.values(k)) for k in bench.space.knobs if _turns(bench, k.name)},
-        left_out={k.name: k.trades for k in KNOBS if not _turns(bench, k.name)},
-        reference=facts,
+        knobs={knob.name: list(space.values(knob)) for knob in turned},
+        left_out={knob.name: knob.trades for knob in KNOBS if knob not in turned},
+        reference=reference,
         length=bench.plain.manifest.sentence["scales"]["length"],
         points=scaled(points),
-        peers=others,
+        peers=peers,
         interrupted=stopped,
         reused=bench.reused,
     )

@@ -93,7 +93,8 @@ class Subject:
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""
         sentence = {k: v for k, v in library.manifest.sentence.items() if k not in ("run", "source")}
-        parts = [FORMAT, sentence, library.record.hash, self.until, self.samples, self.scene.run.accuracy, what]
+        span = [self.until, self.samples, self.scene.run.accuracy]
+        parts = [FORMAT, sentence, library.record.hash, span, what]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
     def bodies(self, library: Library) -> Bodies:
