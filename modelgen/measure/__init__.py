@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from modelgen.measure.measure import Measurement, measure
-from modelgen.measure.tune import Tuned, tune
+from modelgen.measure.measurement import Measurement, measure
+from modelgen.measure.tuning import Tuned, tune
 
 __all__ = ["Measurement", "Tuned", "measure", "tune"]

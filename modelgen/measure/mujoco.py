@@ -44,7 +44,7 @@ KNOBS: tuple[Knob, ...] = (
         lambda f: ("tied", "default"),
         lambda f, s: f.contacts,
     ),
-    Knob("solver", "tolerance of its solver", lambda f: (1e-8, 1e-12, 0.0), lambda f, s: f.contacts),
+    Knob("solver", "tolerance of its solver", lambda f: (1e-8, 1e-12), lambda f, s: f.contacts),
     Knob("collider", "tolerance of its convex collider", lambda f: (1e-6, 1e-12), lambda f, s: f.contacts),
 )
 

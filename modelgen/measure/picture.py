@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.measure.front import Point, is_measured, place
-from modelgen.measure.measure import Measurement
+from modelgen.measure.measurement import Measurement
 from modelgen.report.export import check_suffix
 from modelgen.report.plot import FORMATS, require_matplotlib
 

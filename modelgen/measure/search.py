@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from modelgen.measure.front import Point, front, improves, is_measured, place
-from modelgen.measure.knobs import Settings, Space
+from modelgen.measure.knobs import Settings, Space, Value
 
 ROUNDS = 3  # in which combinations of knobs are built up
 IDLE = 3  # rungs without a smaller error before a ladder ends
@@ -62,12 +62,17 @@ def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Itera
 
 
 def _turn(
-    space: Space, points: Sequence[Point], name: str, value: object, evaluate: Evaluate, left: Left
+    space: Space, points: Sequence[Point], name: str, value: Value, evaluate: Evaluate, left: Left
 ) -> Iterator[Point]:
-    """One knob turned at three places of the front, and at all of them if that improved one."""
+    """One knob turned at three places of the front, and at all of them if that improved one.
+
+    The last place is a rung below the most accurate point: where a knob lowers the floor, it shows there.
+    """
     known = front(points)
     seen = [dict(point.settings) for point in points]
-    turned = [space.with_value(point.settings, name, value) for point in known]  # type: ignore[arg-type]
+    places = [point.settings for point in known]
+    places += space.below(places[-1])[:1] if places else []
+    turned = [space.with_value(settings, name, value) for settings in places]
     fresh = [settings for settings in turned if settings is not None and settings not in seen]
     scouts = {0, len(fresh) // 2, len(fresh) - 1}
     helped = False

@@ -9,9 +9,9 @@ from rich.console import Console
 from rich.text import Text
 
 from modelgen.measure.front import Point, spaced
-from modelgen.measure.measure import Measurement
+from modelgen.measure.measurement import Measurement
 from modelgen.measure.peers import PeerPoints
-from modelgen.measure.tune import Tuned
+from modelgen.measure.tuning import Tuned
 
 STEP = 1.5  # of the error between two rows; `--json` has all
 KINDS = {  # of errors, with the heads of their columns

@@ -11,7 +11,7 @@ from typing import Any
 from modelgen.errors import ModelgenError
 from modelgen.measure.front import Point, cheapest, finest, front, is_measured, place
 from modelgen.measure.knobs import Settings
-from modelgen.measure.measure import Measurement, Report, measure
+from modelgen.measure.measurement import Measurement, Report, measure
 from modelgen.measure.program import Bench, point_of, scaled
 from modelgen.measure.store import Store
 from modelgen.measure.subject import applied
