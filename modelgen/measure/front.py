@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
+from math import log10
 from typing import Any
 
 from modelgen.measure.knobs import Settings
@@ -82,3 +83,25 @@ def finest(points: Iterable[Point], budget: float) -> Point | None:
     """The most accurate point within a budget, ns per simulated second."""
     fitting = [point for point in front(points) if place(point)[0] <= budget]
     return max(fitting, key=place, default=None)
+
+
+def advantage(ours: Sequence[Point], theirs: Sequence[Point], budget: float) -> dict[str, float] | None:
+    """Our front against theirs, at the best error that they reach within a budget, ns per simulated second.
+
+    `cheaper`: their cost there over ours at no more error; `digits`: the decimals by which we err less at no
+    more than their cost. None where either has no point for it.
+    """
+    best = finest(theirs, budget)
+    if best is None:
+        return None
+    cost, error = place(best)
+    equal, finer = cheapest(ours, error), finest(ours, cost)
+    if equal is None or finer is None:
+        return None
+    return {
+        "error": error,
+        "their_cost_ns_per_s": cost,
+        "our_cost_ns_per_s": place(equal)[0],
+        "cheaper": cost / place(equal)[0],
+        "digits": log10(error / place(finer)[1]),
+    }

@@ -54,7 +54,7 @@ class Measurement:
             "noise": self.noise,
             "front": [point.as_json() for point in self.front],
             "points": [point.as_json() for point in self.points],
-            "peers": {peer.name: peer.as_json() for peer in self.peers},
+            "peers": {peer.name: peer.as_json(self.points) for peer in self.peers},
             "interrupted": self.interrupted,
             "reused": self.reused,
         }

@@ -63,7 +63,7 @@ class MujocoScene:
         version = _module().__version__
         scene = bench.subject.scene
         differs = ["its contacts give way: a penetration carries the force"] if scene.contacts else []
-        return cls(_cannot(scene), differs, version, bench)
+        return cls(unlike(scene), differs, version, bench)
 
     def run(self, settings: Settings) -> tuple[Motion | None, float, str]:
         """The motion, CPU seconds of the least of some runs, and why there is no motion."""
@@ -107,7 +107,7 @@ class MujocoScene:
     def _text(self, settings: Settings, dt: float) -> str:
         """The scene as MJCF."""
         scene, sentence = self.bench.subject.scene, self.bench.plain.manifest.sentence
-        tied = settings.get("contact") == "tied"
+        tied = settings.get("contact", "tied") == "tied"
         contact = f'solref="{2 * dt!r} 1" solimp="{HARD}"' if tied else ""
         bodies = "".join(
             _body(k, body, entry)
@@ -171,7 +171,7 @@ def _size(shape: Shape) -> list[float]:
     return [share * value for share, value in zip(shares, values[: len(names)], strict=True)]
 
 
-def _cannot(scene: Scene) -> list[str]:
+def unlike(scene: Scene) -> list[str]:
     """Sentences: what of a scene MuJoCo has no like of, or this export does not write."""
     found = [f"body {body.name!r} is driven along a path" for body in scene.bodies if body.motion == "driven"]
     touching = {partner for pair in scene.contacts for partner in pair.between}

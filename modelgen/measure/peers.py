@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from modelgen.measure.front import Point, front
+from modelgen.measure.front import Point, advantage, front
 from modelgen.measure.knobs import Knob, Settings, Space
 from modelgen.measure.motion import Motion
 from modelgen.measure.mujoco import KNOBS as MUJOCO
@@ -40,10 +40,15 @@ class PeerPoints:
     def front(self) -> list[Point]:
         return front(self.points)
 
-    def as_json(self) -> dict[str, Any]:
+    def advantage(self, ours: Sequence[Point]) -> dict[str, float] | None:
+        """Of our points over the peer's best within SLOW."""
+        return advantage(ours, self.points, SLOW * 1e9)
+
+    def as_json(self, ours: Sequence[Point]) -> dict[str, Any]:
         return {
             "cannot": self.cannot,
             "differs": self.differs,
+            "advantage": self.advantage(ours),
             "front": [point.as_json() for point in self.front],
             "points": [point.as_json() for point in self.points],
         }

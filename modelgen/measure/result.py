@@ -62,6 +62,12 @@ _PEER = _object(
     {
         "cannot": _TEXTS | {"description": "what of the scene it cannot represent; then it has no points"},
         "differs": _TEXTS | {"description": "what it represents otherwise"},
+        "advantage": _entry(
+            ["object", "null"],
+            "at its best error within 1 s of CPU time per simulated second: both costs, how many times "
+            "cheaper the scene runs here at no more error, the digits gained at no more cost; null: "
+            "no such point",
+        ),
         "front": _POINTS,
         "points": _POINTS,
     },

@@ -38,7 +38,7 @@ def print_measurement(found: Measurement, console: Console) -> None:
     )
     _print_front(found.subject.scene.name, found.front, found.knobs, console)
     for peer in found.peers:
-        _print_peer(peer, console)
+        _print_peer(peer, found, console)
     if found.interrupted:
         console.print(found.interrupted, markup=False)
 
@@ -97,13 +97,19 @@ def settings_text(point: Point, knobs: dict[str, list[Any]]) -> str:
     return ", ".join(turned)
 
 
-def _print_peer(peer: PeerPoints, console: Console) -> None:
+def _print_peer(peer: PeerPoints, found: Measurement, console: Console) -> None:
     if peer.cannot:
         console.print(f"{peer.name} cannot represent this scene: {'; '.join(peer.cannot)}", soft_wrap=True)
         return
     first = {name: [value] for point in reversed(peer.points) for name, value in point.settings.items()}
-    title = "; ".join([peer.name, *peer.differs])
-    _print_front(title, peer.front, first, console)
+    _print_front("; ".join([peer.name, *peer.differs]), peer.front, first, console)
+    facts = peer.advantage(found.points)
+    if facts:
+        console.print(
+            f"at the best error of {peer.name} within 1 s per simulated second, {facts['error']:.1e}: "
+            f"{facts['cheaper']:.3g} times cheaper here; {facts['digits']:.1f} more digits at its cost",
+            soft_wrap=True,
+        )
 
 
 def print_tuned(tuned: Tuned, console: Console) -> None:
