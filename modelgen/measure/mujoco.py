@@ -45,7 +45,8 @@ KNOBS: tuple[Knob, ...] = (
         lambda f, s: f.contacts,
     ),
     Knob("solver", "tolerance of its solver", lambda f: (1e-8, 1e-12), lambda f, s: f.contacts),
-    Knob("collider", "tolerance of its convex collider", lambda f: (1e-6, 1e-12), lambda f, s: f.contacts),
+    Knob("collider", "its convex collider", lambda f: ("native", "libccd"), lambda f, s: f.contacts),
+    Knob("ccd", "tolerance of the collider", lambda f: (1e-6, 1e-12), lambda f, s: f.contacts),
 )
 
 
@@ -119,11 +120,19 @@ class MujocoScene:
             for a, b in (pair.between for pair in scene.contacts)
         )
         return (
-            f'<mujoco><option integrator="{settings["integrator"]}" timestep="{dt!r}" '
-            f'gravity="{_words(scene.gravity)}" cone="elliptic" tolerance="{settings.get("solver", 1e-8)}" '
-            f'ccd_tolerance="{settings.get("collider", 1e-6)}" ccd_iterations="200" iterations="200"/>'
-            f"<worldbody>{bodies}</worldbody><contact>{pairs}</contact></mujoco>"
+            f"<mujoco>{_option(settings, dt, scene)}<worldbody>{bodies}</worldbody>"
+            f"<contact>{pairs}</contact></mujoco>"
         )
+
+
+def _option(settings: Settings, dt: float, scene: Scene) -> str:
+    native = "enable" if settings.get("collider", "native") == "native" else "disable"
+    return (
+        f'<option integrator="{settings["integrator"]}" timestep="{dt!r}" gravity="{_words(scene.gravity)}" '
+        f'cone="elliptic" tolerance="{settings.get("solver", 1e-8)}" iterations="200" '
+        f'ccd_tolerance="{settings.get("ccd", 1e-6)}" ccd_iterations="200">'
+        f'<flag nativeccd="{native}"/></option>'
+    )
 
 
 def _module() -> Any:

@@ -72,7 +72,7 @@ def test_an_ellipsoid_on_a_plane_rocks_the_same_way(tmp_path: Path) -> None:
     ("name", "words"),
     [
         ("linked_rings", ["shape hook/circle is a circle", "shape ring/circle is a circle"]),
-        ("ellipsoid_in_cavity", ["shape bowl/ellipsoid is a cavity"]),
+        ("ellipsoid_in_cavity", ["shape cave/ellipsoid is a cavity"]),
         ("bouncing_ball", ["contact 0 has a restitution"]),
         ("ellipsoid_on_ellipsoid", []),
     ],
