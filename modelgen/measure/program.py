@@ -9,7 +9,7 @@ from typing import Any
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.measure.cost import YARD, core_time, cost_of
+from modelgen.measure.cost import YARD, cost_of
 from modelgen.measure.errors import errors, separation
 from modelgen.measure.front import Point
 from modelgen.measure.knobs import Settings, Space
@@ -18,6 +18,7 @@ from modelgen.measure.reference import Reference, reference_of
 from modelgen.measure.store import Store
 from modelgen.measure.subject import Subject
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.timing import core_time
 
 PATIENCE_S = 5.0  # of CPU time for one run; a ladder goes no further than the first that takes longer
 LATE = 1e-9  # s, relative: a run that comes as far as the reference has come to its end

@@ -38,7 +38,7 @@ _POINT = _object(
         "costs": _entry(
             "object",
             "noise (spread of repeats, relative), yard_s (the yardstick beside it), steps, rhs_evals, "
-            "binary_bytes, compile_s (null: compiled before), instructions per simulated second if counted",
+            "binary_bytes, compile_s (null: compiled before)",
         ),
         "remark": _entry("string", "why there is no error, or empty"),
     },
