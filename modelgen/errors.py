@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from os import PathLike
 
@@ -61,9 +61,37 @@ class SimulationError(ModelgenError):
     """A run cannot start or cannot go on."""
 
 
+SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, joints and motions
+    **dict.fromkeys(("cube", "cuboid", "brick", "block", "rectangle"), ("box",)),
+    **dict.fromkeys(("ball", "globe"), ("sphere", "spherical")),
+    **dict.fromkeys(("can", "coin", "puck", "tin", "wheel"), ("disc",)),
+    **dict.fromkeys(("pill", "sausage"), ("capsule",)),
+    **dict.fromkeys(("ring", "donut", "doughnut", "tyre", "tire"), ("torus",)),
+    **dict.fromkeys(("floor", "ground", "wall", "halfspace", "half_space"), ("plane",)),
+    **dict.fromkeys(("mesh", "hull", "tetrahedron", "pyramid"), ("polyhedron",)),
+    **dict.fromkeys(("prism"), ("extrusion",)),
+    **dict.fromkeys(("terrain", "heightfield", "heightmap"), ("height_field",)),
+    **dict.fromkeys(("egg", "spheroid"), ("ellipsoid",)),
+    **dict.fromkeys(("spring", "coil"), ("helix",)),
+    **dict.fromkeys(("wire", "spline"), ("curve", "bspline_curve")),
+    **dict.fromkeys(("hinge", "pin", "pivot"), ("revolute",)),
+    **dict.fromkeys(("slider", "slide", "rail"), ("prismatic",)),
+    **dict.fromkeys(("ball_joint", "socket"), ("spherical",)),
+    **dict.fromkeys(("cardan", "hooke"), ("universal",)),
+    **dict.fromkeys(("rigid", "lock"), ("weld",)),
+    **dict.fromkeys(("cable", "string", "tether"), ("rope",)),
+    **dict.fromkeys(("static", "rest"), ("fixed",)),
+    **dict.fromkeys(("kinematic", "moving", "prescribed"), ("driven",)),
+    **dict.fromkeys(("free"), ("dynamic",)),
+}
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
-    """`did you mean 'x'?` for the known name closest to `name`, or an empty text."""
-    close = get_close_matches(name, list(known), n=1, cutoff=0.6)
+    """`did you mean 'x'?` for the known name that means the same as `name` or is closest to it, or an empty
+    text."""
+    names = list(known)
+    meant = [word for word in SYNONYMS.get(name.lower(), ()) if word in names]
+    close = meant or get_close_matches(name, names, n=1, cutoff=0.6)
     return f"did you mean {close[0]!r}?" if close else ""
 
 

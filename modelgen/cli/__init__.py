@@ -1,12 +1,20 @@
 """The command line: the verbs of the street, and what they print.
 
 Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad input (nothing is written);
-130 interrupted (what was computed is written).
+130 interrupted (what was computed is written; nothing where nothing was).
 """
 
-from modelgen.cli import measuring as _measuring  # noqa: F401  its verbs join the others
-from modelgen.cli.commands import app
+import sys
+
+INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
 
 def main() -> None:
-    app()
+    """Ctrl-C ends without a traceback while the verbs load, too."""
+    try:
+        from modelgen.cli.commands import app
+
+        app()
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(INTERRUPTED)

@@ -12,7 +12,6 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 import modelgen
-from modelgen.cli.commands import app
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
 from modelgen.cli.output import INTERRUPTED, check_outputs, guarded, print_facts
 from modelgen.errors import ModelgenError
@@ -40,7 +39,6 @@ OutScene = Annotated[
 InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")]
 
 
-@app.command()
 @guarded
 def measure(
     scene: SceneFile,
@@ -79,7 +77,6 @@ def measure(
         raise typer.Exit(INTERRUPTED)
 
 
-@app.command()
 @guarded
 def tune(
     scene: SceneFile,

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 import typer
 
+from modelgen.cli import INTERRUPTED
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.runtime.trajectory import Trajectory
 
-FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+FAILED, REFUSED = 1, 2
 
 P = ParamSpec("P")
 
@@ -34,7 +35,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         except OSError as error:
             message, code = f"{error.filename}: {error.strerror}", REFUSED
         except KeyboardInterrupt:
-            message, code = "interrupted before anything was computed", INTERRUPTED
+            message, code = "interrupted", INTERRUPTED
         else:
             return
         typer.echo(message, err=True)
@@ -99,5 +100,7 @@ def exit_with(trajectory: Trajectory) -> None:
     if outcome.succeeded:
         return
     place = f" ({trajectory.outcome_contact})" if trajectory.outcome_contact else ""
-    typer.echo(f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}", err=True)
+    last = "; the last sample is the state then" if trajectory.reaches_its_end else ""
+    message = f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}{last}"
+    typer.echo(message, err=True)
     raise typer.Exit(INTERRUPTED if outcome.name == "INTERRUPTED" else FAILED)

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
+from modelgen.codegen.faces import face_table, patch_table
 from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
@@ -42,6 +43,7 @@ _INERTIA_NAMES = {
     "diagonal": ("Ixx", "Iyy", "Izz"),
     "full": ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"),
 }
+_SPRING_NAMES = ("stiffness", "damping", "rest")
 _POSE_NAMES = ("p_x", "p_y", "p_z", *(f"R_{i}{j}" for j in "xyz" for i in "xyz"))
 
 
@@ -114,7 +116,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
 
 def _load_size(kind: LoadKind) -> int:
     if kind.joint:
-        return len(_joint_parameters(kind.joint)) + 3
+        return len(parameters_of_joint(kind))
     return 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0)
 
 
@@ -126,17 +128,27 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
         "rows": row_count(kind),
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
-        "parameters": _joint_parameters(kind.kind),
+        "parameters": parameters_of_joint(kind),
     }
 
 
 def _limit_kind(kind: LimitKind) -> dict[str, Any]:
-    return asdict(kind) | {"parameters": [*_joint_parameters(kind.kind), "bound"]}
+    named = {key: value for key, value in asdict(kind).items() if key != "coordinate"}
+    further = {"coordinate": kind.coordinate} if kind.coordinate else {}
+    return {**named, **further, "parameters": parameters_of_joint(kind)}
 
 
 def _joint_parameters(kind: str) -> list[str]:
     placements = (f"{side}.{name}" for side in "ab" for name in _POSE_NAMES)
     return [*placements, "length", *FORMS_OF_JOINTS[kind].numbers]
+
+
+def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
+    """Of the kernels of a kind of joint, of its limits or of its springs, in order."""
+    if isinstance(kind, LoadKind):
+        return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
+    bound = ["bound"] if isinstance(kind, LimitKind) else []
+    return [*_joint_parameters(kind.kind), *bound]
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
@@ -178,6 +190,8 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "pairs": [_pair(entry) for entry in model.pairs],
         "links": [_link(model, entry) for entry in model.links],
         "contacts": [asdict(entry) for entry in model.contacts],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -200,8 +214,7 @@ def sentence_of(model: Model) -> dict[str, Any]:
 
 def _run(run: RunSettings) -> dict[str, Any]:
     """The settings of a run; of what may be left open, only what the scene says."""
-    always = ("until", "accuracy", "tolerance", "samples")
-    return {key: value for key, value in asdict(run).items() if key in always or value is not None}
+    return {key: value for key, value in asdict(run).items() if key == "tolerance" or value is not None}
 
 
 def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:

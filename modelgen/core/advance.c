@@ -22,7 +22,9 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
-      if (c->set->method == MG_DOP853 && (next > run->h || *h >= run->h || most < 6)) run->h = next;
+      if (c->set->method == MG_RK4) return MG_DONE;
+      if (mg_starts_rolling(c)) run->h = c->pace;
+      else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
     run->rejected++;
@@ -36,7 +38,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
 
 static int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && c->run->margin[i] < c->set->margin_refuse) {
+    if (mg_is_singular(c, i)) {
       c->run->failed_contact = i;
       mg_befalls(c, events, i, MG_ENDS_RUN, c->run->t, 0);
       return MG_MARGIN;
@@ -52,7 +54,7 @@ static int mg_settle_end(mg_context *c, mg_real h) {
   mg_normalise(c, c->settled);
   int sound = mg_place_all(c, run->t + h, c->settled);
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (run->closed[i] && !(run->margin[i] >= c->set->margin_refuse)) sound = 0;
+    if (mg_is_singular(c, i)) sound = 0;
   return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
 }
 
@@ -60,6 +62,7 @@ static void mg_commit(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
   c->run->t += h;
   c->run->steps++;
+  mg_grow_up(c);
 }
 
 static int mg_settle_drift(mg_context *c) {
@@ -87,7 +90,7 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real reach = mg_reach(c);
-  const mg_real sight = mg_sight(c), longest = sight < reach ? sight : reach;
+  const mg_real sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), longest = sight < reach ? sight : reach;
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
   c->left.count = 0;
   mg_mark_falling(c);

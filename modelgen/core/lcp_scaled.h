@@ -57,6 +57,8 @@ static int mg_active_above(int n, const mg_real *A, const mg_real *b, const int 
                            mg_real *work, int *iwork);
 
 /* lcp_basis.c */
+static mg_real mg_lu(int k, mg_real *U, int *swap);
+static void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
 static void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column);
 static mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                               mg_real *work, int *iwork);

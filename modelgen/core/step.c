@@ -6,6 +6,7 @@ static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4
 /* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   c->suspect = 0;
+  if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
   if (c->set->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
   return 0;
@@ -19,6 +20,7 @@ static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
 
 static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->n_x;
+  if (mg_starts_rolling(c)) return; /* collocation has made it */
   if (c->set->method == MG_DOP853) {
     mg_dop853_dense(c, t, x, h);
     return;
@@ -43,6 +45,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 static void mg_watch(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  if (mg_any_patch_ends(c)) c->suspect = 1;
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
 }

@@ -16,6 +16,8 @@ static const struct {
     [MG_APPEARS] = {0, MG_EVENT_APPEAR},
     [MG_WALKS_ON] = {MG_STAYS, MG_EVENT_WALK},
     [MG_VANISHES] = {0, MG_EVENT_VANISH},
+    [MG_RESTS] = {MG_STAYS, MG_EVENT_FLAT},
+    [MG_TURNS_OVER] = {MG_STAYS, MG_EVENT_TIP},
     [MG_ENDS_RUN] = {MG_STAYS, MG_EVENT_MARGIN},
 };
 
@@ -29,6 +31,6 @@ static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind,
 static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_STAYS && closed != c->run->closed[contact])
-    c->run->closed[contact] = closed, c->run->active[contact] = 0;
+    c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;
   if (event != MG_SILENT) mg_emit(c, events, t, event, contact, speed);
 }

@@ -14,7 +14,17 @@ from modelgen.evidence.contacts import moving_inputs, sample
 from modelgen.evidence.features import feature_of
 from modelgen.evidence.numbers import value_of
 from modelgen.evidence.symbolic import Line, component
-from modelgen.evidence.verify import OF_BODIES, OF_CONTACTS, OF_SEARCH, OF_SHAPES, lengths_of, partnership_of
+from modelgen.evidence.verify import (
+    OF_BODIES,
+    OF_CONTACTS,
+    OF_SEARCH,
+    OF_SHAPES,
+    drawn_joints,
+    is_of_joint,
+    lengths_of,
+    partnership_of,
+)
+from modelgen.model import Model
 
 Numbers = Mapping[str, Sequence[float]]
 
@@ -50,6 +60,8 @@ def _random(
     formula: Formula, derivation: Derivation, seed: int, random: np.random.Generator
 ) -> dict[str, Any]:
     model, role = derivation.model, formula.role
+    if is_of_joint(formula, model):
+        return _of_joint(formula, model, seed)
     if role in OF_CONTACTS or role in OF_SEARCH:
         drawn = sample(partnership_of(model, formula.kind), 1, seed)
         if not drawn.n:
@@ -82,6 +94,16 @@ def _random(
         "pose_b": pose + 0.1 * random.normal(size=12),
         "parameters": load.parameters,
     }
+
+
+def _of_joint(formula: Formula, model: Model, seed: int) -> dict[str, Any]:
+    """Two bodies put together as the joint wants, moving at random."""
+    (at,) = drawn_joints(formula, model, 1, seed)
+    pose_a, twist_a, _, twist_b = at.moving
+    known: dict[str, Any] = {"t": [at.t], "parameters": at.parameters, "eta": at.coordinates}
+    for a, b in (("a", "b"), ("o", "f")):
+        known |= {f"pose_{a}": pose_a, f"twist_{a}": twist_a, f"pose_{b}": at.together, f"twist_{b}": twist_b}
+    return known
 
 
 def substituted(lines: Sequence[Line], inputs: Numbers, names: Mapping[str, Sequence[str]]) -> list[float]:

@@ -225,7 +225,8 @@ def must_be_proved(formula: Formula, model: Model) -> bool:
     if formula.role not in MUST_BE_PROVED:
         return False
     group, applies, _ = MUST_BE_PROVED[formula.role]
-    return bool(applies(getattr(model, group)[formula.kind]))
+    kinds = getattr(model, group)
+    return formula.kind < len(kinds) and bool(applies(kinds[formula.kind]))  # limits follow the contacts
 
 
 def prove(formula: Formula, model: Model) -> list[Finding]:

@@ -10,16 +10,18 @@ from modelgen.evidence.bodies import check_body
 from modelgen.evidence.contacts import check_contact, sample
 from modelgen.evidence.drawing import Partnership, partnership
 from modelgen.evidence.findings import Finding, Status
+from modelgen.evidence.joints import Drawn, check_coordinates, check_limit, check_rows, check_spring, draw
 from modelgen.evidence.loads import check_load
 from modelgen.evidence.proofs import must_be_proved, prove
 from modelgen.evidence.right_hand_side import check_rhs
 from modelgen.evidence.shapes import check_search, check_shape
-from modelgen.model import Model
+from modelgen.model import JointKind, LimitKind, LoadKind, Model
 
 OF_BODIES = ("pose", "motion", "energy", "path")
 OF_SHAPES = ("surface", "curve", "point")
 OF_CONTACTS = ("rates", "place", "angle")
 OF_SEARCH = ("aim", "seek")
+OF_JOINTS = ("rows", "coordinates")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +68,8 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
     if role in OF_SHAPES:
         numbers = lengths_of(model, formula.kind)
         return check_shape(function, model.shape_kinds[formula.kind], numbers, n, seed)
+    if is_of_joint(formula, model):
+        return _of_joint(formula, model, drawn_joints(formula, model, n, seed))
     if role in OF_CONTACTS:
         return check_contact(role, function, sample(partnership_of(model, formula.kind), n, seed))
     if role in OF_SEARCH:
@@ -73,6 +77,49 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
     if role == "wrench":
         return check_load(function, model.load_kinds[formula.kind], n, seed)
     return check_rhs(function, derivation, n, seed)
+
+
+def is_of_joint(formula: Formula, model: Model) -> bool:
+    """Rows and coordinates of joints, their limits, which count among the contacts, and their springs."""
+    if formula.role == "wrench":
+        return bool(model.load_kinds[formula.kind].joint)
+    return formula.role in OF_JOINTS or is_of_limit(formula, model)
+
+
+def is_of_limit(formula: Formula, model: Model) -> bool:
+    """Whether it is of a limit of a joint."""
+    return formula.role in OF_CONTACTS and formula.kind >= len(model.contact_kinds)
+
+
+def joint_kind(formula: Formula, model: Model) -> JointKind | LimitKind | LoadKind:
+    """The kind that a formula of a joint, of a limit or of a spring is of."""
+    if formula.role == "wrench":
+        return model.load_kinds[formula.kind]
+    if is_of_limit(formula, model):
+        return model.limit_kinds[formula.kind - len(model.contact_kinds)]
+    return model.joint_kinds[formula.kind]
+
+
+def drawn_joints(formula: Formula, model: Model, n: int, seed: int) -> list[Drawn]:
+    """Configurations of the first joint of the kind that the formula is of, with its own numbers."""
+    kind = joint_kind(formula, model)
+    if isinstance(kind, LoadKind):
+        load = next(load for load in model.loads if load.kind == formula.kind)
+        return draw(kind.joint, load.parameters, n, seed)
+    entries, first = (
+        (model.limits, len(model.contact_kinds)) if isinstance(kind, LimitKind) else (model.joints, 0)
+    )
+    entry = next(entry for entry in entries if entry.kind == formula.kind - first)
+    return draw(kind.kind, entry.parameters, n, seed)
+
+
+def _of_joint(formula: Formula, model: Model, drawn: list[Drawn]) -> list[Finding]:
+    function, kind = formula.function, joint_kind(formula, model)
+    if isinstance(kind, LoadKind):
+        return check_spring(function, kind, drawn)
+    if isinstance(kind, LimitKind):
+        return check_limit(formula.role, function, kind, drawn)
+    return check_rows(function, kind, drawn) if formula.role == "rows" else check_coordinates(function, drawn)
 
 
 def partnership_of(model: Model, kind: int) -> Partnership:

@@ -12,10 +12,10 @@ from typing import Literal
 
 import casadi as ca
 
-from modelgen.geometry.frames import dot
+from modelgen.geometry.frames import cross, dot
 from modelgen.joint.meeting import Meeting
 
-Measure = Literal["angle", "length"]
+Measure = Literal["angle", "length", "tilt"]  # a tilt: an angle from 0 to pi, in which nothing turns whole
 Value = Callable[[Meeting, ca.SX], ca.SX]  # of the frames and the kind's own numbers
 
 
@@ -32,10 +32,12 @@ class Coordinate:
 class JointForm:
     """One kind of joint. Springs, limits and a given motion act on its first coordinate."""
 
+    keeps: str  # the rows in words: r from the first origin to the second, axes of both, L the length
     rows: Callable[[Meeting, ca.SX], list[ca.SX]]
     coordinates: tuple[Coordinate, ...] = ()
     numbers: tuple[str, ...] = ()  # the kind's own parameters
     given: Callable[[Meeting, ca.SX], ca.SX] | None = None  # the row that holds the coordinate at a value
+    moves: bool = False  # that row takes the place of the others, which hold the coordinate where it is
 
 
 def _together(m: Meeting) -> list[ca.SX]:
@@ -65,6 +67,10 @@ def _lift(m: Meeting, _: ca.SX) -> ca.SX:
 
 def _distance(m: Meeting, _: ca.SX) -> ca.SX:
     return ca.sqrt(dot(m.span, m.span))
+
+
+def _tilt(m: Meeting, _: ca.SX) -> ca.SX:
+    return ca.atan2(ca.norm_2(cross(m.axis("za"), m.axis("zb"))), m.cosine("za", "zb"))
 
 
 def _sine_off(m: Meeting, angle: ca.SX) -> ca.SX:
@@ -103,16 +109,27 @@ _MESH_NUMBERS = (
 
 FORMS: Mapping[str, JointForm] = {
     "revolute": JointForm(
+        "r = 0, L x_a.z_b = L y_a.z_b = 0; angle: from x_a to x_b about z_a",
         lambda m, _: [*_together(m), *_parallel(m)],
         (_TURN,),
         given=lambda m, angle: m.length * _sine_off(m, angle),
     ),
     "prismatic": JointForm(
-        lambda m, _: [*_on_axis(m), *_aligned(m)], (_LIFT,), given=lambda m, lift: m.along("za") - lift
+        "x_a.r = y_a.r = 0, L y_a.z_b = L z_a.x_b = L x_a.y_b = 0; displacement: z_a.r",
+        lambda m, _: [*_on_axis(m), *_aligned(m)],
+        (_LIFT,),
+        given=lambda m, lift: m.along("za") - lift,
     ),
-    "cylindrical": JointForm(lambda m, _: [*_on_axis(m), *_parallel(m)], (_LIFT, _TURN)),
-    "spherical": JointForm(lambda m, _: _together(m)),
+    "cylindrical": JointForm(
+        "x_a.r = y_a.r = 0, L x_a.z_b = L y_a.z_b = 0; displacement: z_a.r, angle: from x_a to x_b about z_a",
+        lambda m, _: [*_on_axis(m), *_parallel(m)],
+        (_LIFT, _TURN),
+    ),
+    "spherical": JointForm(
+        "r = 0; tilt: from z_a to z_b", lambda m, _: _together(m), (Coordinate("tilt", "tilt", _tilt),)
+    ),
     "universal": JointForm(
+        "r = 0, L x_a.y_b = 0; angle_x: from y_a to y_b about x_a, angle_y: from x_a to x_b about y_b",
         lambda m, _: [*_together(m), m.length * m.cosine("xa", "yb")],
         (
             Coordinate("angle_x", "angle", lambda m, _: ca.atan2(m.cosine("za", "yb"), m.cosine("ya", "yb"))),
@@ -120,6 +137,7 @@ FORMS: Mapping[str, JointForm] = {
         ),
     ),
     "planar": JointForm(
+        "z_a.r = 0, L x_a.z_b = L y_a.z_b = 0; x: x_a.r, y: y_a.r, angle: from x_a to x_b about z_a",
         lambda m, _: [m.along("za"), *_parallel(m)],
         (
             Coordinate("x", "length", lambda m, _: m.along("xa")),
@@ -127,18 +145,31 @@ FORMS: Mapping[str, JointForm] = {
             _TURN,
         ),
     ),
-    "weld": JointForm(lambda m, _: [*_together(m), *_aligned(m)]),
+    "weld": JointForm(
+        "r = 0, L y_a.z_b = L z_a.x_b = L x_a.y_b = 0", lambda m, _: [*_together(m), *_aligned(m)]
+    ),
     "screw": JointForm(
+        "x_a.r = y_a.r = 0, L x_a.z_b = L y_a.z_b = 0, lead/(2 pi) sin(angle - 2 pi displacement/lead) = 0; "
+        "displacement: z_a.r, angle: from x_a to x_b about z_a",
         lambda m, numbers: [*_on_axis(m), *_parallel(m), _screw(m, numbers)],
         (_LIFT, _TURN),
         ("lead",),
         given=lambda m, lift: m.along("za") - lift,
     ),
     "distance": JointForm(
+        "|r| - distance = 0; distance: |r|",
         lambda m, numbers: [_distance(m, numbers) - numbers[0]],
         (Coordinate("distance", "length", _distance),),
         ("distance",),
+        given=lambda m, distance: _distance(m, distance) - distance,
+        moves=True,
     ),
-    "rope": JointForm(lambda m, _: [], (Coordinate("distance", "length", _distance),)),
-    "gear": JointForm(lambda m, numbers: [_mesh(m, numbers)], numbers=_MESH_NUMBERS),
+    "rope": JointForm(
+        "nothing; distance: |r|", lambda m, _: [], (Coordinate("distance", "length", _distance),)
+    ),
+    "gear": JointForm(
+        "L sin(n_a turn_a + n_b turn_b)/|(n_a, n_b)| = 0, turns about z_a and z_b since the start",
+        lambda m, numbers: [_mesh(m, numbers)],
+        numbers=_MESH_NUMBERS,
+    ),
 }

@@ -1,7 +1,7 @@
-"""Limits of joints: contacts without shapes, whose gap is how far the first coordinate is from its bound.
+"""Limits of joints: contacts without shapes, whose gap is how far a coordinate is from its bound.
 
 An angle is counted on through whole turns: it is the contact's eta, which the pose corrects within half a
-turn.
+turn. A tilt has no derivative at zero; its gap is that of the cosines, which is as steep at the bound.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ CITATION = "limit of a joint's coordinate as a complementarity condition (2.6)"
 FAR = 1e30  # 1/m: a limit has no singular closest points
 
 
-def coordinate_of(kind: str) -> Coordinate:
-    """The coordinate that limits, springs and given motions of a joint act on."""
-    return FORMS[kind].coordinates[0]
+def coordinate_of(kind: str, index: int = 0) -> Coordinate:
+    """The first coordinate, which springs and given motions of a joint act on, or a later one."""
+    return FORMS[kind].coordinates[index]
 
 
 def is_turn(kind: str) -> bool:
@@ -36,10 +36,14 @@ def limit_kernels(kind: LimitKind) -> tuple[ca.Function, ca.Function]:
     """
     m, numbers, bound = meeting(), numbers_of(kind.kind), ca.SX.sym("bound")
     parameters = parameters_of(m, numbers, bound)
-    value, sign = coordinate_of(kind.kind).value(m, numbers), -1.0 if kind.upper else 1.0
-    eta = ca.SX.sym("eta", 1 if is_turn(kind.kind) else 0)
-    lever = sign * m.length if is_turn(kind.kind) else ca.SX(sign)
-    gap = lever * ((eta if is_turn(kind.kind) else value) - bound)
+    coordinate, sign = coordinate_of(kind.kind, kind.coordinate), -1.0 if kind.upper else 1.0
+    value, lever, at = coordinate.value(m, numbers), ca.SX(sign), bound
+    if coordinate.measure == "angle":
+        lever = sign * m.length
+    elif coordinate.measure == "tilt":
+        value, lever, at = -m.cosine("za", "zb"), sign * m.length / ca.sin(bound), -ca.cos(bound)
+    eta = ca.SX.sym("eta", 1 if coordinate.measure == "angle" else 0)
+    gap = lever * ((eta if eta.numel() else value) - at)
     sides = {"pose_o": m.pose_a, "pose_f": m.pose_b, "eta": eta, "parameters": parameters}
     return (
         _rates(kind, m, value, lever, gap, eta, parameters),
@@ -61,7 +65,7 @@ def _rates(
         "J_f": lever * rate.J_b.T,
         "gamma": lever * rate.gamma,
         "eta_dot": rate.total if eta.numel() else ca.SX(0, 1),
-        "normal": _axis(m, ca.sign(lever)),
+        "normal": _axis(m, ca.SX(-1.0 if kind.upper else 1.0)),
     }
     return kernel(f"mg_{kind.name}_rates", inputs, outputs)
 

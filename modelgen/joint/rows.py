@@ -24,7 +24,7 @@ def parameters_of(m: Meeting, numbers: ca.SX, *more: ca.SX) -> ca.SX:
 def values_of(kind: JointKind, m: Meeting, numbers: ca.SX) -> ca.SX:
     """The rows (k,) m that vanish, that of a given motion last."""
     form = FORMS[kind.kind]
-    rows = form.rows(m, numbers)
+    rows = [] if kind.motion is not None and form.moves else form.rows(m, numbers)
     if kind.motion is not None:
         assert form.given is not None
         rows.append(form.given(m, lower(kind.motion, {"t": m.t})))

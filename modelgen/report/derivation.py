@@ -13,20 +13,20 @@ import sympy as sp
 
 from modelgen.codegen.emit import emit
 from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.sentence import parameters_of_joint
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.contact.slip import with_tangential_rows
 from modelgen.derive import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
 from modelgen.evidence.configuration import inputs_at, substituted
 from modelgen.evidence.symbolic import LONGEST, Line, definition, leading_to
-from modelgen.evidence.verify import claimed, verified
-from modelgen.joint.rows import rows_kernel
+from modelgen.evidence.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
+from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.rows import coordinates_kernel, rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
 from modelgen.report.typeset import symbol_latex
-from modelgen.scene.shapes import SHAPES
-from modelgen.scene.types import Body, ContactPair, Scene, Shape
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,25 @@ GROUPS = {
 }  # of the manifest's kinds, by the role of a formula
 NARROW = 14  # operations in one line of a page
 OF_A_PAIR = ("surface", "curve", "point", "rates", "place", "angle")  # roles that a pair of shapes decides
+OF_JOINTS: Mapping[str, Mapping[str, str]] = {  # what the names of bodies and contacts mean for a joint
+    "parameters": {
+        "meaning": "origin c and rotation Q of both frames, axes of the bodies; the length; the joint's own"
+    }
+}
+_ANGLE = {"meaning": "angle of the joint, whole turns counted", "unit": "rad", "frame": "", "equation": ""}
+OF_A_LIMIT: Mapping[str, Mapping[str, str]] = {  # what the names of a contact mean for a limit of a joint
+    **OF_JOINTS,
+    "eta": _ANGLE,
+    "eta_next": {**_ANGLE, "meaning": "the angle of the poses nearest to eta"},
+    "eta_dot": {**_ANGLE, "meaning": "its rate", "unit": "rad/s"},
+    "d": {"meaning": "how far the coordinate is from its bound, angles times the length", "equation": ""},
+    "gamma": {"meaning": "second derivative of d without accelerations", "equation": "(2.6)"},
+    "normal": {"meaning": "z axis of the first frame, reversed for the upper bound", "equation": ""},
+    "residual": {"meaning": "0, and how far eta was off, rad", "equation": ""},
+    "point_o": {"meaning": "origin of the first frame", "equation": ""},
+    "point_f": {"meaning": "origin of the second frame", "equation": ""},
+}
+OF_A_JOINT = ("rows", "coordinates", "rates", "place", "wrench")
 
 
 def formula_facts(
@@ -109,7 +128,7 @@ def _unknown(name: str, derivation: Derivation) -> ModelgenError:
 
 def _written_out(formula: Formula, model: Model) -> tuple[ca.Function, tuple[str, ...]]:
     """The function that is written, and those of its outputs that are steps on the way to the others."""
-    if formula.role != "rates" or _is_limit(formula, model):
+    if formula.role != "rates" or is_of_limit(formula, model):
         return formula.function, ()
     function = contact_kernels(model.contact_kinds[formula.kind]).steps
     known = formula.function.name_out()
@@ -130,14 +149,15 @@ def _facts(
     kernel_outputs = [port["name"] for port in entry["outputs"]]
     steps = dict.fromkeys(line.output for line in written if line.output not in ("", *kernel_outputs))
     outputs = [port for port in entry["outputs"] if only in (None, port["name"])]
+    own = OF_A_LIMIT if is_of_limit(formula, model) else OF_JOINTS if is_of_joint(formula, model) else {}
     return {
         "name": formula.name,
         "role": formula.role,
         "quantity": only or "",
         "citation": formula.citation,
         "statement": _statement(formula, model),
-        "inputs": [_explained(port) for port in entry["inputs"]],
-        "outputs": [_explained(port) for port in outputs],
+        "inputs": [{**_explained(port), **own.get(port["name"], {})} for port in entry["inputs"]],
+        "outputs": [{**_explained(port), **own.get(port["name"], {})} for port in outputs],
         "steps": [_explained({"name": name, "unit": notation(name).unit}) for name in steps],
         "instructions": formula.instructions,
         "definition": [_line(line, numbers[line], style) for line in written],
@@ -152,7 +172,9 @@ def _explained(port: Mapping[str, Any]) -> dict[str, Any]:
 
 def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
     """Name and value as written, the number, and what the value is made of."""
-    uses = sorted(map(str, line.value.free_symbols))
+    uses = sorted(
+        map(str, line.value.free_symbols), key=lambda name: (name.rstrip("0123456789"), len(name), name)
+    )
     known = {"number": number, "key": str(line.target), "uses": uses}
     if style == "text":
         return {"name": str(line.target), "value": sp.sstr(line.value), **known}
@@ -172,9 +194,11 @@ def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
 
 def _statement(formula: Formula, model: Model) -> str:
     """What a joint or the form of a contact states, in the words of its own docstring."""
-    if formula.role == "rows":
-        return inspect.getdoc(rows_kernel) or ""
-    if formula.role not in ("rates", "place", "angle") or _is_limit(formula, model):
+    if formula.role in ("rows", "coordinates"):
+        kernel = rows_kernel if formula.role == "rows" else coordinates_kernel
+        keeps = FORMS_OF_JOINTS[model.joint_kinds[formula.kind].kind].keeps
+        return f"{keeps}.\n\n{inspect.getdoc(kernel) or ''}"
+    if formula.role not in ("rates", "place", "angle") or is_of_limit(formula, model):
         return ""
     kind = model.contact_kinds[formula.kind]
     form = FORMS[kind.form]
@@ -197,18 +221,22 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
         ]
         loads = sum(len(load.parameters) for load in model.loads)
         return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
-    if _is_limit(formula, model):
-        kind = kinds["limit"][formula.kind - len(model.contact_kinds)]
-    elif formula.role in GROUPS:
-        kind = kinds[GROUPS[formula.role]][formula.kind]
-    else:
+    if is_of_joint(formula, model):
+        rows = formula.function.numel_out("J") // 12 if formula.role == "rows" else 0
+        return {
+            "parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model)))),
+            "J": [f"J_{row + 1}_{side}_{k + 1}" for row in range(rows) for side in "ab" for k in range(6)],
+        }
+    if formula.role not in GROUPS:
         return {}
-    return {"parameters": list(map(_identifier, _listed(kind)))}
+    return {"parameters": list(map(_identifier, _listed(kinds[GROUPS[formula.role]][formula.kind])))}
 
 
-def _is_limit(formula: Formula, model: Model) -> bool:
-    """Whether it is of a limit of a joint, which counts among the contacts."""
-    return formula.role in ("rates", "place") and formula.kind >= len(model.contact_kinds)
+def _of_frames(name: str) -> str:
+    """`a.R_xx` is `Q_a_xx`, `a.p_x` is `c_a_x`: the poses of the bodies have the letters R and p."""
+    side, _, rest = name.partition(".")
+    letter, _, axes = rest.partition("_")
+    return f"{'Q' if letter == 'R' else 'c'}_{side}_{axes}" if rest else name
 
 
 def _listed(kind: Mapping[str, Any]) -> list[str]:
@@ -217,30 +245,3 @@ def _listed(kind: Mapping[str, Any]) -> list[str]:
 
 def _identifier(name: str) -> str:
     return "_".join(reversed(name.split(".")))
-
-
-def kind_scene(kind: str) -> Scene:
-    """A scene with one contact of the kind "shape-shape" or "shape-shape:form", both bodies free.
-
-    The lengths in it are arbitrary: they are parameters of the formulas.
-    """
-    pair, _, form = kind.partition(":")
-    shapes = pair.split("-")
-    if len(shapes) != 2 or not all(shape in SHAPES for shape in shapes):
-        unknown = next((shape for shape in shapes if shape not in SHAPES), kind)
-        allowed = f"a scene file, or SHAPE-SHAPE or SHAPE-SHAPE:FORM with shapes {', '.join(SHAPES)}"
-        raise ModelgenError("inspect", f"no kind {kind!r}", allowed, nearest(unknown, SHAPES))
-    if form and form not in FORMS:
-        raise ModelgenError(
-            "inspect", f"no form {form!r}", f"forms: {', '.join(FORMS)}", nearest(form, FORMS)
-        )
-    bodies = tuple(_sample_body(name, shape) for name, shape in zip("of", shapes, strict=True))
-    between = (("o", "shape"), ("f", "shape"))
-    return Scene(kind, "inspect", bodies, (ContactPair(between, form=form or "auto"),))
-
-
-def _sample_body(name: str, shape: str) -> Body:
-    names = SHAPES[shape].parameters
-    parameters = tuple((parameter, float(len(names) + 1 - i)) for i, parameter in enumerate(names))
-    inertia = ((3.0, 0.0, 0.0), (0.0, 4.0, 0.0), (0.0, 0.0, 5.0))
-    return Body(name, "dynamic", (Shape(shape, parameters),), mass=1.0, inertia=inertia)

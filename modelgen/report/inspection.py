@@ -7,7 +7,8 @@ from typing import Any
 
 from modelgen.derive import Derivation
 from modelgen.report.companion import errata_facts, shape_facts, singularity_facts
-from modelgen.report.derivation import OF_A_PAIR, Format, View, formula_facts, kind_scene
+from modelgen.report.derivation import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
+from modelgen.report.kind_scenes import kind_scene
 from modelgen.report.page import page
 from modelgen.report.typeset import STYLES
 from modelgen.scene.types import Scene
@@ -30,7 +31,7 @@ def inspected(
     seed, given, asked = view
     n = asked or (PAGE if style == "html" else 0)
     derivation = derive(scene or kind_scene(source))
-    roles = () if scene else OF_A_PAIR
+    roles = () if scene else OF_A_JOINT if derivation.model.joints else OF_A_PAIR
     facts = {
         "source": source,
         "formulas": formula_facts(derivation, formula, style, roles, View(seed, given, n)),

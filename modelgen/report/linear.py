@@ -9,37 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from modelgen.codegen.library import Library
 from modelgen.derive import Derivation
 from modelgen.errors import SimulationError, expect
 from modelgen.model import Model, Scales
+from modelgen.report.small_motions import Mode, least_pressing, small_motions
 from modelgen.report.touching import Array, Place, Touching
 
 STEPS = 100  # of Newton's method towards the equilibrium
 FARTHEST = 0.2  # of one step, rad or characteristic lengths
 AT_REST = 1e-11  # acceleration and gaps that remain, dimensionless
 NEUTRAL = 1e-8  # stiffness and damping that are rounding, dimensionless
-
-
-@dataclass(frozen=True, slots=True)
-class Mode:
-    """A small motion exp(growth t) cos(frequency t); neither: the equilibrium may be moved along it."""
-
-    frequency: float  # rad/s
-    growth: float  # 1/s, negative of a motion that dies out
-    shape: Array  # (n,) complex, along u: of each body v in world axes (m), then w in body axes (rad)
-
-    @property
-    def hertz(self) -> float:
-        return self.frequency / (2 * np.pi)
-
-    @property
-    def kind(self) -> str:
-        if self.frequency:
-            return "oscillation"
-        return "neutral" if not self.growth else "growth" if self.growth > 0 else "decay"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +40,7 @@ class Linearised:
     stiffness: Array  # (k, k) 1/s^2
     damping: Array  # (k, k) 1/s
     modes: tuple[Mode, ...]  # by frequency
+    redundant: int  # contacts that touch beyond the rank of their rows; the forces have minimum norm then
 
     @property
     def frequencies(self) -> Array:
@@ -98,9 +80,8 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
         motions=place.motions,
         stiffness=place.stiffness,
         damping=place.damping,
-        modes=tuple(
-            sorted(_modes(place, touching.model.scales), key=lambda mode: (mode.frequency, mode.growth))
-        ),
+        modes=small_motions(place, touching.model.scales.time, NEUTRAL),
+        redundant=len(place.gaps) - len(touching.held),
     )
 
 
@@ -155,10 +136,11 @@ def _turn(quaternion: Array, touching: Touching, kind: int) -> Array:
 
 
 def _forces(place: Place, touching: Touching) -> dict[str, float]:
-    """Of each contact, >= 0: J^T force = -M free. Raises SimulationError if only pulling does."""
+    """Of each contact, >= 0 and of minimum norm: J^T force = -M free. Raises SimulationError if only pulling
+    does."""
     wanted = -place.mass @ place.free
-    force, rest = nnls(place.J.T, wanted) if len(place.gaps) else (np.zeros(0), 0.0)
-    if rest > NEUTRAL * np.linalg.norm(wanted):
+    force = least_pressing(place.J.T, wanted)
+    if len(force) and np.linalg.norm(place.J.T @ force - wanted) > NEUTRAL * np.linalg.norm(wanted):
         raise SimulationError(
             f"{touching.model.scene.name}: linearise",
             "a contact would have to pull at the equilibrium near the start",
@@ -166,38 +148,3 @@ def _forces(place: Place, touching: Touching) -> dict[str, float]:
             "start near a state of rest in which they do",
         )
     return {contact.name: float(each) for contact, each in zip(touching.contacts, force, strict=True)}
-
-
-def _modes(place: Place, scales: Scales) -> list[Mode]:
-    """Of y'' + damping y' + stiffness y = 0."""
-    K, C = place.stiffness, place.damping
-    slow = NEUTRAL / scales.time
-    if np.abs(C).max(initial=0.0) < slow and np.abs(K - K.T).max(initial=0.0) < slow / scales.time:
-        values, vectors = np.linalg.eigh((K + K.T) / 2)
-        shapes = place.motions @ vectors
-        return [
-            mode
-            for k, value in enumerate(values)
-            for mode in _undamped(float(value), shapes[:, k], slow / scales.time)
-        ]
-    k = len(K)
-    companion = np.block([[np.zeros((k, k)), np.eye(k)], [-K, -C]])
-    values, vectors = np.linalg.eig(companion)
-    return [
-        _mode(complex(value), place.motions @ vectors[:k, j], slow)
-        for j, value in enumerate(values)
-        if value.imag >= 0
-    ]
-
-
-def _undamped(value: float, shape: Array, still: float) -> list[Mode]:
-    if abs(value) < still:
-        return [Mode(0.0, 0.0, shape)]
-    if value > 0:
-        return [Mode(float(np.sqrt(value)), 0.0, shape)]
-    return [Mode(0.0, sign * float(np.sqrt(-value)), shape) for sign in (-1, 1)]
-
-
-def _mode(value: complex, shape: Array, slow: float) -> Mode:
-    frequency, growth = (part if abs(part) > slow else 0.0 for part in (value.imag, value.real))
-    return Mode(float(frequency), float(growth), shape)

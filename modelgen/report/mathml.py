@@ -13,8 +13,18 @@ GREEK = {
     "rho": "ρ", "omega": "ω", "tau": "τ", "eta": "η", "gamma": "Γ", "psi": "ψ", "phi": "φ", "nu": "ν",
     "beta": "β", "mu": "μ", "sigma": "σ", "lambda": "λ",
 }  # fmt: skip
+FUNCTIONS = {"Max": "max", "Min": "min", "sign": "sgn"}
+RELATIONS = {"lt": "<", "le": "≤", "eq": "=", "ne": "≠", "and": "∧", "or": "∨"}  # 1 where it holds, else 0
 APPLY = '<mo>&#x2061;</mo><mspace width="0.17em"/>'
-NAMES = {"normal": "N", "force": "λ", "gamma": "Γ₂", "kinetic": "T", "potential": "U", "uv": "α"}
+NAMES = {
+    "normal": "N",
+    "force": "λ",
+    "gamma": "Γ₂",
+    "gamma1": "Γ₁",
+    "kinetic": "T",
+    "potential": "U",
+    "uv": "α",
+}
 
 
 def row(*parts: str) -> str:
@@ -43,6 +53,8 @@ def symbol(name: str) -> str:
         dotted = True
     found = re.fullmatch(r"(.*?)(\d*)", stem)
     letters, digits = (found[1], found[2]) if found else (stem, "")
+    if stem in NAMES:
+        letters, digits = stem, ""
     base = identifier(NAMES.get(letters, GREEK.get(letters, letters)))
     if dotted:
         base = f"<mover>{base}<mo>˙</mo></mover>"
@@ -51,7 +63,13 @@ def symbol(name: str) -> str:
 
 
 def number(value: sp.Expr) -> str:
-    return f"<mn>{escape(format(float(value), '.6g') if value.is_Float else str(value))}</mn>"
+    if not value.is_Float:
+        return f"<mn>{escape(str(value))}</mn>"
+    mantissa, _, exponent = f"{float(value):.6g}".partition("e")
+    if not exponent:
+        return f"<mn>{mantissa}</mn>"
+    power = f"<msup><mn>10</mn><mn>{int(exponent)}</mn></msup>".replace("<mn>-", "<mn>−")
+    return power if mantissa == "1" else row(f"<mn>{mantissa}</mn>", operator("·"), power)
 
 
 def expression(value: Any, level: int = 0) -> str:
@@ -123,7 +141,12 @@ def _call(value: sp.Expr) -> str:
     if isinstance(value, sp.Abs):
         return row(operator("|"), expression(value.args[0]), operator("|"))
     arguments = [expression(argument) for argument in value.args]
-    name = f'<mi mathvariant="normal">{escape(value.func.__name__)}</mi>'
+    named = value.func.__name__
+    if named in RELATIONS:
+        return row(operator("["), arguments[0], operator(RELATIONS[named]), arguments[1], operator("]"))
+    if named == "not":
+        return row(operator("["), operator("¬"), arguments[0], operator("]"))
+    name = f'<mi mathvariant="normal">{escape(FUNCTIONS.get(named, named))}</mi>'
     if len(arguments) == 1:
         return row(name, APPLY, _argument(value.args[0]))
     return row(name, operator("("), operator(",").join(arguments), operator(")"))
@@ -155,7 +178,7 @@ def matrix(value: sp.MatrixBase) -> str:
         "<mtr>" + "".join(f"<mtd>{expression(value[i, j])}</mtd>" for j in range(value.cols)) + "</mtr>"
         for i in range(value.rows)
     )
-    return row(operator("("), f"<mtable>{''.join(rows)}</mtable>", operator(")"))
+    return row(operator("("), f'<mtable displaystyle="true">{"".join(rows)}</mtable>', operator(")"))
 
 
 def equation(left: str, value: sp.Expr) -> str:
@@ -165,7 +188,7 @@ def equation(left: str, value: sp.Expr) -> str:
         return block(row(left, operator("="), parts[0]))
     lines = [f"<mtr><mtd>{left}</mtd><mtd>{row(operator('='), parts[0])}</mtd></mtr>"]
     lines += [f"<mtr><mtd></mtd><mtd>{part}</mtd></mtr>" for part in parts[1:]]
-    return block(f'<mtable class="lines">{"".join(lines)}</mtable>')
+    return block(f'<mtable displaystyle="true" class="lines">{"".join(lines)}</mtable>')
 
 
 def _broken(value: sp.Expr) -> list[str]:

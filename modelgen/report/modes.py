@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from modelgen.report.linear import Linearised, Mode
+from modelgen.report.linear import Linearised
+from modelgen.report.small_motions import Mode
 from modelgen.report.touching import Array
 
 
@@ -20,6 +21,7 @@ def mode_facts(found: Linearised) -> dict[str, Any]:
             for name in found.p
         },
         "force": dict(found.force),
+        "redundant": found.redundant,
         "modes": [
             {
                 "kind": mode.kind,
@@ -40,6 +42,12 @@ def print_modes(facts: dict[str, Any], console: Console) -> None:
         console.print(f"{name}: p ({_vector(state['p'])}), quaternion ({_vector(state['quaternion'])})")
     for name, force in facts["force"].items():
         console.print(f"{name}: {force:.6g} N", markup=False)
+    if facts["redundant"]:
+        console.print(
+            f"warning: contact forces are not unique: {facts['redundant']} more contacts touch than have "
+            "independent rows; the motions are unique, the forces given are those of minimum norm",
+            soft_wrap=True,
+        )
     for mode in facts["modes"]:
         parts = [f"{mode['frequency']:.9g} rad/s", f"{mode['hertz']:.6g} Hz"] if mode["frequency"] else []
         parts += [f"growth {mode['growth']:.6g} 1/s"] if mode["growth"] else []

@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from modelgen.report import mathml
 from modelgen.report.raster import colour, data_uri
 from modelgen.report.typeset import status_text, tree
 
+GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
 STYLE = """
 body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
 color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
@@ -19,7 +21,7 @@ td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical
 overflow-wrap:break-word}th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}
 pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
 math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
-mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.15em .2em}
+mfrac>*{math-style:normal}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.3em .2em}
 .eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
 overflow-x:auto;padding:.1rem 0}
 .tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
@@ -39,8 +41,9 @@ def page(source: str, facts: Mapping[str, Any]) -> str:
         ("singularities", "Singular configurations", "".join(map(_singularity, facts["singularities"]))),
         ("errata", "Errata of the paper", _errata(facts["errata"])),
     ]
-    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in sections)
-    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in sections)
+    filled = [section for section in sections if section[2]]
+    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in filled)
+    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in filled)
     head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
     text = f"<body>{_opening(source)}<p>{contents}</p>{body}</body>"
     return f'<!DOCTYPE html><html lang="en"><head>{head}</head>{text}</html>\n'
@@ -87,9 +90,9 @@ def _formula(facts: Mapping[str, Any]) -> str:
 def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
     rows = [
         (
-            indexed(f["quantity"]),
+            named(f["quantity"]),
             _badge(f["status"]),
-            escape(f["route"]),
+            worded(f["route"]),
             str(f["n"] or ""),
             _error(f["worst"]) if f["n"] else "",
         )
@@ -100,8 +103,8 @@ def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
 
 def _ports(facts: Mapping[str, Any]) -> str:
     rows = [
-        (kind, indexed(port["name"]), "×".join(map(str, port.get("shape", ()))), escape(port["unit"]),
-         escape(port["frame"]), escape("; ".join(filter(None, (port["meaning"], port["equation"])))))
+        (kind, named(port["name"]), "×".join(map(str, port.get("shape", ()))), indexed(port["unit"]),
+         escape(port["frame"]), worded("; ".join(filter(None, (port["meaning"], port["equation"])))))
         for group, kind in (("inputs", "in"), ("outputs", "out"), ("steps", "step"))
         for port in facts[group]
         if port.get("shape") != [0]
@@ -111,23 +114,31 @@ def _ports(facts: Mapping[str, Any]) -> str:
 
 def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
     """Nested by <details>, which need no script; the exported quantities are open."""
-    nodes = list(tree(definition))
+    zeros = [line["key"] for line in definition if _is_zero(line)]
+    nodes = list(tree([line for line in definition if not _is_zero(line)]))
     parts: list[str] = []
     depths: list[int] = []
     for (depth, line, above), (following, _, after) in zip(nodes, [*nodes[1:], (0, {}, False)], strict=True):
         while depths and depths[-1] >= depth:
             depths.pop()
             parts.append("</details>")
-        label = f'<span class="eq">{line["value"]}</span> <span class="v">= {line["number"]:.6g}</span>'
+        number = f' <span class="v">= {line["number"] + 0.0:.6g}</span>' if line["uses"] else ""
+        label = f'<span class="eq">{line["value"]}</span>{number}'
         if above:
             more = ", " if after and following == depth else " above"
-            parts.append(f'<span class="leaf v">{indexed(line["key"])}{more}</span>')
+            parts.append(f'<span class="leaf v">{named(line["key"])}{more}</span>')
         elif following > depth:
             parts.append(f"<details{' open' if depth == 0 else ''}><summary>{label}</summary>")
             depths.append(depth)
         else:
             parts.append(f'<div class="leaf">{label}</div>')
-    return "".join(parts) + "</details>" * len(depths)
+    rest = f'<div class="leaf">{", ".join(map(named, zeros))} = 0</div>' if zeros else ""
+    return "".join(parts) + "</details>" * len(depths) + rest
+
+
+def _is_zero(line: Mapping[str, Any]) -> bool:
+    """Whether a line only says that an output is zero, whatever the inputs are."""
+    return not line["uses"] and line["number"] == 0
 
 
 def _shape(facts: Mapping[str, Any]) -> str:
@@ -138,7 +149,7 @@ def _shape(facts: Mapping[str, Any]) -> str:
         if check is not None:
             text = f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
         lines = "".join(f'<div><span class="eq">{line}</span></div>' for line in entry["mathml"])
-        rows.append(f"<p>{escape(entry['meaning'])} {text}</p>{lines}")
+        rows.append(f"<p>{worded(entry['meaning'])} {text}</p>{lines}")
     none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
     return f"<h3>{escape(facts['name'])}</h3>{''.join(rows)}{none}"
 
@@ -190,6 +201,19 @@ def indexed(text: str) -> str:
     """`_x` as an index, `^x` as an exponent, in escaped text."""
     below = re.sub(r"_(\w+)", lambda found: f"<sub>{found[1].replace('_', ',')}</sub>", escape(text))
     return re.sub(r"\^(\w+)", r"<sup>\1</sup>", below)
+
+
+def named(name: str) -> str:
+    """A quantity by its symbol, as the formulas write it."""
+    return mathml.block(mathml.symbol(name))
+
+
+def worded(text: str) -> str:
+    """Words with `x_dot` as a letter with its dot, `x_f` with its index, and Greek letters."""
+    text = re.sub(r"\b(sigma|mu|eta|gamma1|gamma|Gamma)(?=\b|_)", lambda found: GREEK[found[1]], text)
+    marks = {"_dot": "\u0307", "_ddot": "\u0308"}
+    dotted = re.sub(r"(?<!\w)(\w)(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
+    return indexed(dotted.replace("->", "→"))
 
 
 def _error(value: float | None) -> str:

@@ -72,7 +72,7 @@ def status_text(facts: Mapping[str, Any]) -> str:
     text = str(facts["status"]).upper() if facts["status"] == "failed" else str(facts["status"])
     if facts["configurations"]:
         text += (
-            f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.1e}"
+            f"; on {facts['configurations']} configurations, worst relative error {facts['worst'] or 0:.2g}"
         )
     return text + (f"; not compared: {', '.join(facts['unchecked'])}" if facts["unchecked"] else "")
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.contact.kinds import eta_layout
@@ -14,11 +14,13 @@ from modelgen.model import (
     BodyMotion,
     ContactEntry,
     ContactKind,
+    FaceEntry,
     LinkEntry,
     LoadEntry,
     LoadKind,
     Model,
     PairEntry,
+    PatchEntry,
     Search,
     ShapeKind,
 )
@@ -35,6 +37,7 @@ from modelgen.require.masses import (
     pose_numbers,
 )
 from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
+from modelgen.require.patches import Faces, patches_of, slots_for
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
 from modelgen.require.scales import scales_of
 from modelgen.require.soundness import soundness
@@ -72,6 +75,8 @@ class Touching:
     pairs: tuple[PairEntry, ...]
     links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
+    faces: tuple[FaceEntry, ...] = ()
+    patches: tuple[PatchEntry, ...] = ()
 
     @property
     def n_eta(self) -> int:
@@ -88,25 +93,25 @@ def require(scene: Scene) -> Model:
     expect("require", scene, Scene)
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     check_observed(scene, contact_names(scene))
-    body_kinds: Vocabulary[BodyKind] = Vocabulary()
-    bodies = _body_entries(scene, pieces, body_kinds)
-    shape_kinds: Vocabulary[ShapeKind] = Vocabulary()
-    contact_kinds: Vocabulary[ContactKind] = Vocabulary()
-    touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
+    warnings = soundness(scene)
+    body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
+    touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
+        bodies=_body_entries(scene, pieces, body_kinds),
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
         contact_kinds=contact_kinds.kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
-        bodies=bodies,
         pairs=touching.pairs,
         links=touching.links,
         contacts=touching.contacts,
+        faces=touching.faces,
+        patches=touching.patches,
         loads=loads,
         joints=joints.joints,
         limits=joints.limits,
@@ -117,7 +122,7 @@ def require(scene: Scene) -> Model:
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=_left_out(pieces),
-        warnings=soundness(scene),
+        warnings=warnings,
     )
 
 
@@ -167,13 +172,12 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[Body
 def _touching(
     scene: Scene,
     pieces: Sequence[Piece],
-    names: Sequence[str],
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
 ) -> Touching:
     """The pairs that may touch, their links, and the contacts that follow them."""
-    touching = Touching((), (), ())
-    for index, (name, pair) in enumerate(zip(names, scene.contacts, strict=True)):
+    touching, faces = Touching((), (), ()), Faces(shapes)
+    for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
         first = len(touching.links)
@@ -186,12 +190,21 @@ def _touching(
         normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
         entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal)
+        patches = patches_of(a, b, pair, name, where, links, first, faces, kinds)
         touching = Touching(
             (*touching.pairs, entry),
             (*touching.links, *links),
             (*touching.contacts, *contacts),
+            tuple(faces.entries),
+            (*touching.patches, *_with_slots(patches, slots_for(a.shape, b.shape, len(patches)), touching)),
         )
     return touching
+
+
+def _with_slots(patches: Sequence[PatchEntry], count: int, before: Touching) -> Iterator[PatchEntry]:
+    """The patches of one pair with the places that they share."""
+    first = before.patches[-1].slots[1] if before.patches else 0
+    return (replace(patch, slots=(first, first + count)) for patch in patches)
 
 
 def _search(way: Following, links: Sequence[LinkEntry]) -> Search:

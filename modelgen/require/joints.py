@@ -13,6 +13,8 @@ from modelgen.require.pairing import find_body
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.types import Joint, Scene, Vector
 
+_ENDS = ((0, "min"), (0, "max"), (1, "y_min"), (1, "y_max"))  # coordinates and names of the bounds
+
 
 @dataclass(frozen=True, slots=True)
 class Joined:
@@ -63,11 +65,11 @@ def _limits(
     joint: Joint, index: int, entry: JointEntry, eta: int, kinds: Vocabulary[LimitKind]
 ) -> list[LimitEntry]:
     found: list[LimitEntry] = []
-    room = int(is_turn(joint.kind)) if joint.limits != (None, None) else 0
-    for bound, end in zip(joint.limits, ("min", "max"), strict=True):
+    for (coordinate, end), bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True):
         if bound is None:
             continue
-        kind = kinds.index(LimitKind(f"{joint.kind}_{end}", joint.kind, end == "max"))
+        room = int(is_turn(joint.kind))
+        kind = kinds.index(LimitKind(f"{joint.kind}_{end}", joint.kind, end.endswith("max"), coordinate))
         at = eta + room * len(found)
         found.append(
             LimitEntry(

@@ -21,6 +21,8 @@ from modelgen.scene.types import (
 
 BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 CONTACT_QUANTITIES = ("force", "gap")
+JOINT_QUANTITIES = ("coordinates", "force", "torque")
+_ENDS = ("min", "max", "y_min", "y_max")  # of the limits of a joint
 _TURNING = frozenset({"wx", "wy", "wz", "qw", "qx", "qy", "qz"})
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -42,15 +44,24 @@ def points_of(load: Load) -> tuple[Vector, ...]:
 
 
 def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
-    """Raises SceneError for an observed name that is no quantity of a body or contact."""
+    """Raises SceneError for an observed name that is no quantity of a body, contact or joint; limits
+    such as `elbow:min` count as contacts."""
+    limits = [
+        f"{joint.name}:{end}"
+        for joint in scene.joints
+        for end, bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True)
+        if bound is not None
+    ]
     known = {f"{body.name}.{quantity}" for body in scene.bodies for quantity in BODY_QUANTITIES}
-    known |= {f"{contact}.{quantity}" for contact in contacts for quantity in CONTACT_QUANTITIES}
+    known |= {f"{contact}.{each}" for contact in (*contacts, *limits) for each in CONTACT_QUANTITIES}
+    known |= {f"{joint.name}.{quantity}" for joint in scene.joints for quantity in JOINT_QUANTITIES}
     for index, name in enumerate(scene.observe):
         if name not in known:
             raise SceneError(
                 f"{scene.source}: observe[{index}]",
                 f"no quantity {name!r}",
-                f"body.{'|'.join(BODY_QUANTITIES)} or body-body.{'|'.join(CONTACT_QUANTITIES)}",
+                f"body.{'|'.join(BODY_QUANTITIES)}, body-body.{'|'.join(CONTACT_QUANTITIES)} or "
+                f"joint.{'|'.join(JOINT_QUANTITIES)}",
                 nearest(name, known),
             )
 

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from modelgen.errors import SceneError
 from modelgen.geometry.declared import declared_limits
+from modelgen.geometry.features import features_of
 from modelgen.geometry.regular import check_regular
-from modelgen.scene.types import Scene
+from modelgen.scene.types import Scene, Shape
 
 
 def soundness(scene: Scene) -> tuple[str, ...]:
-    """Warnings on the shapes that may touch, each named `body/shape`; SceneError where none could run."""
+    """Warnings on the shapes that may touch, each named `body/shape`; SceneError where none could run, with
+    the place of the shape in the scene."""
     touching = {partner for pair in scene.contacts for partner in pair.between}
-    return tuple(
-        f"{body.name}/{shape.name}: {text}"
-        for body in scene.bodies
-        for shape in body.shapes
-        if (body.name, shape.name) in touching
-        for text in (*check_regular(shape), *declared_limits(shape))
-    )
+    found: list[str] = []
+    for i, body in enumerate(scene.bodies):
+        for k, shape in enumerate(body.shapes):
+            if (body.name, shape.name) in touching:
+                where = f"{scene.source}: body[{i}].shape{f'[{k}]' if len(body.shapes) > 1 else ''}"
+                found += [f"{body.name}/{shape.name}: {text}" for text in _remarks(shape, where)]
+    return tuple(found)
+
+
+def _remarks(shape: Shape, where: str) -> tuple[str, ...]:
+    try:
+        features_of(shape)
+        return (*check_regular(shape), *declared_limits(shape))
+    except SceneError as error:
+        raise SceneError(f"{where} ({error.where})", error.found, error.allowed, error.remedy) from None

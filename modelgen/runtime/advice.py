@@ -11,8 +11,14 @@ from modelgen.runtime.session import Session
 
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
-    """Of a scene whose bodies (`name`, `motion`) have neither contact nor joint, how to add a contact."""
+    """Of a scene whose bodies (`name`, `motion`) have neither contact nor joint, how to add a contact; of one
+    in which nothing can move, how to let a body move."""
     moving = [body["name"] for body in bodies if body["motion"] in ("point", "free")]
+    if all(body["motion"] == "fixed" for body in bodies):
+        return (
+            'nothing moves: every body is fixed; one without motion = "fixed" and with a mass or a density '
+            "is moved by forces",
+        )
     if touching or not moving or len(bodies) < 2:
         return ()
     partner = next(body["name"] for body in bodies if body["name"] != moving[0])

@@ -80,7 +80,9 @@ def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], d
     runs = (session.tables.Run * n)()
     link = np.full((n, m), -1, dtype=np.intc)
     moved = np.zeros((n, len(session.moved)), dtype=x.dtype)
-    arrays: tuple[Array, ...] = (x, link, moved, closed, active, force, margin)
+    fresh = np.zeros((n, m), dtype=np.intc)
+    point, outward = np.zeros((n, 3 * m), dtype=x.dtype), np.zeros((n, 3 * m), dtype=x.dtype)
+    arrays: tuple[Array, ...] = (x, link, point, moved, closed, active, force, margin, fresh, outward)
     columns = dict(zip(RUN_ARRAYS, arrays, strict=True))
     for index, run in enumerate(runs):
         for name, array in columns.items():

@@ -22,15 +22,24 @@ class Recording:
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
+            **{"patch": (n, session.n_slot), "pressure": (n, session.n_slot, 4)},
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
-            name: np.zeros(shapes[name], dtype=np.intc if name == "link" else session.tables.dtype)
+            name: np.zeros(shapes[name], dtype=np.intc if name in ("link", "patch") else session.tables.dtype)
             for name in RECORD_ARRAYS
         }
         self.arrays["t"][:] = times
         self.session = session
         self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
+
+    def end(self) -> None:
+        """One sample more at the end of a run that came beyond its last sample, if its state is finite."""
+        count, t = self.record.count, self.arrays["t"]
+        if 0 < count < len(t) and self.session.run.t > t[count - 1] and np.isfinite(self.session.x).all():
+            t[count] = self.session.run.t
+            self.record.capacity = count + 1
+            self.session.advance(float(t[count]), 0, self.record)
 
     def columns(self) -> dict[str, Any]:
         """The samples taken so far, as the fields of a Trajectory."""
@@ -42,11 +51,14 @@ class Recording:
             "quaternion": quaternions(rotation),
             "v": kept["twist"][..., :3],
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
-            **{name: kept[name] for name in ("eta", "force", "gap", "link", "energy", "work")},
+            **{name: kept[name] for name in ("eta", "energy", "work", "patch")},
+            **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "link")},
+            "patch_force": kept["pressure"][..., 0],
+            "patch_point": kept["pressure"][..., 1:],
             **joint_columns(self.session, kept, rotation),
-            "points_o": kept["point_o"],
-            "points_f": kept["point_f"],
-            "normals": kept["normal"],
+            "points_o": kept["point_o"][:, : self.session.n_shown],
+            "points_f": kept["point_f"][:, : self.session.n_shown],
+            "normals": kept["normal"][:, : self.session.n_shown],
         }
 
 

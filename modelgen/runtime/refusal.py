@@ -18,7 +18,7 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
     if code == JOINT_APART:
         return _apart(session, run, label)
     contact = int(run.failed_contact)
-    where = f"{label}contact {session.contacts[contact]!r}"
+    where = _place_of(session, contact, label)
     if code == NO_EXTREMUM:
         return SimulationError(
             where,
@@ -45,10 +45,22 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
     )
 
 
+def _place_of(session: Session, contact: int, label: str) -> str:
+    """`scene.toml: contact[1] (contact 'ball-table')`: where it stands in the scene."""
+    sentence, name = session.sentence, session.contacts[contact]
+    if contact >= len(sentence["contacts"]):
+        return _place_of_joint(session, name.rsplit(":", 1)[0], label)
+    return f"{sentence['source']}: contact[{sentence['contacts'][contact]['pair']}] ({label}contact {name!r})"
+
+
+def _place_of_joint(session: Session, name: str, label: str) -> str:
+    return f"{session.sentence['source']}: joint[{session.joints.index(name)}] ({label}joint {name!r})"
+
+
 def _apart(session: Session, run: Any, label: str) -> SimulationError:
     """Of the joint whose frames are farthest from what its kind allows."""
     return SimulationError(
-        f"{label}joint {session.joints[run.failed_joint]!r}",
+        _place_of_joint(session, session.joints[run.failed_joint], label),
         f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m",
         f"at most {float(session.settings.start_joint * session.system.length):.3g} m",
         "move them to where the joint holds, or give the joint by one frame in the world at the start",
@@ -59,7 +71,7 @@ def _beyond(session: Session, contact: int, label: str) -> SimulationError:
     """Of a limit that the start is past."""
     joint, end = session.contacts[contact].rsplit(":", 1)
     return SimulationError(
-        f"{label}joint {joint!r}",
+        _place_of_joint(session, joint, label),
         f"at the start it is past its limit ({end}imum)",
         "a start within the limits",
         "move the bodies or the limit",

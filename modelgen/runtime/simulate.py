@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ def simulate(
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
-        Ctrl-C and failures keep what was computed; the outcome says which.
+        Ctrl-C and failures keep what was computed, with one more sample at the end; the outcome says which.
 
     Raises:
         ModelgenError: what is given is no library.
@@ -55,6 +56,7 @@ def simulate(
     session.begin()
     recording = Recording(session, np.linspace(0.0, end, intervals + 1))
     outcome, events = _run(session, end, recording, on_progress)
+    recording.end()
     wall = time.perf_counter() - started
     return _trajectory(session, recording, outcome, events, chosen, wall)
 
@@ -103,7 +105,8 @@ def _run(
             if on_progress:
                 on_progress(float(session.run.t) / end)
     except KeyboardInterrupt:
-        return Outcome.INTERRUPTED, events + session.drain_events()
+        done = session.run.t >= end
+        return Outcome.DONE if done else Outcome.INTERRUPTED, events + session.drain_events()
 
 
 def _trajectory(
@@ -123,6 +126,7 @@ def _trajectory(
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
         link_names=session.link_names,
+        patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
         events=tuple(events),

@@ -44,7 +44,7 @@ OUTCOME_OF_CODE = {
     24: Outcome.TOO_MANY_EVENTS,
     25: Outcome.TOO_MANY_CLOSED,
 }
-EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish")
+EVENT_KINDS = ("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +54,14 @@ class Event:
     t: float
     kind: str
     contact: str
-    speed: float = 0.0
     features: str = ""  # that the contact is between after the event, where its shapes have several
+    speed: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
-    """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes.
+    """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes; the last is the state
+    at `t_end`, at whatever time a run that ended early did.
 
     `modelgen.record_of(trajectory, library)` makes of it what `modelgen.save` and `modelgen.draw` take.
 
@@ -82,6 +83,9 @@ class Trajectory:
     points_o: Array  # (n, nc, 3) m
     points_f: Array  # (n, nc, 3) m
     normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
+    patch: Array  # (n, n_slot) index into `patch_names` of a patch that rests, -1 none
+    patch_force: Array  # (n, n_slot) N
+    patch_point: Array  # (n, n_slot, 3) m, centre of pressure; NaN where none rests
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
@@ -90,6 +94,7 @@ class Trajectory:
     body_names: tuple[str, ...]
     contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
     link_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
+    patch_names: tuple[str, ...]  # of faces that may rest on each other: "glass-table:bottom"
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle"
     events: tuple[Event, ...]
@@ -110,6 +115,11 @@ class Trajectory:
     instructions: dict[str, int]
     accuracy: str
     warnings: tuple[str, ...] = ()
+
+    @property
+    def reaches_its_end(self) -> bool:
+        """Whether the last sample is the state at `t_end`; False where that state is not finite."""
+        return len(self.t) > 0 and bool(self.t[-1] == self.t_end)
 
     def __repr__(self) -> str:
         """What it is of, how it ended and how much there is of it; no arrays."""
@@ -147,8 +157,19 @@ class Trajectory:
                 if last >= 0
             },
             "joints": self._joints_at(last) if last >= 0 else {},
+            "patches": self._patches_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
+        }
+
+    def _patches_at(self, sample: int) -> dict[str, Any]:
+        return {
+            self.patch_names[patch]: {
+                "force": float(self.patch_force[sample, slot]),
+                "centre_of_pressure": self.patch_point[sample, slot].tolist(),
+            }
+            for slot, patch in enumerate(self.patch[sample].tolist())
+            if patch >= 0
         }
 
     def _joints_at(self, sample: int) -> dict[str, Any]:

@@ -28,15 +28,17 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     bodies = joints.with_world(bodies, values["joint"])
     known = {body.name: body for body in bodies}
     run = values["run"] or RUN.read({}, place.key("run"))
+    joined = joints.joints(values["joint"], known)
+    observe = links.observed(values["observe"], known, (each.name for each in joined), place.key("observe"))
     return Scene(
         name=name,
         source=place.source,
         bodies=bodies,
         contacts=links.contacts(values["contact"], known),
         loads=links.loads(values, known),
-        joints=joints.joints(values["joint"], known),
+        joints=joined,
         gravity=values["gravity"],
-        observe=links.observed(values["observe"], known, place.key("observe")),
+        observe=observe,
         fold=values["fold"],
         run=RunSettings(**run),
     )

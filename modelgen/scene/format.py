@@ -199,6 +199,12 @@ _LIMITS = (
     ),
     Field("restitution", Real(0.0, 1.0), "coefficient of restitution at the limits", default=0.0),
 )
+_LIMITS_Y = Field(
+    "limits_y",
+    Sequence(LIMIT, 2),
+    'least and largest y, m; "none" where there is no bound',
+    default=(None, None),
+)
 _SPRUNG = (
     Field("stiffness", _NOT_NEGATIVE, "of a spring along the coordinate, N/m or N m/rad", default=0.0),
     Field("damping", _NOT_NEGATIVE, "along the coordinate, N s/m or N m s/rad", default=0.0),
@@ -206,19 +212,19 @@ _SPRUNG = (
 )
 _MOTION = Field("motion", ExpressionText("expression of t"), "the coordinate as an expression of t, rad or m")
 _LEAD = Field("lead", Real(), "displacement a turn, m; negative: left-handed", required=True)
-_DISTANCE = Field("distance", POSITIVE, "between the origins of the frames, m", required=True)
+_DISTANCE = Field("distance", POSITIVE, "between the origins of the frames, m, unless its motion is given")
 _TEETH = Field("teeth", Sequence(Whole(-10000, 10000), 2), "n_a turn_a + n_b turn_b = 0", required=True)
 
 _JOINT_KEYS: Mapping[str, tuple[Field, ...]] = {
     "revolute": (*_LIMITS, *_SPRUNG, _MOTION),
     "prismatic": (*_LIMITS, *_SPRUNG, _MOTION),
     "cylindrical": (*_LIMITS, *_SPRUNG),
-    "spherical": (),
+    "spherical": _LIMITS,
     "universal": (*_LIMITS, *_SPRUNG),
-    "planar": (),
+    "planar": (*_LIMITS, _LIMITS_Y),
     "weld": (),
     "screw": (_LEAD, *_LIMITS, *_SPRUNG, _MOTION),
-    "distance": (_DISTANCE,),
+    "distance": (_DISTANCE, _MOTION),
     "rope": _LIMITS,
     "gear": (_TEETH,),
 }
@@ -251,6 +257,12 @@ RUN = Table(
         Field("until", POSITIVE, "end of the run, s", default=1.0),
         Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
         Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
+        Field(
+            "imaginary_edge",
+            Real(0.0, 1.0),
+            "lean, rad, up to which a face turns on a tangent of its rim; 0: it rolls at once",
+            default=0.0,
+        ),
         Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
         Field("method", Choice(METHODS), "adaptive, or with a fixed step"),
         Field("step", POSITIVE, "the fixed step, s"),
@@ -274,8 +286,9 @@ SCENE = Table(
         Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
         Field(
             "observe",
-            Sequence(Text(r"^[A-Za-z][A-Za-z0-9_]*\.[a-z_]+$", "body.quantity is allowed"), None),
-            "what must be computed, such as ball.position; empty: everything",
+            Sequence(Text(r"^[A-Za-z][^.\s]*\.[a-z_]+$", "name.quantity is allowed"), None),
+            "what must be computed: quantities of bodies, contacts and joints, such as ball.position, "
+            "ball-bowl.force, elbow.coordinates; empty: everything",
             default=(),
         ),
         Field("fold", Switch(), "numbers become constants of the generated code", default=False),

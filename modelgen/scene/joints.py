@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import cos, hypot, sin
+from math import cos, hypot, pi, sin
 from typing import Any
 
 from modelgen.errors import nearest
@@ -15,7 +15,7 @@ from modelgen.scene.turns import conjugate, product, rows_of, turned
 from modelgen.scene.types import Body, Joint, Pose
 
 WORLD = "world"
-_OPTIONAL = ("limits", "restitution", "stiffness", "damping", "rest")
+_OPTIONAL = ("limits", "limits_y", "restitution", "stiffness", "damping", "rest")
 Written = Iterable[tuple[Place, Mapping[str, Any]]]
 
 
@@ -98,10 +98,20 @@ def _numbers(
                 raise place.key("lead").error("a lead of 0", "any other is allowed", "use a revolute joint")
             return (values["lead"],)
         case "distance":
-            return (values["distance"],)
+            return (_distance(values, place),)
         case "gear":
             return (*_teeth(values["teeth"], place), *_starts(bodies, frames))
     return ()
+
+
+def _distance(values: Mapping[str, Any], place: Place) -> float:
+    """That at t = 0 where a motion gives it; no row depends on it then."""
+    if (values["distance"] is None) == (values["motion"] is None):
+        found = "neither a distance nor a motion" if values["motion"] is None else "a distance and a motion"
+        raise place.error(
+            found, "one of the two is allowed", 'write distance = 0.5 or motion = "0.5 + 0.1*t"'
+        )
+    return 0.0 if values["distance"] is None else float(values["distance"])
 
 
 def _teeth(teeth: Sequence[int], place: Place) -> tuple[float, float]:
@@ -129,10 +139,13 @@ def _check_between(names: tuple[str, str], bodies: Mapping[str, Body], place: Pl
 
 
 def _check_limits(joint: Joint, place: Place) -> None:
-    low, high = joint.limits
-    if low is not None and high is not None and not low < high:
-        remedy = "write the least first"
-        raise place.key("limits").error(f"{low:g} to {high:g}", "the first is the smaller one", remedy)
+    for key, (low, high) in (("limits", joint.limits), ("limits_y", joint.limits_y)):
+        if low is not None and high is not None and not low < high:
+            remedy = "write the least first"
+            raise place.key(key).error(f"{low:g} to {high:g}", "the first is the smaller one", remedy)
+    if joint.kind == "spherical" and not all(0 < each < pi for each in joint.limits if each is not None):
+        found, allowed = "a tilt that is no angle of a cone", "between 0 and pi, ends excluded, are allowed"
+        raise place.key("limits").error(found, allowed, 'write limits = ["none", 0.5]')
     if joint.kind == "rope" and joint.limits == (None, None):
         raise place.key("limits").error("a rope without limits", "", 'write limits = ["none", length]')
     if joint.motion is not None and (joint.limits != (None, None) or joint.is_sprung):

@@ -56,11 +56,19 @@ def _spring(values: Mapping[str, Any], bodies: Bodies, place: Place) -> SpringLo
     )
 
 
-def observed(names: tuple[str, ...], bodies: Bodies, place: Place) -> tuple[str, ...]:
-    """The observed names, each `body.quantity`; raises SceneError."""
+def observed(names: tuple[str, ...], bodies: Bodies, joints: Iterable[str], place: Place) -> tuple[str, ...]:
+    """The observed names: `body.quantity`, `joint.quantity`, or `contact.quantity`, which `require` knows;
+    raises SceneError."""
+    known = tuple(joints)
     for index, name in enumerate(names):
-        body, quantity = name.split(".")
-        _body(body, bodies, place.item(index))
+        owner, quantity = name.split(".")
+        if owner in known or "-" in owner or ":" in owner:
+            continue
+        if owner not in bodies:
+            allowed = "bodies and joints: " + ", ".join([*bodies, *known][:20])
+            raise place.item(index).error(
+                f"no body named {owner!r}", allowed, nearest(owner, [*bodies, *known])
+            )
         if quantity not in QUANTITIES:
             allowed = "allowed are " + ", ".join(QUANTITIES)
             raise place.item(index).error(f"no quantity {quantity!r}", allowed, nearest(quantity, QUANTITIES))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot
+from math import atan2, hypot, pi
 from typing import Any
 
 from modelgen.scene.compose import expression_of, minus, number, substitute
@@ -96,6 +96,7 @@ def _check_closed(
 
 def _check_seen(points: list[Point], place: Place) -> None:
     """Every point of the outline is seen from its centroid, so that its ends have a chart."""
+    _check_simple(points, place)
     area, size = signed_area(points), max(hypot(a[0] - b[0], a[1] - b[1]) for a, b in _sides(points))
     if not area > size * size:
         raise place.error("an outline that encloses next to nothing", "it must bound an area", "mend x or y")
@@ -107,6 +108,22 @@ def _check_seen(points: list[Point], place: Place) -> None:
                 "a smooth outline is star-shaped about its centroid, and does not meet itself",
                 "use points, or several extrusions",
             )
+
+
+def _check_simple(points: list[Point], place: Place) -> None:
+    """An outline that turns about itself once: a figure of eight turns not at all, a loop in a loop twice."""
+    steps = [(b[0] - a[0], b[1] - a[1]) for a, b in _sides(points)]
+    turns = [
+        atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+        for a, b in zip(steps, [*steps[1:], steps[0]], strict=True)
+    ]
+    turned = round(sum(turns) / (2 * pi))
+    if abs(turned) != 1:
+        raise place.error(
+            f"an outline that turns {turned} times about itself: it crosses itself, like a figure of eight",
+            "an outline bounds one area and turns once",
+            "mend x or y, halve the domain, or use one extrusion for each loop",
+        )
 
 
 def _reversed(profile: Profile) -> Profile:

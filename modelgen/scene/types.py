@@ -177,6 +177,10 @@ class Joint:
     frames: tuple[Pose, Pose]  # in the axes of each body as written
     numbers: tuple[float, ...] = ()  # lead m a turn; distance m; teeth, and both frames' rotations at t = 0
     limits: tuple[float | None, float | None] = (None, None)  # of the first coordinate, rad or m
+    limits_y: tuple[float | None, float | None] = (
+        None,
+        None,
+    )  # of the second coordinate of a planar joint, m
     restitution: float = 0.0  # at the limits
     stiffness: float = 0.0  # N/m or N m/rad, along the first coordinate
     damping: float = 0.0  # N s/m or N m s/rad
@@ -198,6 +202,7 @@ class RunSettings:
     until: float = 1.0  # s
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
+    imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     samples: int = 200  # output intervals between 0 and until
     method: str | None = None  # dop853 | rk4
     step: float | None = None  # s, of rk4

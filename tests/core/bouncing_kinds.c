@@ -2,7 +2,7 @@
 #include "kinds.h"
 
 static const mg_body_kind mg_body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};
-static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0}};
+static const mg_contact_kind mg_contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0, 1}};
 static const mg_joint_kind mg_joint_kinds[] = {{0, 0, 0}};
 static const mg_shape_kind mg_shape_kinds[] = {{2, 0}, {2, 0}};
 
@@ -53,8 +53,9 @@ static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameter
 
 static void mg_contact_rates(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
                              const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d,
-                             mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal) {
-  (void)kind, (void)pose_o, (void)twist_o, (void)twist_f, (void)eta, (void)J_o, (void)eta_dot;
+                             mg_real *J_o, mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal,
+                             mg_real *tangents) {
+  (void)kind, (void)pose_o, (void)twist_o, (void)twist_f, (void)eta, (void)J_o, (void)eta_dot, (void)tangents;
   *d = pose_f[2] - parameters[0], *gamma = 0;
   J_f[0] = J_f[1] = normal[0] = normal[1] = 0, J_f[2] = normal[2] = 1;
 }
@@ -70,7 +71,8 @@ static void mg_contact_place(int kind, const mg_real *pose_o, const mg_real *pos
 
 static void mg_contact_aim(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
                            const mg_real *parameters, mg_real *normal, mg_real *rounding) {
-  (void)kind, (void)pose_o, (void)pose_f, (void)eta, (void)parameters, (void)normal, (void)rounding;
+  (void)kind, (void)pose_o, (void)pose_f, (void)eta, (void)parameters, (void)normal;
+  *rounding = 0;
 }
 
 static void mg_contact_seek(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *normal,

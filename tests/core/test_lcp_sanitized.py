@@ -1,4 +1,4 @@
-"""The solvers alone in a C program, under the address and undefined-behaviour sanitizers, in each real."""
+"""The solvers alone in C programs, under the address and undefined-behaviour sanitizers, in each real."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from pathlib import Path
 
 import pytest
 
-DRIVER = Path(__file__).with_name("lcp_driver.c").read_text()
+DRIVERS = ("lcp_driver.c", "friction_driver.c")
 
 
+@pytest.mark.parametrize("driver", DRIVERS)
 @pytest.mark.parametrize(
     "real", [(), ("-DMG_REAL_FLOAT",), ("-DMG_REAL_LONG",)], ids=["double", "float", "long"]
 )
 def test_no_solver_leaves_its_scratch_or_claims_a_false_answer(
-    real: tuple[str, ...], lcp_compile: Callable[..., Path]
+    driver: str, real: tuple[str, ...], lcp_compile: Callable[..., Path]
 ) -> None:
-    sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-    program = lcp_compile(DRIVER, *sanitizers, *real)
+    sanitizers = ("-g", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    program = lcp_compile(Path(__file__).with_name(driver).read_text(), *sanitizers, *real)
     done = subprocess.run([program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout == "0 wrong\n"

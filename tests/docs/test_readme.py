@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from modelgen import __version__
-from modelgen.cli import app
+from modelgen import __version__, require
+from modelgen.cli.commands import app
 from modelgen.scene.read import read_text
 
 ROOT = Path(__file__).parents[2]
@@ -59,6 +59,18 @@ def test_surface_block_is_the_shape_of_a_body() -> None:
     assert len(bodies) == 1
     scene = read_text(bodies[0] + BALL, "readme.toml")
     assert scene.bodies[0].shapes[0].kind == "chart"
+
+
+def test_observing_and_folding_leave_states_and_parameters_out() -> None:
+    (keys,) = (block for block in blocks("toml") if "observe =" in block)
+    whole = (ROOT / "scenes/ball_in_bowl.toml").read_text(encoding="utf-8").replace(
+        'name = "ball"', 'name = "ball"\nangular_velocity = [0.0, 0.0, 1.0]'
+    )  # fmt: skip
+    full, less = (require(read_text(text, "readme.toml")) for text in (whole, keys + whole))
+    assert (full.n_q, less.n_q) == (7, 3)
+    assert [link.parameters for link in full.links] == [(0.1, 0.12)]
+    assert [link.parameters for link in less.links] == [()]
+    assert "ball: orientation and spin left out" in less.left_out[0]
 
 
 BALL = """

@@ -13,7 +13,8 @@ from modelgen.derive import Derivation, Formula
 from modelgen.evidence.proofs import MUST_BE_PROVED, must_be_proved
 from modelgen.evidence.verify import verified
 from modelgen.model import Rows
-from modelgen.report.derivation import View, formula_facts, kind_scene
+from modelgen.report.derivation import View, formula_facts
+from modelgen.report.kind_scenes import kind_scene
 
 N = 12
 PAIRS = {

@@ -19,7 +19,9 @@ KINDS = (
     *(JointKind(kind, kind) for kind in FORMS if kind != "rope"),
     *(JointKind(f"{kind}_moved", kind, MOTION) for kind, form in FORMS.items() if form.given),
 )
-SPRUNG = tuple(kind for kind, form in FORMS.items() if form.coordinates and kind != "planar")
+SPRUNG = tuple(
+    kind for kind, form in FORMS.items() if form.coordinates and kind not in ("planar", "spherical")
+)
 LENGTH = 0.37
 
 

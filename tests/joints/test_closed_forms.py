@@ -214,3 +214,80 @@ def test_a_slide_rests_on_its_limit_with_its_weight() -> None:
     assert [event.kind for event in path.events] == ["touch-down"]
     assert coordinate(path, "slide.displacement")[-1] == pytest.approx(-0.2, abs=1e-13)
     assert path.force[-1, path.contact_names.index("slide:min")] == pytest.approx(2.0 * G, rel=1e-12)
+
+
+def test_a_planar_joint_bounces_within_its_box() -> None:
+    """Without gravity each coordinate runs to and fro by itself; angles are free."""
+    frame = {"name": "floor", "kind": "planar", "between": ["world", "block"], "restitution": 1.0}
+    frame |= {"limits": [-0.3, 0.5], "limits_y": ["none", 0.2]}
+    puck = block(velocity=[1.0, 0.5, 0.0], angular_velocity=[0, 0, 3.0])
+    path = joined([puck], [frame], gravity=[0, 0, 0], until=2.0, samples=40)
+
+    def folded(x: np.ndarray, low: float, high: float) -> np.ndarray:
+        within = np.mod(x - low, 2 * (high - low))
+        return low + np.minimum(within, 2 * (high - low) - within)
+
+    assert np.abs(coordinate(path, "floor.x") - folded(path.t, -0.3, 0.5)).max() < CLOSE
+    y = 0.5 * path.t
+    assert np.abs(coordinate(path, "floor.y") - np.where(y < 0.2, y, 0.4 - y)).max() < CLOSE
+    assert np.abs(coordinate(path, "floor.angle") - 3.0 * path.t).max() < CLOSE
+    names = [(event.kind, event.contact) for event in path.events]
+    assert names == [("impact", f"floor:{end}") for end in ("y_max", "max", "min")]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.6])
+def test_the_cone_of_a_ball_joint_is_struck_as_the_limits_of_a_hinge(restitution: float) -> None:
+    """A pendulum swings in one plane: the tilt of its axis is the angle of a hinge across the plane."""
+    start = 0.4
+    bob = {
+        "position": [0.5 * np.sin(start), 0.0, -0.5 * np.cos(start)],
+        "rpy": [0.0, -start, 0.0], "angular_velocity": [0.0, 3.0, 0.0],
+        "velocity": [-1.5 * np.cos(start), 0, -1.5 * np.sin(start)],
+    }  # fmt: skip
+    ball = {"name": "ball", "kind": "spherical", "limits": ["none", 0.9], "restitution": restitution}
+    ball |= {"between": ["world", "block"], "frames": [{}, {"position": [0, 0, 0.5]}]}
+    hinge = {"name": "ball", "kind": "revolute", "limits": [-0.9, 0.9], "restitution": restitution}
+    turned = {"axis_angle": {"axis": [1, 0, 0], "angle": "-pi/2"}}
+    hinge |= {"between": ["world", "block"], "frames": [turned, {"position": [0, 0, 0.5], **turned}]}
+    free, held = (joined([block(**bob)], [joint], until=2.0, samples=80) for joint in (ball, hinge))
+    assert [event.kind for event in free.events][:2] == [event.kind for event in held.events][:2]
+    assert len(free.events) >= 2
+    assert np.abs(free.p - held.p).max() < 1e-10
+    assert np.abs(coordinate(free, "ball.tilt") - np.abs(coordinate(held, "ball.angle"))).max() < 1e-9
+    assert coordinate(free, "ball.tilt").max() < 0.9 + 1e-10
+
+
+def test_a_cone_turns_a_body_back_whatever_it_spins() -> None:
+    """At a blow on the cone energy and the momenta about the vertical and about the body's own axis stay."""
+    top = block("top", inertia=(0.3, 0.3, 0.1), position=[0, 0, 0.5], angular_velocity=[1.0, 0.4, 6.0],
+                velocity=[0.2, -0.5, 0.0])  # fmt: skip
+    ball = {"kind": "spherical", "between": ["world", "top"], "name": "foot", "limits": ["none", 0.5]}
+    ball |= {"restitution": 1.0, "frames": [{}, {"position": [0, 0, -0.5]}]}
+    path = joined([top], [ball], until=1.5, samples=60)
+    body = path.body_names.index("top")
+    p, v, w = path.p[:, body], path.v[:, body], path.w[:, body]
+    axis = p / 0.5
+    own = np.einsum("ni,ni->n", axis, w)
+    angular = 2.0 * np.cross(p, v) + 0.3 * w + (0.1 - 0.3) * own[:, None] * axis
+    assert len(path.events) >= 2
+    assert np.ptp(own) < 1e-11
+    assert np.ptp(angular[:, 2]) < 1e-11
+    assert path.energy_drift < 1e-11
+    assert coordinate(path, "foot.tilt").max() <= 0.5 + 1e-10
+
+
+def test_a_rod_whose_length_is_given_keeps_the_momentum_about_the_vertical() -> None:
+    """A bob hauled in: |r| is as given, its moment about the vertical stays, the work is its gain."""
+    start, rate = 0.5, 0.1
+    spin = np.sqrt(G / 0.4)
+    bob = block(position=[0.3, 0, -0.4], velocity=[-rate * 0.6, 0.3 * spin, rate * 0.8])
+    rod = {"name": "rod", "kind": "distance", "between": ["world", "block"], "motion": f"{start} - {rate}*t"}
+    path = joined([bob], [rod | {"frames": [{}, {}]}], until=2.0)
+    length = start - rate * path.t
+    assert np.abs(np.linalg.norm(path.p[:, 0], axis=1) - length).max() < 1e-12
+    assert np.abs(coordinate(path, "rod.distance") - length).max() < 1e-12
+    moment = np.cross(path.p[:, 0], path.v[:, 0])[:, 2]
+    assert np.ptp(moment) < 1e-11
+    speed = np.sum(path.v[:, 0] ** 2, axis=1)
+    gained = speed - speed[0] + 2 * G * (path.p[:, 0, 2] + 0.4)
+    assert np.abs(path.work - gained).max() < 1e-10

@@ -11,7 +11,9 @@ from modelgen import require
 from modelgen.errors import SceneError
 from modelgen.model import Model
 from modelgen.scene.poses import rotation_of
+from modelgen.scene.read import read_text
 from tests.model.scenes import TABLE, WIDE, ball, ball_on_table, contact, egg, scene
+from tests.running import SCENES
 
 
 def motion(model: Model, name: str) -> str:
@@ -177,6 +179,24 @@ def test_forced_forms_are_taken() -> None:
 def test_unknown_observed_names_are_refused(name: str) -> None:
     with pytest.raises(SceneError, match=r"observe\[0\].*no quantity"):
         require(replace(ball_on_table(), observe=(name,)))
+
+
+@pytest.mark.parametrize("name", ["elbow.coordinates", "elbow.torque", "elbow:min.force", "lower.position"])
+def test_quantities_of_joints_and_their_limits_can_be_observed(name: str) -> None:
+    text = (SCENES / "double_pendulum.toml").read_text(encoding="utf-8")
+    made = require(read_text(f'observe = ["{name}"]\n{text}', "pendulum.toml"))
+    assert [made.body_kinds[body.kind].motion for body in made.bodies if body.name == "lower"] == ["free"]
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("elbow.angle", "no quantity 'elbow.angle'"), ("shoulder:min.gap", "no quantity"),
+     ("elbo.force", "no body named 'elbo'.*did you mean 'elbow'")],
+)  # fmt: skip
+def test_unknown_quantities_of_joints_are_refused(name: str, words: str) -> None:
+    text = (SCENES / "double_pendulum.toml").read_text(encoding="utf-8")
+    with pytest.raises(SceneError, match=words):
+        require(read_text(f'observe = ["{name}"]\n{text}', "pendulum.toml"))
 
 
 def test_contact_quantities_can_be_observed() -> None:

@@ -45,10 +45,10 @@ def test_float_follows_double(form: str, accuracy: Accuracy) -> None:
 
 
 def lively(events: tuple[Event, ...]) -> list[tuple[str, str]]:
-    """Kinds and contacts up to the first strike below a twentieth of the fastest: float rests from there."""
-    strikes = [event.speed for event in events]
-    slow = (k for k, speed in enumerate(strikes) if 0 < speed < max(strikes) / 20)
-    return [(event.kind, event.contact) for event in events[: next(slow, len(events))]]
+    """Kinds and contacts before the first strike below a twentieth of the fastest: there float lands flat."""
+    fastest = max((event.speed for event in events), default=0.0)
+    slow = min((event.t for event in events if 0 < event.speed < fastest / 20), default=np.inf)
+    return [(event.kind, event.contact) for event in events if event.t < slow]
 
 
 @pytest.mark.parametrize("name", REGISTRY)

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import ModelgenError, SimulationError
 from modelgen.report.linear import Linearised
+from modelgen.report.small_motions import least_pressing
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
 from tests.oracles.pieces import TABLE, G, ball
@@ -131,6 +132,86 @@ def test_modes_are_normal_to_one_another_by_the_mass() -> None:
     shapes = np.array([mode.shape for mode in found.modes])
     assert shapes @ found.mass @ shapes.T == pytest.approx(np.eye(len(shapes)), abs=1e-12)
     assert found.motions.T @ found.mass @ found.motions == pytest.approx(np.eye(len(shapes)), abs=1e-12)
+
+
+CORNERS = tuple((s, t) for s in (-1, 1) for t in (-1, 1))
+
+
+def stool(off: float = 0.0) -> Scene:
+    """A body on four round feet at (+-0.15, +-0.1) m, with its centre of mass off the middle."""
+    feet = [
+        make.sphere(0.02, name=f"foot{k}", position=[0.15 * s, 0.1 * t, 0.0])
+        for k, (s, t) in enumerate(CORNERS)
+    ]
+    stool = make.dynamic(
+        "stool", *feet, mass=2.0, inertia=[0.1, 0.2, 0.3], position=[0, 0, 0.02],
+        center_of_mass=[0.3 * off, 0.05 * off, 0.1],
+    )  # fmt: skip
+    pairs = [{"between": [f"stool/foot{k}", "table"]} for k in range(4)]
+    return make.scene("stool", [TABLE, stool], contact=pairs)
+
+
+def test_neutral_motions_are_those_of_single_coordinates_where_they_can_be() -> None:
+    """A frictionless stool slides along x, along y, and turns about z."""
+    found = linear(stool())
+    assert [mode.kind for mode in found.modes] == ["neutral"] * 3
+    shapes = [mode.shape / np.abs(mode.shape).max() for mode in found.modes]
+    assert np.abs(shapes) == pytest.approx(np.eye(6)[[0, 1, 5]], abs=1e-9)
+
+
+def test_a_damper_leaves_the_neutral_motions_and_their_number() -> None:
+    """A bob on a damper in the plane x-z of a table: free along x and y, and it comes to rest nowhere."""
+    post = make.fixed("post", make.sphere(0.01), position=[0, 0, 3.0])
+    damper = {"between": ["post", "egg"], "stiffness": 0.0, "damping": 2.0}
+    scene = replace(standing(0.12, 0.09, 0.07), name="damped")
+    built = make.scene(
+        "damped", [*scene.bodies, post], contact=[{"between": ["egg", "table"]}], spring=[damper]
+    )
+    free, damped = linear(scene), linear(built)
+    assert (
+        [m.kind for m in damped.modes].count("neutral") == [m.kind for m in free.modes].count("neutral") == 3
+    )
+    assert damped.frequencies == pytest.approx(free.frequencies, rel=1e-9)
+
+
+def test_equal_frequencies_have_shapes_along_the_coordinates() -> None:
+    """A ball in a bowl swings along x and along y with one frequency, and turns as it likes."""
+    found = linear(shipped("ball_in_bowl"))
+    swings = [np.abs(mode.shape[:3]) for mode in found.modes if mode.frequency]
+    assert [swing / swing.max() for swing in swings] == pytest.approx(np.eye(3)[:2], abs=1e-6)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.1, 0.3])
+def test_forces_of_four_feet_have_minimum_norm(off: float) -> None:
+    """f = W/4 (1 + 2 off s + off t/2) at (s, t) balances the moments, and lies in the rows' space."""
+    found = linear(stool(off))
+    assert found.redundant == 1
+    expected = [2 * G / 4 * (1 + 2 * off * s + 0.5 * off * t) for s, t in CORNERS]
+    assert list(found.force.values()) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_least_force_that_would_pull_is_zero_and_the_others_are_least() -> None:
+    """Far off the middle: one foot carries nothing, and three carry what their moments say."""
+    found = linear(stool(0.45))
+    force = np.array(list(found.force.values()))
+    s, t = np.array(CORNERS).T
+    assert force[0] == pytest.approx(0.0, abs=1e-9)
+    assert np.array([force.sum(), force @ s, force @ t]) == pytest.approx(2 * G * np.array([1, 0.9, 0.225]))
+    assert force[1:].min() > 0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_least_pressing_forces_meet_their_optimality(seed: int) -> None:
+    """f >= 0, A f = b, and f - A^T y >= 0 with f across it for some y."""
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(3, 8))
+    b = A @ np.maximum(rng.normal(size=8), 0.0)
+    f = least_pressing(A, b)
+    assert np.abs(A @ f - b).max() < 1e-9
+    assert f.min() >= 0
+    y = np.linalg.lstsq(A[:, f > 1e-9].T, f[f > 1e-9], rcond=None)[0]
+    assert np.abs(A[:, f > 1e-9].T @ y - f[f > 1e-9]).max() < 1e-7
+    assert (A[:, f <= 1e-9].T @ y).max(initial=0.0) < 1e-7
 
 
 @pytest.mark.parametrize("name", ["bouncing_ball", "ellipsoid_on_ellipsoid", "disc_on_rim", "coin_in_bowl"])

@@ -31,7 +31,7 @@ def test_a_batch_names_the_run_that_cannot_start() -> None:
     q, u = np.array([sentence["initial_q"]] * 2), np.array([sentence["initial_u"]] * 2)
     q[1, 2] -= 0.01
     with pytest.raises(
-        SimulationError, match=r"run 1, contact 'egg-table': .* by 0\.01 m; at most .* m; move"
+        SimulationError, match=r"\(run 1, contact 'egg-table'\): .* by 0\.01 m; at most .* m; move"
     ):
         simulate_batch(library, q, u, until=0.1)
     with pytest.raises(SimulationError, match=r"\(n, 7\)"):

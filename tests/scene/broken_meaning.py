@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .broken_structure import CONTACT, EGG, MASS, SHAPE, SOUND, TABLE, Case, chart, egg, shaped
 
+DISTANCE = '[[joint]]\nkind = "distance"\nbetween = ["table", "egg"]\n'
 MEANING: list[Case] = [
     ("not TOML", "[[body]\nname = 1", ["not TOML", "line 1", "mend"]),
     ("a key twice", egg("mass = 2.0"), ["not TOML", "line"]),
@@ -165,6 +166,26 @@ MEANING: list[Case] = [
         "contact twice",
         SOUND + CONTACT.replace('"egg", "table"', '"table", "egg"'),
         ["contact[1].between", "a second time", "remove one"],
+    ),
+    (
+        "distance and its motion",
+        SOUND + DISTANCE + 'distance = 0.5\nmotion = "0.5 + t"\n',
+        ["joint[0]", "a distance and a motion", "one of the two"],
+    ),
+    (
+        "neither distance nor motion",
+        SOUND + DISTANCE,
+        ["neither a distance nor a motion", "write"],
+    ),
+    (
+        "a cone beyond a half space and back",
+        SOUND + DISTANCE.replace("distance", "spherical") + 'limits = ["none", 4.0]\n',
+        ["joint[0]", "limits", "a tilt that is no angle of a cone", "between 0 and pi"],
+    ),
+    (
+        "a box the wrong way round",
+        SOUND + DISTANCE.replace("distance", "planar") + "limits_y = [1.0, -1.0]\n",
+        ["joint[0]", "limits_y", "1 to -1", "write the least first"],
     ),
     ("observed nobody", 'observe = ["eg.position"]\n' + SOUND, ["observe[0]", "'eg'", "did you mean 'egg'?"]),
     ("observed nothing", 'observe = ["egg.velocty"]\n' + SOUND, ["observe[0]", "'velocty'", "'velocity'?"]),

@@ -40,6 +40,9 @@ STRUCTURAL: list[Case] = [
     ("driven without path", egg('motion = "driven"', mass=""), ["'path' is missing", "expressions of t"]),
     ("no kind", shaped("radius = 0.1"), ["body[1].shape", "'kind' is missing", "plane, sphere, ellipsoid"]),
     ("unknown shape", shaped('kind = "elipsoid"'), ["shape.kind", "'elipsoid'", "did you mean 'ellipsoid'?"]),
+    ("another word for a box", shaped('kind = "Cube"'), ["shape.kind", "'Cube'", "did you mean 'box'?"]),
+    ("another word for a sphere", shaped('kind = "ball"'), ["'ball'", "did you mean 'sphere'?"]),
+    ("another word for a cylinder with ends", shaped('kind = "can"'), ["did you mean 'disc'?"]),
     ("no radius", shaped('kind = "sphere"'), ["body[1].shape", "'radius' is missing", "add radius"]),
     (
         "key of another shape",

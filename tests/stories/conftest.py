@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from modelgen.cli import app
+from modelgen.cli.commands import app
 
 ROOT = Path(__file__).parents[2]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,8 @@ from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 Modelgen = Callable[..., Any]
+TIP = """{ kind = "chart", x = "u*cos(v)", y = "u*sin(v)", z = "u*(2 - u)", domain = [[0, 1], [0, "2*pi"]],
+    periodic = [false, true], poles = ["u_min"] }""".replace("\n", "")
 
 SUNK = """
 [[body]]
@@ -41,7 +45,11 @@ def files(folder: Path) -> set[Path]:
         (("simulate", "scenes/nowhere.toml"), "no such file"),
         (("check", "broken.toml"), "not TOML"),
         (("simulate", "typo.toml"), "did you mean"),
-        (("simulate", "sunk.toml"), "interpenetrate"),
+        (
+            ("simulate", "sunk.toml"),
+            "sunk.toml: contact[0] (contact 'ball-table'): the bodies interpenetrate",
+        ),
+        (("simulate", "tip.toml"), "tip.toml: body[1].shape (shape 'chart', pole u_min): the surface is not"),
         (("simulate", EGG, "--out", "run.xls"), ".npz, .csv"),
         (("simulate", EGG, "--plot", "run.gif"), ".png, .svg"),
         (("simulate", EGG, "--out", "no/where/run.npz"), "no folder"),
@@ -75,6 +83,8 @@ def test_refused(
     (tmp_path / "broken.npz").write_bytes(b"nothing")
     (tmp_path / "typo.toml").write_text(SUNK.replace('"table"]', '"tabel"]'))
     (tmp_path / "sunk.toml").write_text(SUNK)
+    weighed = SUNK.replace("density = 1000.0", "mass = 1.0\ninertia = [1.0, 1.0, 1.0]")
+    (tmp_path / "tip.toml").write_text(weighed.replace('{ kind = "sphere", radius = 0.1 }', TIP))
     (tmp_path / "loose.toml").write_text("[run]\ntolerance = 7.0\n" + SUNK)
     (tmp_path / "run.csv").write_text("t,energy\n0.0,1.0\n")
     monkeypatch.chdir(tmp_path)
@@ -96,7 +106,7 @@ def ending(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], None]:
 
         def changed(self: Session, *arguments: Any) -> int:
             calls.append(1)
-            if len(calls) < 3:
+            if len(calls) != 3:
                 return advance(self, *arguments)
             if isinstance(end, int):
                 return end
@@ -122,7 +132,44 @@ def test_a_run_that_ends_early_keeps_what_was_computed(
     assert answer.json["outcome"] == outcome
     record = load(tmp_path / "run.npz")
     assert record.summary["outcome"] == outcome
-    assert 0 < record.columns["t"][-1] <= answer.json["t_end"] < 1e3
+    assert 0 < record.columns["t"][-1] == answer.json["t_end"] < 1e3
+    assert "the last sample is the state then" in answer.err
+
+
+STOP_AT = """
+import sys
+class Stop:
+    def find_spec(self, name, path=None, target=None):
+        if name == sys.argv[1]:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+from modelgen.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["modelgen.cli.commands", "typer", "rich.progress"])
+def test_an_interrupt_while_the_verbs_load_is_no_traceback(module: str) -> None:
+    ended = subprocess.run([sys.executable, "-c", STOP_AT, module], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")
+
+
+def test_a_scene_of_fixed_bodies_alone_says_that_nothing_moves(
+    modelgen: Modelgen, shared_folder: Path
+) -> None:
+    (shared_folder / "still.toml").write_text(SUNK[: SUNK.index("[[body]]", 5)])
+    answer = modelgen("simulate", "still.toml", "--json")
+    assert answer.code == 0
+    assert any('without motion = "fixed"' in warning for warning in answer.json["warnings"])
+    assert any("nothing moves" in hint for hint in modelgen("check", "still.toml", "--json").json["hints"])
+
+
+def test_every_verb_names_the_files_it_wrote_in_the_same_words(modelgen: Modelgen, tmp_path: Path) -> None:
+    picture = tmp_path / "run.svg"
+    ran = modelgen("simulate", EGG, "--until", 0.05, "--out", tmp_path / "run.npz", "--plot", picture)
+    drawn = modelgen("plot", tmp_path / "run.npz", "-o", picture)
+    assert ran.out.splitlines()[-2:] == [f"written: {tmp_path / 'run.npz'}", f"written: {picture}"]
+    assert drawn.out.splitlines() == [f"written: {picture}"]
 
 
 def test_interrupt_before_the_run_is_no_traceback(

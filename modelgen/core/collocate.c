@@ -1,0 +1,84 @@
+/* Collocation at Radau's points over one step: the state is a polynomial of degree 7 whose slope is the right-hand side's
+   at the seven stages. States and slopes of the stages stand in K, from its second row on. */
+#include "core.h"
+#include "radau_coefficients.h"
+
+static mg_real *mg_stage_state(const mg_context *c, int stage) { return c->K + (1 + stage) * c->n_x; }
+static mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->K + (1 + MG_RADAU + stage) * c->n_x; }
+static mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
+
+/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by. */
+static mg_real mg_twice(int row, int column) {
+  mg_real sum = 0;
+  for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
+  return sum;
+}
+
+/* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
+static mg_real mg_derivative(const mg_real *value, int stage) {
+  const mg_real *time = mg_radau_time;
+  mg_real sum = 0;
+  for (int k = 0; k < MG_RADAU; k++) {
+    if (k == stage) continue;
+    mg_real share = (value[k] - value[stage]) / (time[k] - time[stage]);
+    for (int j = 0; j < MG_RADAU; j++)
+      if (j != k && j != stage) share *= (time[stage] - time[j]) / (time[k] - time[j]);
+    sum += share;
+  }
+  return sum;
+}
+
+/* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
+static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
+  mg_real most = 0;
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int i = from; i < to; i++) {
+      mg_real sum = 0;
+      for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[stage][k] * mg_stage_slope(c, k)[i];
+      mg_real *value = mg_stage_state(c, stage) + i;
+      const mg_real next = x[i] + h * sum, size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+      const mg_real change = fabs(next - *value) / size;
+      if (!(change <= most)) most = change;
+      *value = next;
+    }
+  return most;
+}
+
+/* The end of the step and the interpolant of the polynomial through x and the stages. */
+static void mg_collocated(mg_context *c, const mg_real *x) {
+  const int n = c->n_x;
+  for (int i = 0; i < n; i++) {
+    c->x_next[i] = mg_stage_state(c, MG_RADAU - 1)[i];
+    for (int row = 0; row < MG_RADAU; row++) {
+      mg_real sum = 0;
+      for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_dense[row][k] * (mg_stage_state(c, k)[i] - x[i]);
+      c->dense[row * n + i] = sum;
+    }
+  }
+}
+
+/* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
+static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b) {
+  const int n = MG_RADAU;
+  for (int k = 0; k < n; k++) {
+    int pivot = k;
+    for (int i = k + 1; i < n; i++)
+      if (fabs(A[i][k]) > fabs(A[pivot][k])) pivot = i;
+    if (!(fabs(A[pivot][k]) > 0)) return 0;
+    for (int j = 0; j <= n; j++) {
+      mg_real *one = j < n ? &A[k][j] : b + k, *other = j < n ? &A[pivot][j] : b + pivot;
+      const mg_real value = *one;
+      *one = *other, *other = value;
+    }
+    for (int i = k + 1; i < n; i++) {
+      const mg_real factor = A[i][k] / A[k][k];
+      for (int j = k; j < n; j++) A[i][j] -= factor * A[k][j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    for (int j = k + 1; j < n; j++) b[k] -= A[k][j] * b[j];
+    b[k] /= A[k][k];
+  }
+  return 1;
+}

@@ -1,0 +1,96 @@
+/* How the bodies of a contact lean on each other that lay flat: what was N in f's axes, against N now. */
+#include "core.h"
+
+static int mg_is_free(const mg_context *c, int body) { return mg_body_kinds[mg_kind_of(c, body)].motion == MG_FREE; }
+
+/* A direction of the world in the axes of a pose. */
+static void mg_turn_in(const mg_real *pose, const mg_real *world, mg_real *local) {
+  for (int k = 0; k < 3; k++) local[k] = mg_dot3(pose + 3 + 3 * k, world);
+}
+
+static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
+  out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Notes at the flat start what leans against what, and how little it is held to lean at first in a step h. Returns 0 where
+   no body could. */
+static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  mg_poses(c, t, x);
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->run->fresh[i] != MG_FRESH) continue;
+    if (!mg_is_free(c, c->f[i]) && !mg_is_free(c, c->o[i])) return 0;
+    mg_onset *onset = c->onset + i;
+    const mg_real *o = c->pose + 12 * c->o[i], *f = c->pose + 12 * c->f[i], *normal = c->place + 5;
+    mg_place(c, i, mg_eta_of(c, x, i), c->place + 32);
+    mg_turn_in(o, normal, onset->normal), mg_turn_in(f, normal, onset->axis);
+    mg_turn_in(o, c->run->outward + 3 * i, onset->outward);
+    for (int stage = 0; stage < MG_RADAU; stage++)
+      onset->azimuth[stage] = 0, onset->tilt[stage] = sqrt(MG_EPS) * h / c->sys->time;
+  }
+  return 1;
+}
+
+/* At the present poses. */
+static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
+  const mg_onset *onset = c->onset + contact;
+  const mg_real *o = c->pose + 12 * c->o[contact], *f = c->pose + 12 * c->f[contact];
+  mg_lean at;
+  mg_real out[3], aside[3], axis[3];
+  mg_out(o, onset->normal, 0, at.normal), mg_out(o, onset->outward, 0, out), mg_out(f, onset->axis, 0, axis);
+  mg_cross(at.normal, out, aside);
+  const mg_real height = mg_dot3(axis, at.normal);
+  for (int k = 0; k < 3; k++) {
+    at.along[k] = cos(azimuth) * out[k] + sin(azimuth) * aside[k];
+    at.across[k] = cos(azimuth) * aside[k] - sin(azimuth) * out[k];
+    at.lean[k] = axis[k] - height * at.normal[k];
+  }
+  return at;
+}
+
+/* The angular velocity of f against o about a direction of the world. */
+static mg_real mg_turning(const mg_context *c, int contact, const mg_real *direction) {
+  mg_real o[3], f[3];
+  mg_out(c->pose + 12 * c->o[contact], c->twist + 6 * c->o[contact] + 3, 0, o);
+  mg_out(c->pose + 12 * c->f[contact], c->twist + 6 * c->f[contact] + 3, 0, f);
+  return mg_dot3(f, direction) - mg_dot3(o, direction);
+}
+
+/* Turns the bodies of a contact in x until they lean by `tilt` along the azimuth of `at`. */
+static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x) {
+  const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
+  mg_real change[3], turn[3], angle[3];
+  for (int k = 0; k < 3; k++) change[k] = (turns_f ? 1 : -1) * (tilt * at->along[k] - at->lean[k]);
+  mg_cross(at->normal, change, turn);
+  mg_turn_in(c->pose + 12 * body, turn, angle);
+  mg_turn(x + c->sys->body_q[body] + 3, angle);
+}
+
+/* By what part of a tilt bodies miss to lean by it along the azimuth of `at`. */
+static mg_real mg_misses(const mg_lean *at, mg_real tilt) {
+  mg_real sum = 0;
+  for (int k = 0; k < 3; k++) sum += (at->lean[k] - tilt * at->along[k]) * (at->lean[k] - tilt * at->along[k]);
+  return sqrt(sum) / tilt;
+}
+
+/* Turns the bodies of a contact, that lean by `tilt`, in x so that their azimuth changes at a rate. The lean of a body that
+   spins about N goes round with it. */
+static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x) {
+  const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
+  const mg_real spin = mg_turning(c, contact, at->normal), now = mg_turning(c, contact, at->along);
+  const mg_real change = (turns_f ? 1 : -1) * (tilt * (spin - rate) - now);
+  mg_real along[3], *w = x + c->sys->n_q + c->sys->body_u[body] + 3;
+  mg_turn_in(c->pose + 12 * body, at->along, along);
+  for (int k = 0; k < 3; k++) w[k] += change * along[k];
+}
+
+/* The angular acceleration of f against o about a direction of the world. */
+static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction) {
+  mg_real sum = 0, turn[3];
+  for (int side = 0; side < 2; side++) {
+    const int body = side ? c->f[contact] : c->o[contact];
+    if (!mg_is_free(c, body)) continue;
+    mg_out(c->pose + 12 * body, slope + c->sys->n_q + c->sys->body_u[body] + 3, 0, turn);
+    sum += (side ? 1 : -1) * mg_dot3(turn, direction);
+  }
+  return sum;
+}

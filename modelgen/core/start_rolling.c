@@ -1,0 +1,266 @@
+/* The first step of a contact that starts from flat: a face leaves a plane, and its body goes on on one point of its rim.
+
+   While the rim is flat no point of it is lowest. At the time tau after, the body leans by A tau^3 or so towards its
+   azimuth, and a lean across that azimuth turns the contact point by 1/(A tau^3) times as much: the equations are
+   irregular singular at tau = 0. Of all their solutions one is smooth there; the others swing about it with an unbounded
+   speed. Collocation at Radau's points keeps to the smooth one. Its unknowns are taken to be the states and the azimuths
+   at the stages: given the azimuths, the right-hand side is evaluated on bodies turned to lean that way, and to go on
+   leaning that way, which is smooth and converges by substitution; and that the bodies do lean that way is a
+   well-conditioned linear system of seven rows a contact, h^2 A^2 k - tilt.
+
+   How to start a contact: with the faces flat on each other and without a rate of leaving, put it on its link with eta
+   (if it has any) at the point where the pressure leaves, mark it closed, active and MG_FRESH, write the way out of the
+   hull there, along the plane (world, unit), into run->outward, and let run->h be no shorter than the scene's own time:
+   the step is tried from there down. The row of a fresh contact means nothing until its first step, which mg_try_step
+   takes: no complementarity problem may contain it. Then it is MG_YOUNG, excused from the bounds on margins until its
+   margin is above them. */
+#include "core.h"
+
+static int mg_starts_rolling(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->fresh[i] == MG_FRESH) return 1;
+  return 0;
+}
+
+/* The conditions of its link hold, and its margin is nothing to warn of. */
+static int mg_is_grown_up(mg_context *c, int contact) {
+  const mg_real *eta = mg_eta_of(c, c->run->x, contact);
+  int which;
+  mg_place(c, contact, eta, c->place + 32);
+  return c->run->margin[contact] >= c->set->margin_warn &&
+         mg_worst_condition(c, c->run->link[contact], eta, &which) >= 0;
+}
+
+/* After a step, with the poses at its end. */
+static void mg_grow_up(mg_context *c) {
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!c->run->fresh[i]) continue;
+    c->run->fresh[i] = mg_is_grown_up(c, i) ? MG_STEADY : MG_YOUNG;
+  }
+}
+
+/* A closed contact too near to where its extremum is lost, unless it has just come from there. */
+static int mg_is_singular(const mg_context *c, int contact) {
+  return c->run->closed[contact] && !c->run->fresh[contact] && !(c->run->margin[contact] >= c->set->margin_refuse);
+}
+
+/* Brings eta of a contact to the extremum at the present poses, as near as rounding lets it. */
+static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
+  if (!c->n_eta[contact]) return 1;
+  if (mg_settle_in(c, contact, eta) < 0) return 0;
+  for (int extra = 0; extra < 2; extra++) {
+    mg_place(c, contact, eta, c->place + 32);
+    for (int k = 0; k < c->n_eta[contact]; k++) eta[k] = c->place[32 + k];
+  }
+  return mg_finite(eta, c->n_eta[contact]);
+}
+
+/* The rates of q in a slope, of the velocities that the stage really has. */
+static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
+  mg_real *x = c->x_stage, *real = c->K + (2 + 2 * MG_RADAU) * c->n_x;
+  const int n_q = c->sys->n_q;
+  for (int i = n_q; i < n_q + c->sys->n_u; i++) x[i] = mg_stage_state(c, stage)[i];
+  mg_poses(c, t, x);
+  mg_accelerations(c, t, x, real);
+  for (int i = 0; i < n_q; i++) slope[i] = real[i];
+}
+
+/* The state at a stage, with quaternions of unit length, to c->x_stage. */
+static void mg_take_stage(mg_context *c, int stage) {
+  for (int i = 0; i < c->n_x; i++) c->x_stage[i] = mg_stage_state(c, stage)[i];
+  mg_normalise(c, c->x_stage);
+}
+
+/* Turns the fresh contacts of c->x_stage to lean along their azimuths at a stage plus `turned`; as far as they do, or, if
+   `held`, as before. Returns 0 where one does not lean that way. */
+static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real turned) {
+  for (int twice = 0; twice < 2; twice++) {
+    mg_poses(c, t, c->x_stage);
+    for (int i = 0; i < c->sys->n_contact; i++) {
+      if (c->run->fresh[i] != MG_FRESH) continue;
+      mg_onset *onset = c->onset + i;
+      const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
+      if (!twice && !held) onset->tilt[stage] = mg_dot3(at.along, at.lean);
+      if (!(onset->tilt[stage] > 0)) return 0;
+      mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
+    }
+    mg_normalise(c, c->x_stage);
+  }
+  mg_poses(c, t, c->x_stage);
+  return 1;
+}
+
+/* The slope at a stage with its fresh contacts leaning so, and turning as their azimuths do from stage to stage. */
+static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int held, mg_real turned, mg_real *slope) {
+  mg_real *x = c->x_stage;
+  mg_take_stage(c, stage);
+  if (!mg_lean_stage(c, t, stage, held, turned)) return 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->run->fresh[i] != MG_FRESH) continue;
+    mg_onset *onset = c->onset + i;
+    const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
+    onset->blur[stage] = mg_misses(&at, onset->tilt[stage]);
+    mg_lean_at_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
+    if (!mg_settle_fully(c, i, mg_eta_of(c, x, i))) return 0;
+  }
+  if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
+  mg_slope(c, t, x, slope);
+  mg_follow(c, t, stage, slope);
+  return 1;
+}
+
+/* Once round: the slopes at the stages, then the states by them. eta of fresh contacts is settled, not integrated. */
+static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int held, mg_real *change) {
+  const mg_system *s = c->sys;
+  const int first = s->n_q + s->n_u;
+  c->suspect = 0;
+  for (int stage = 0; stage < MG_RADAU; stage++) {
+    if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, held, 0, mg_stage_slope(c, stage))) return 0;
+    mg_watch(c);
+    for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
+  }
+  *change = mg_collect(c, x, h, 0, first);
+  for (int i = 0; i < s->n_contact; i++) {
+    if (c->run->fresh[i] == MG_FRESH) continue;
+    const int from = first + s->contact_eta[i];
+    const mg_real more = mg_collect(c, x, h, from, from + c->n_eta[i]);
+    if (!(more <= *change)) *change = more;
+  }
+  mg_collect(c, x, h, c->work_index, c->n_x);
+  return *change <= MG_MAX;
+}
+
+/* d(acceleration of the lean across its azimuth) / d(azimuth) at the stages, by a difference. */
+static int mg_find_stiffness(mg_context *c, mg_real t, mg_real h) {
+  const mg_real turned = (mg_real)1 / 1024;
+  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x;
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int sign = -1; sign <= 1; sign += 2) {
+      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, 1, sign * turned, slope)) return 0;
+      for (int i = 0; i < c->sys->n_contact; i++) {
+        if (c->run->fresh[i] != MG_FRESH) continue;
+        mg_onset *onset = c->onset + i;
+        const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage]);
+        const mg_real across = -mg_spin_up(c, i, slope, at.along) / (2 * turned);
+        onset->stiffness[stage] = sign < 0 ? -across : onset->stiffness[stage] + across;
+      }
+    }
+  return 1;
+}
+
+/* Newton's step for the azimuths of one contact; returns what it changes of the velocities, against their scale. */
+static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
+  mg_onset *onset = c->onset + contact;
+  mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], most = 0;
+  for (int row = 0; row < MG_RADAU; row++) {
+    mg_take_stage(c, row);
+    mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
+    const mg_lean at = mg_lean_at(c, contact, onset->azimuth[row]);
+    change[row] = -mg_dot3(at.across, at.lean);
+    for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
+    matrix[row][row] -= onset->tilt[row];
+  }
+  if (!mg_eliminate(matrix, change)) return MG_MAX;
+  for (int stage = 0; stage < MG_RADAU; stage++) {
+    const mg_real effect = fabs(change[stage] * onset->stiffness[stage]) * h * c->sys->time;
+    onset->azimuth[stage] += change[stage];
+    if (!(effect <= most)) most = effect;
+  }
+  return most;
+}
+
+/* Newton's step for the azimuths, and substitutions, by which the poses follow. Returns the largest change of the last,
+   and of the velocities by the azimuths; NAN where it fails. */
+static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
+  mg_real most = 0, change = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
+    if (!(effect <= most)) most = effect;
+  }
+  for (int sweep = 0; sweep < 3; sweep++)
+    if (!mg_sweep(c, t, x, h, held, &change)) return (mg_real)NAN;
+  return most <= change ? change : most;
+}
+
+/* All bodies go on as they move, and lean a little along the way out. */
+static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  const int n_q = c->sys->n_q;
+  mg_real change;
+  if (!mg_open_onsets(c, t, x, h)) return 0;
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int i = 0; i < c->n_x; i++)
+      mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
+  for (int round = 0; round < 2; round++)
+    if (!mg_sweep(c, t, x, h, 1, &change)) return 0;
+  return mg_find_stiffness(c, t, h);
+}
+
+/* What rounding of the poses does to the velocities by turning the lean, against their scale. */
+static mg_real mg_rounding(const mg_context *c, mg_real h) {
+  mg_real most = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->run->fresh[i] != MG_FRESH) continue;
+    for (int stage = 0; stage < MG_RADAU; stage++) {
+      const mg_real effect = 8 * c->onset[i].blur[stage] * fabs(c->onset[i].stiffness[stage]) * h * c->sys->time;
+      if (!(effect <= most)) most = effect;
+    }
+  }
+  return most;
+}
+
+/* The stages of a step h, first with the lean held, then with it followed. Returns to what part of their scale they are
+   found, which rounding may bound, or NAN. */
+static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  const mg_real goal = c->set->tolerance / 100;
+  mg_real before = MG_MAX, most = before;
+  if (!mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
+  for (int round = 0; round < 12 && !(round && most <= goal); round++) most = mg_round(c, t, x, h, 1);
+  for (int round = 0; round < 40 && most <= MG_MAX; round++) {
+    most = mg_round(c, t, x, h, 0);
+    if (round && most <= goal) return most;
+    const mg_real noise = most > before ? most : before;
+    if (round > 4 && most > before / 4 && noise <= mg_rounding(c, h)) return noise;
+    before = most;
+  }
+  return (mg_real)NAN;
+}
+
+/* What the explicit method can follow afterwards: the swing about the smooth solution. */
+static mg_real mg_pace_after(const mg_context *c) {
+  mg_real pace = MG_MAX;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (c->run->fresh[i] != MG_FRESH) continue;
+    const mg_real each = sqrt(c->onset[i].tilt[MG_RADAU - 1] / fabs(c->onset[i].stiffness[MG_RADAU - 1]));
+    if (each < pace) pace = each;
+  }
+  return pace;
+}
+
+/* The difference of the interpolant half way from the end of a step half as long, root mean square against the
+   tolerance. */
+static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half) {
+  mg_real sum = 0;
+  mg_interpolate(c, x, (mg_real)1 / 2, c->x_stage);
+  for (int i = 0; i < c->n_x; i++) {
+    const mg_real size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+    const mg_real error = (c->x_stage[i] - half[i]) / (c->set->tolerance * size);
+    sum += error * error;
+  }
+  return sqrt(sum / c->n_live);
+}
+
+/* From K[0], of which only the rates of q count, to c->x_next and the interpolant. Returns the error relative to the
+   tolerance, as far as it is more than rounding; MG_MAX where there is no solution. */
+static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  for (int i = 0; i < c->n_x; i++) c->x_next[i] = x[i];
+  const mg_real half = mg_solve_stages(c, t, x, h / 2);
+  if (!(half <= MG_MAX)) return MG_MAX;
+  for (int i = 0; i < c->n_x; i++) c->settled[i] = mg_stage_state(c, MG_RADAU - 1)[i];
+  const mg_real whole = mg_solve_stages(c, t, x, h);
+  if (!(whole <= MG_MAX)) return MG_MAX;
+  mg_collocated(c, x);
+  c->pace = mg_pace_after(c);
+  if (c->set->method == MG_RK4) return 0;
+  const mg_real error = mg_differs_half_way(c, x, c->settled) - (half > whole ? half : whole) / c->set->tolerance;
+  return error > 0 ? error : 0;
+}

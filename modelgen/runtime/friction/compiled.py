@@ -1,0 +1,147 @@
+"""The solvers of the compiled core (core/friction.h), and the certificate that all solvers share."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modelgen.errors import SimulationError
+from modelgen.runtime.complementarity import CoreLibrary
+from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
+
+Law = Literal["coulomb", "relaxed"]
+LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/friction.h
+_REALS: dict[str, Any] = {"f": ctypes.c_float, "d": ctypes.c_double, "g": ctypes.c_longdouble}
+_COUNTS = ("outcome", "sweeps", "newton", "starts", "rank", "active", "unique")
+_UNDECIDED = -1
+
+
+class _Problem(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
+        *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
+        ("starts", ctypes.c_int),
+    )
+
+
+def coulomb(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None, starts: int = 0
+) -> FrictionSolution:
+    """Coulomb's law as it stands: no approximation.
+
+    Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the
+    natural map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these
+    fail, from interior points of convex problems whose normal rows are shifted by the slip that came out
+    before (V. Acary, F. Cadoux, C. Lemarechal, J. Malick, ZAMM 91 (2011), 155-175), and along paths from
+    softened matrices. What it loses: a solution may exist and not be found (NOT_FOUND), and of several it
+    returns one.
+
+    Args:
+        start: (n,) a guess of the forces, such as those of the step before; none by default.
+        starts: starting points at most, the guess among them; 0: all, which may take seconds for 20 contacts.
+
+    Raises:
+        SimulationError: a record that does not fit together, or a start of another shape.
+    """
+    return _call(problem, library, "coulomb", start, starts)
+
+
+def relaxation(
+    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
+) -> FrictionSolution:
+    """The convex program min z'Az/2 + b'z over the friction cones.
+
+    M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible,
+    with w unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding
+    bodies lift off at a slope of mu (in a time-stepping scheme: a gap of about mu |v_t| times the step).
+    Contacts that open more slowly than that are pushed too. Exact where all stick or open faster, or mu = 0.
+    Its program can be infeasible where Coulomb's law has a solution. Arguments and errors as for `coulomb`.
+    """
+    return _call(problem, library, "relaxed", start, 0)
+
+
+def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: Law = "coulomb") -> float:
+    """The scaled natural map of any z (mg_friction_residual in core/friction.h): 0 for a solution of `law`.
+
+    Dimensionless, and the same in all units and for all choices of t1, t2.
+    """
+    forces = np.ascontiguousarray(z, dtype=library.dtype)
+    record, alive = _record(problem, library, law)
+    function = library.cdll.mg_friction_residual
+    function.restype = _REALS[forces.dtype.char]
+    value = float(function(ctypes.byref(record), _pointer(forces)))
+    del alive
+    return value
+
+
+def _call(
+    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None, starts: int
+) -> FrictionSolution:
+    record, alive = _record(problem, library, law, starts)
+    cdll, n, count = library.cdll, problem.n, len(problem.first)
+    z = np.zeros(n, dtype=library.dtype)
+    if start is not None and np.shape(start) != z.shape:
+        raise SimulationError("problem with friction", f"start of shape {np.shape(start)}", f"shape ({n},)")
+    if start is not None:
+        z[:] = np.asarray(start)
+    marks = np.zeros(count, dtype=np.intc)
+    work = np.empty(int(cdll.mg_friction_work_size(n, count)), dtype=z.dtype)
+    iwork = np.empty(int(cdll.mg_friction_iwork_size(n, count)), dtype=np.intc)
+    report = _report(z.dtype)
+    cdll.mg_friction(
+        ctypes.byref(record),
+        _pointer(z),
+        _pointer(marks),
+        ctypes.byref(report),
+        _pointer(work),
+        _pointer(iwork),
+    )
+    del alive
+    return FrictionSolution(
+        z=_frozen(z),
+        w=_frozen(motion(problem, z)),
+        outcome=list(Outcome)[report.outcome],
+        residual=float(report.residual),
+        coulomb_residual=residual(problem, z, library),
+        approximation="" if law == "coulomb" else "w_n of a contact that slips is |mu w_t| instead of 0",
+        iterations=int(report.sweeps + report.newton),
+        motions=tuple(Motion(int(mark)) for mark in marks),
+        rank=int(report.rank),
+        active=int(report.active),
+        unique=None if report.unique == _UNDECIDED else bool(report.unique),
+    )
+
+
+def motion(problem: FrictionProblem, z: NDArray[Any]) -> NDArray[Any]:
+    """w = A z + b."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(problem.A.astype(z.dtype) @ z + problem.b)
+
+
+def _record(
+    problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0
+) -> tuple[_Problem, tuple[Any, ...]]:
+    """The record for the core, and the arrays that must live as long as it does."""
+    real = library.dtype
+    A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
+    cone = np.ascontiguousarray(problem.cone, dtype=real)
+    first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
+    pointers = (_pointer(array) for array in (first, rows, cone, A, b))
+    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts), (A, b, cone, first, rows)
+
+
+def _report(dtype: np.dtype[Any]) -> Any:
+    fields = [*((name, ctypes.c_int) for name in _COUNTS), ("residual", _REALS[dtype.char])]
+    return type("FrictionReport", (ctypes.Structure,), {"_fields_": fields})()
+
+
+def _pointer(array: NDArray[Any]) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array

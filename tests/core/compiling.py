@@ -1,0 +1,54 @@
+"""The core's solvers compiled alone, without the vocabulary of a scene."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+CORE = Path(__file__).parents[2] / "modelgen" / "core"
+SOURCES = (
+    "active_solve", "enumerate", "friction", "friction_even", "friction_interior", "friction_layout",
+    "friction_local", "friction_newton", "friction_paths", "friction_proof", "friction_residual",
+    "friction_scale", "friction_sweep", "lcp_basis", "lcp_cholesky", "lcp_minimum_norm", "lcp_residual",
+    "lemke", "qp", "qp_pivot", "qp_refine", "qp_small",
+)  # fmt: skip
+WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wconversion")
+REALS: dict[str, tuple[tuple[str, ...], Any]] = {
+    "double": ((), np.float64),
+    "float": (("-DMG_REAL_FLOAT",), np.float32),
+    "long double": (("-DMG_REAL_LONG",), np.longdouble),
+}
+
+
+@dataclass(frozen=True)
+class CoreBuild:
+    cdll: ctypes.CDLL
+    dtype: Any
+
+
+def compiler() -> str | None:
+    return next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+
+
+def compile_core(folder: Path, text: str, *flags: str) -> Path:
+    """The solvers, and `text` after them, in one file."""
+    unit = folder / "lcp_unit.c"
+    unit.write_text("".join(f'#include "{name}.c"\n' for name in SOURCES) + text)
+    out = folder / "lcp_unit.out"
+    command = [str(compiler()), *WARNINGS, f"-I{CORE}", *flags, str(unit), "-o", str(out), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+def core_in(folder: Path, real: str, *flags: str) -> CoreBuild:
+    """The library over "double", "float" or "long double"."""
+    define, dtype = REALS[real]
+    path = compile_core(folder, "", "-O2", *flags, "-fvisibility=hidden", "-shared", "-fPIC", *define)
+    return CoreBuild(ctypes.CDLL(str(path)), dtype)

@@ -1,0 +1,48 @@
+"""Thousands of random problems. Run with `pytest -m slow tests/core/test_friction_study.py`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from modelgen.runtime.friction import Outcome, coulomb
+from tests.core.frictional import feasible, impossible, natural_map
+
+FEW, MANY, NONE = 250, 5000, 500
+ENOUGH = 1e-9
+
+
+def unsolved(core: Any, seeds: range) -> list[int]:
+    """The seeds without a solution; none that is called solved may fail the certificate."""
+    failed = []
+    for seed in seeds:
+        problem = feasible(seed)
+        answer = coulomb(problem, core)
+        if answer.outcome is not Outcome.SOLVED:
+            failed.append(seed)
+            assert answer.outcome is Outcome.NOT_FOUND, seed
+        else:
+            assert natural_map(problem, answer.z) <= ENOUGH, seed
+    return failed
+
+
+def test_problems_with_a_solution_are_solved(lcp: Any) -> None:
+    assert unsolved(lcp, range(FEW)) == []
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_problem_without_a_solution_is_proved_to_have_none(seed: int, lcp: Any) -> None:
+    assert coulomb(impossible(seed), lcp).outcome is Outcome.INFEASIBLE
+
+
+@pytest.mark.slow
+def test_of_thousands_999_in_1000_are_solved(lcp: Any) -> None:
+    assert len(unsolved(lcp, range(MANY))) <= MANY / 1000
+
+
+@pytest.mark.slow
+def test_no_problem_without_a_solution_is_called_solved(lcp: Any) -> None:
+    outcomes = [coulomb(impossible(seed), lcp).outcome for seed in range(NONE)]
+    assert Outcome.SOLVED not in outcomes
+    assert outcomes.count(Outcome.INFEASIBLE) >= 0.99 * NONE
