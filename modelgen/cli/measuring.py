@@ -12,8 +12,9 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 import modelgen
+from modelgen.cli import INTERRUPTED
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
-from modelgen.cli.output import INTERRUPTED, check_outputs, guarded, print_facts
+from modelgen.cli.output import check_outputs, guarded, print_facts
 from modelgen.errors import ModelgenError
 
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "ms": 1e6, "s": 1e9}  # of a budget, in ns

@@ -32,7 +32,7 @@ def test_a_motion_is_no_distance_from_itself() -> None:
 
 
 def test_a_shift_counts_in_position_and_over_the_length() -> None:
-    moved = replace(motion(), p=motion().p + [3e-4, 0.0, 4e-4])
+    moved = replace(motion(), p=motion().p + np.array([3e-4, 0.0, 4e-4]))
     assert errors(moved, motion(), BODIES, None)["position"] == pytest.approx(5e-4)
     assert separation(moved, motion(), BODIES) == pytest.approx(np.full(11, 1e-3))
 

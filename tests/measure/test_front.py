@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +18,7 @@ POINTS = st.lists(
 @given(POINTS)
 def test_along_a_front_errors_fall_as_costs_rise(points: list[Point]) -> None:
     placed = [place(point) for point in front(points)]
-    assert all(a[0] < b[0] and a[1] > b[1] for a, b in zip(placed, placed[1:], strict=False))
+    assert all(a[0] < b[0] and a[1] > b[1] for a, b in itertools.pairwise(placed))
 
 
 @given(POINTS)
@@ -61,4 +63,4 @@ def test_rows_that_are_shown_are_of_the_front_and_apart(points: list[Point]) -> 
     shown = spaced(best, 2.0)
     assert all(point in best for point in shown)
     assert shown[:1] == best[:1]
-    assert all(place(a)[1] >= 2 * place(b)[1] for a, b in zip(shown, shown[1:], strict=False))
+    assert all(place(a)[1] >= 2 * place(b)[1] for a, b in itertools.pairwise(shown))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -39,7 +40,7 @@ def test_tighter_tolerances_never_raise_the_error_above_its_floor(modelgen: Mode
     }
     errors = [plain[tolerance] for tolerance in sorted(plain, reverse=True)]
     floor = 10 * min(errors)
-    assert all(b <= 2 * a for a, b in zip(errors, errors[1:], strict=False) if b > floor)
+    assert all(b <= 2 * a for a, b in itertools.pairwise(errors) if b > floor)
 
 
 def test_what_was_measured_is_remembered_and_a_fresh_error_is_the_same(modelgen: Modelgen) -> None:
