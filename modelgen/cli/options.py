@@ -10,11 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.format import ACCURACIES, FORMS, RUN
+from modelgen.scene.format import ACCURACIES, FORMS, REALS, RUN
 from modelgen.scene.place import Place
 from modelgen.scene.scalars import Choice, Real, Type, Whole
 
-REALS = ("double", "float", "long double")
 STYLES = ("text", "latex", "html")
 TYPES: dict[str, Type] = {
     **{field.key: field.type for field in RUN.fields},
@@ -45,7 +44,10 @@ Tolerance = Annotated[
     str | None,
     typer.Option(help="local error of a step, relative; overrides --accuracy", metavar="NUMBER"),
 ]
-RealName = Annotated[str, typer.Option(help="the real type of the library", metavar=_among(REALS))]
+RealName = Annotated[
+    str | None,
+    typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),
+]
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
 At = Annotated[
     str | None,

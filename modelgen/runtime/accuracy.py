@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from numbers import Real
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from modelgen.errors import SimulationError, nearest
 
@@ -43,6 +43,14 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 )
 
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
+
+
+CHOICES = ("method", "step", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
+
+
+def _named(base: str, own: Mapping[str, Any]) -> str:
+    """`tolerance 1e-08, newton 2`."""
+    return ", ".join([base, *(f"{key} {value}" for key, value in own.items())])
 
 
 def is_number(value: object) -> bool:
@@ -155,6 +163,11 @@ class Accuracy:
         return cls(name="tight", tolerance=1e-13)
 
     @classmethod
+    def finest(cls) -> Accuracy:
+        """Close to the rounding of long double: for references, in that build."""
+        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+
+    @classmethod
     def of(cls, tolerance: float) -> Accuracy:
         """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
@@ -174,6 +187,17 @@ class Accuracy:
             remedy = nearest(name, records) or "use one of these names"
             raise SimulationError("accuracy", repr(name), "fast, balanced, tight", remedy)
         return records[name]()
+
+    @classmethod
+    def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
+        """The record that the settings of a run describe, as they stand in a manifest."""
+        tolerance = run.get("tolerance")
+        base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
+        base = replace(base, imaginary_edge=run["imaginary_edge"])
+        own = {key: run[key] for key in CHOICES if run.get(key) is not None}
+        if own.get("method") == "rk4" and "step" not in own:
+            raise SimulationError("method", "rk4 without a step", "step = SECONDS", "give the step beside it")
+        return replace(base, name=_named(base.name, own), **own) if own else base
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:

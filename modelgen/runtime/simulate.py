@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -78,12 +77,10 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
 
 def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
     """The accuracy that the scene asks for."""
-    run, key = sentence["run"], "accuracy" if sentence["run"]["tolerance"] is None else "tolerance"
     try:
-        accuracy = Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
-        return replace(accuracy, imaginary_edge=run["imaginary_edge"])
+        return Accuracy.of_run(sentence["run"])
     except SimulationError as error:
-        where = f"{sentence['source']}: run.{key}"
+        where = f"{sentence['source']}: run.{error.where}"
         raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 

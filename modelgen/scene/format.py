@@ -16,6 +16,9 @@ from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 
 ACCURACIES = ("fast", "balanced", "tight")
+METHODS = ("dop853", "rk4")
+REALS = ("double", "float", "long double")
+LEVELS = ("O1", "O2", "O3")
 FORMS = (
     *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
     *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
@@ -196,6 +199,14 @@ RUN = Table(
             default=0.0,
         ),
         Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
+        Field("method", Choice(METHODS), "adaptive, or with a fixed step"),
+        Field("step", POSITIVE, "the fixed step, s"),
+        Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
+        Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
+        Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),
+        Field("form", Choice(FORMS), "form of contacts that name none, where it is regular"),
+        Field("real", Choice(REALS), "the real type of the library"),
+        Field("level", Choice(LEVELS), "how far the compiler optimises"),
     )
 )
 

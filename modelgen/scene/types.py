@@ -209,11 +209,21 @@ Load = ForceLoad | TorqueLoad | SpringLoad
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
+    """How the scene is run; None leaves a choice to the accuracy, or to the generator and the build."""
+
     until: float = 1.0  # s
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     samples: int = 200  # output intervals between 0 and until
+    method: str | None = None  # dop853 | rk4
+    step: float | None = None  # s, of rk4
+    newton: int | None = None  # 0 | 1 | 2
+    project: int | None = None  # every so many steps; 0 never
+    use_gamma: bool | None = None
+    form: str | None = None  # of the contacts that name none, where it is regular
+    real: str | None = None  # double | float | long double
+    level: str | None = None  # of the compiler: O1 | O2 | O3
 
 
 @dataclass(frozen=True, slots=True)
