@@ -24,7 +24,8 @@ from tests.oracles.friction.on_plane import (
     solid_ellipsoid,
 )
 
-SEMI_AXES, DENSITY = (0.10, 0.07, 0.05), 1000.0
+DENSITY = 1000.0
+LONGEST, LEAST, ROUNDING = 0.02, 1e-6, 1e-17  # longest piece of a flight, s; least speed of leaving, m/s; s
 
 
 @dataclass(frozen=True)
@@ -74,16 +75,29 @@ def struck(body: Body, x: Array, e: float) -> tuple[Array, Blow]:
 
 
 def bounced(body: Body, x: Array, times: Any, e: float, tolerance: float = 1e-16) -> tuple[Array, list[Blow]]:
-    """States at the times, and the blows up to the last; principal axes of inertia are the body's."""
+    """States at the times, and the blows up to the last; before blows follow each other without end.
+
+    The principal axes of inertia are the body's.
+    """
     slope, states, blows = motion(body, flies), [], []
     for t in reals(times):
-        while x[T] < t:
-            x, _, which = marched(slope, x, t - x[T], (lambda y: height(body, y),), tolerance)
+        while t - x[T] > ROUNDING:
+            began = (x[T], lowest(body, x)[2]) if blows and blows[-1].t == x[T] else None
+            gap = lambda y, began=began: _mean_rate(body, y, began)  # noqa: E731
+            x, _, which = marched(slope, x, min(t - x[T], LONGEST), (gap,), tolerance)
             if which == 0:
                 x, blow = struck(body, x, e)
+                assert blow.after[2] > LEAST, "blows without end"
                 blows.append(blow)
         states.append(x)
     return np.array(states), blows
+
+
+def _mean_rate(body: Body, x: Array, began: Any) -> Any:
+    """The height, over the time since a blow at (time, rate): not zero when the flight begins."""
+    if began is None:
+        return height(body, x)
+    return began[1] if x[T] == began[0] else height(body, x) / (x[T] - began[0])
 
 
 def bouncing_ellipsoid(mu: float) -> tuple[Body, Array]:
