@@ -21,7 +21,7 @@ typedef struct {
   int tell;              /* rank, active and unique are wanted, and of forces that are not unique those of least norm */
   const int *first;      /* per contact: row of N; other rows of the contact follow it */
   const int *rows;       /* per contact: 1 N; 3 and t1, t2; 6 and spin about N, rolling about t1, t2 */
-  const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read */
+  const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read; 0: no force along that row */
   const mg_real *A, *b;  /* rows that belong to no contact are bilateral: w = 0, any force */
   int starts;            /* starting points at most, 0: all that are known; each may take a hundred times the first */
 } mg_friction_problem;

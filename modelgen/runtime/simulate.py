@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,7 +80,8 @@ def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
     """The accuracy that the scene asks for."""
     run, key = sentence["run"], "accuracy" if sentence["run"]["tolerance"] is None else "tolerance"
     try:
-        return Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+        accuracy = Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+        return replace(accuracy, imaginary_edge=run["imaginary_edge"])
     except SimulationError as error:
         where = f"{sentence['source']}: run.{key}"
         raise SimulationError(where, error.found, error.allowed, error.remedy) from None
@@ -126,6 +128,7 @@ def _trajectory(
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
         link_names=session.link_names,
+        patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
         events=tuple(events),

@@ -84,6 +84,23 @@ def mild(seed: int) -> FrictionProblem:
     return FrictionProblem.of(J @ J.T, J @ rng.normal(size=2 * n), rng.uniform(0.01, 0.3, n // 3))
 
 
+def stack(boxes: int, mu: float, ratio: float = 1.0) -> FrictionProblem:
+    """Cubes of edge 1 on their corners, from the ground up, after 1 s of gravity 1; masses 1 to `ratio`."""
+    mass = ratio ** (np.arange(boxes) / max(1, boxes - 1))
+    J = np.zeros((12 * boxes, 6 * boxes))
+    for box in range(boxes):
+        for foot, (x, y) in enumerate(([0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5])):
+            rows = 12 * box + 3 * foot
+            for body, z, sign in ((box, -0.5, 1), (box - 1, 0.5, -1)):
+                if body >= 0:
+                    J[rows : rows + 3, 6 * body : 6 * body + 6] = (
+                        sign * _moves(np.array([x, y, z]))[[2, 0, 1]]
+                    )
+    mobility = np.diag(np.repeat(1 / mass, 6) * np.tile([1, 1, 1, 6, 6, 6], boxes))
+    fall = np.tile([0, 0, -1.0, 0, 0, 0], boxes)
+    return FrictionProblem.of(_symmetric(J @ mobility @ J.T), J @ fall, np.full(4 * boxes, mu))
+
+
 def with_bilateral(problem: FrictionProblem, rng: np.random.Generator, count: int) -> FrictionProblem:
     """Its contacts with a little more mobility, and `count` bilateral rows after them, at which b is 0."""
     n, size = problem.n, np.sqrt(np.trace(problem.A) / problem.n)
@@ -134,10 +151,14 @@ def _relative(rng: np.random.Generator, bodies: int) -> NDArray[Any]:
     f, o = int(rng.integers(bodies)), int(rng.integers(-1, bodies))
     moves = np.zeros((3, 6 * bodies))
     for body, sign in ((f, 1), (o, -1)) if o not in (f, -1) else ((f, 1),):
-        x, y, z = rng.normal(size=3)
-        turn = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])
-        moves[:, 6 * body : 6 * body + 6] += sign * np.hstack([np.eye(3), turn])
+        moves[:, 6 * body : 6 * body + 6] += sign * _moves(rng.normal(size=3))
     return moves
+
+
+def _moves(point: NDArray[Any]) -> NDArray[Any]:
+    """Velocity of a point of a body from its velocity and angular velocity."""
+    x, y, z = point
+    return np.hstack([np.eye(3), [[0, z, -y], [-z, 0, x], [y, -x, 0]]])
 
 
 def _frame(normal: NDArray[Any], rng: np.random.Generator) -> NDArray[Any]:

@@ -163,6 +163,36 @@ MEANING: list[Case] = [
         ["contact[0].between", "'egg' (fixed) and 'table' (fixed)", "must be dynamic"],
     ),
     (
+        "friction of nothing",
+        SOUND + "friction = {}",
+        ["contact[0].friction", "no coefficient", "friction = 0.3"],
+    ),
+    (
+        "kinetic above static",
+        SOUND + "friction = { static = 0.2, kinetic = 0.3 }",
+        ["contact[0].friction", "static 0.2 below kinetic 0.3", "exchange"],
+    ),
+    (
+        "two coefficients without a direction",
+        SOUND + "friction = { kinetic = [0.2, 0.3] }",
+        ["contact[0].friction", "without a direction", "add direction"],
+    ),
+    (
+        "a direction of one coefficient",
+        SOUND + "friction = { kinetic = 0.2, direction = [1, 0, 0] }",
+        ["contact[0].friction.direction", "one coefficient", "remove"],
+    ),
+    (
+        "slippery along one axis",
+        SOUND + "friction = { kinetic = [0.2, 0.0], direction = [1, 0, 0] }",
+        ["contact[0].friction.kinetic", "[0.2, 0.0]", "both"],
+    ),
+    (
+        "resistance without friction",
+        SOUND + "rolling_resistance = 1e-3",
+        ["contact[0].rolling_resistance", "without friction", "add friction"],
+    ),
+    (
         "contact twice",
         SOUND + CONTACT.replace('"egg", "table"', '"table", "egg"'),
         ["contact[1].between", "a second time", "remove one"],

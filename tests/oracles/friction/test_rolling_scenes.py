@@ -7,8 +7,11 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import build as make
+from tests.oracles.friction.disc import rolls_straight_above, spins_upright_above
 from tests.oracles.friction.rolling_ellipsoid import reference
 from tests.oracles.friction.sphere import Turntable
+from tests.oracles.pieces import TABLE, ran, rotations
 from tests.running import run
 
 
@@ -37,6 +40,25 @@ def test_a_ball_on_a_turntable_goes_round_a_circle_of_its_own() -> None:
     # the table drives the ball: energy comes and goes as work
     assert np.ptp(path.energy) > 0.1
     assert np.abs(path.energy - path.energy[0] - path.work).max() < 1e-11
+
+
+@pytest.mark.parametrize("straight", [True, False])
+def test_an_upright_disc_wobbles_below_its_critical_speed_only(straight: bool) -> None:
+    critical = rolls_straight_above(0.1) if straight else spins_upright_above(0.1)
+    lean, largest = 1e-6, {}
+    for factor in (0.999, 1.001):
+        spin = factor * float(critical)
+        disc = make.dynamic(
+            "disc", make.circle(0.1), mass=1.0, inertia=[0.0025, 0.0025, 0.005],
+            position=[0.1 * np.sin(lean), 0, 0.1 * np.cos(lean)], rpy=[0, np.pi / 2 + lean, 0],
+            velocity=[0.0, -0.1 * spin * straight, 0.0],
+            angular_velocity=[spin, 0, 0] if straight else [0, 0, spin],
+        )  # fmt: skip
+        contact = [{"between": ["disc", "table"], "friction": 5.0}]
+        path = ran([disc, TABLE], 20.0, contact, Accuracy.balanced(), samples=400)
+        largest[factor] = np.abs(rotations(path, 0)[:, 2, 2]).max()
+    assert largest[0.999] > 0.03
+    assert largest[1.001] < 2e-3
 
 
 def test_a_coin_rolls_as_published() -> None:
