@@ -31,9 +31,7 @@ class Cradle:
 
     def centres(self, angles: Array) -> Array:
         """(n, 2), x and z."""
-        return np.stack(
-            [self.pivots + self.length * np.sin(angles), -self.length * np.cos(angles)], axis=-1
-        )
+        return np.stack([self.pivots + self.length * np.sin(angles), -self.length * np.cos(angles)], axis=-1)
 
     def run(self, angles: Array, times: Array) -> tuple[Array, list[tuple[float, int]]]:
         """Angles and rates (n, balls) at the times, from rest, and each blow: when, and the first ball."""

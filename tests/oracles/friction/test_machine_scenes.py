@@ -64,7 +64,9 @@ def test_a_gripper_rolls_an_egg_in_place(accuracy: str, off: float) -> None:
     assert np.abs(rotations(path, egg) - exact).max() < 10 * off
     assert path.force == pytest.approx(2.0, abs=1e2 * off)
     needed = [EGG.needed_mu(0.02 * np.pi**2 * np.cos(np.pi * t)) for t in path.t]
-    assert np.linalg.norm(path.friction, axis=-1) == pytest.approx(2.0 * np.array([needed, needed]).T, abs=off)
+    assert np.linalg.norm(path.friction, axis=-1) == pytest.approx(
+        2.0 * np.array([needed, needed]).T, abs=off
+    )
     assert imbalance(path) < 0.1 * off
 
 
