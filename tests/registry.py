@@ -3,41 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 
 from modelgen import read, require
 from modelgen.codegen.library import Library
 from modelgen.contact.kinds import regular_forms
 from modelgen.scene.types import Scene
+from tests.registry_friction import WITH_FRICTION
 from tests.running import SCENES, library_of
+from tests.shipped import CURVE_ON_SURFACE, Shipped
 
-
-@dataclass(frozen=True)
-class Shipped:
-    """What holds for one scene in every regular form.
-
-    Attributes:
-        kinds: what `check` prints for the scene as it stands: bodies, contacts in the chosen form, loads,
-            joints, limits.
-        forms: all that are regular for one of the scene's contacts; none without contacts.
-        reference: the test that holds the scene against its reference, as `file::function` in tests.
-        events: how often each kind of event happens at `balanced` and at `tight`; None: many.
-        drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
-        margin: every closed contact has more; less where a rim begins to roll from flat.
-        apart: bound on the difference of final positions between forms at `tight`, m.
-    """
-
-    kinds: tuple[str, ...]
-    forms: tuple[str, ...]
-    reference: str
-    events: Mapping[str, int | None] = field(default_factory=dict)
-    drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
-    margin: float = 1e-3
-    apart: float = 1e-12
-
-
-CURVE_ON_SURFACE = ("curve_implicit", "curve_block", "curve_paper", "curve_differentiated")
 REGISTRY: Mapping[str, Shipped] = {
     "ball_in_bowl": Shipped(
         kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
@@ -62,25 +38,11 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
         events={"walk": 2},
     ),
-    "block_on_incline": Shipped(
-        kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", "force"),
-        forms=("explicit", "support"),
-        reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
-        events={"slip": 4},
-        apart=1e-9,
-    ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),
         reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
         events={"impact": 43, "touch-down": 1},
-    ),
-    "bouncing_ellipsoid": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_bouncing_scenes.py::test_a_bouncing_ellipsoid_follows_its_reference",
-        events={"impact": 7},
-        apart=1e-10,
     ),
     "box_dropped": Shipped(
         kinds=("fixed", "free_diagonal", "plane_point_explicit"),
@@ -90,39 +52,10 @@ REGISTRY: Mapping[str, Shipped] = {
         drift=(1e-7, 1e-9, 1e-9),
         apart=1e-9,
     ),
-    "brake_shoe": Shipped(
-        kinds=(
-            "driven",
-            "free_isotropic_loaded",
-            "fixed",
-            "plane_sphere_implicit_slip",
-            "torque",
-            "revolute",
-        ),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_machine_scenes.py::"
-        "test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again",
-        events={"reversal": 4},
-        drift=(1e-4, 1e-9, 1e-10),
-    ),
-    "coin": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_circle_support_spin"),
-        forms=("support", *CURVE_ON_SURFACE),
-        reference="oracles/friction/test_coin_scene.py::test_a_coin_settles_as_its_reference",
-        apart=1e-10,
-        drift=(1e-3, 1e-8, 1e-11),
-    ),
     "coin_in_bowl": Shipped(
         kinds=("fixed", "free_diagonal", "paraboloid_circle_curve_implicit"),
         forms=CURVE_ON_SURFACE,
         reference="oracles/test_second_formulations.py::test_a_coin_in_a_bowl_follows_a_second_formulation",
-    ),
-    "cube_toss": Shipped(
-        kinds=("fixed", "free_isotropic", "plane_point_explicit_slip"),
-        forms=("explicit", "support"),
-        reference="oracles/friction/test_bouncing_scenes.py::test_a_cube_toss_goes_as_measured",
-        events={"impact": None, "touch-down": None, "lift-off": None},
-        apart=1e-8,
     ),
     "cylinder_dropped": Shipped(
         kinds=("fixed", "free_diagonal", "plane_circle_support", "plane_point_explicit"),
@@ -189,15 +122,6 @@ REGISTRY: Mapping[str, Shipped] = {
         margin=1e-5,
         apart=1e-8,
     ),
-    "gripper": Shipped(
-        kinds=(
-            *("driven", "driven_2", "free_isotropic_loaded", "free_diagonal"),
-            *("plane_ellipsoid_implicit_slip", "plane_ellipsoid_implicit_slip_2", "force", "prismatic"),
-        ),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_machine_scenes.py::test_a_gripper_rolls_an_egg_in_place",
-        drift=(1e-3, 1e-8, 1e-10),
-    ),
     "helix_on_cylinder": Shipped(
         kinds=("fixed", "free_diagonal", "cylinder_helix_curve_block"),
         forms=CURVE_ON_SURFACE,
@@ -207,29 +131,6 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "circle_circle_curves_block"),
         forms=("curves_block", "curves_differentiated"),
         reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
-    ),
-    "newton_cradle": Shipped(
-        kinds=("free_isotropic", "fixed", "sphere_sphere_explicit", "revolute"),
-        forms=("explicit", "implicit", "centre_surface"),
-        reference="oracles/friction/test_bouncing_scenes.py::"
-        "test_a_newton_cradle_follows_pendulums_that_strike",
-        events={"impact": 16},
-    ),
-    "rattleback": Shipped(
-        kinds=("fixed", "free_full", "plane_ellipsoid_support_slip"),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_top_scenes.py::test_a_rattleback_turns_back_as_its_reference",
-        drift=(1e-4, 1e-8, 1e-11),
-    ),
-    "rolling_disc": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_circle_support_slip"),
-        forms=("support", *CURVE_ON_SURFACE),
-        reference="oracles/friction/test_rolling_scenes.py::test_a_coin_rolls_as_published",
-    ),
-    "rolling_ellipsoid": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_rolling_scenes.py::test_a_passive_ellipsoid_rolls_as_its_reference",
     ),
     "slider_crank": Shipped(
         kinds=(
@@ -250,43 +151,12 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("implicit", "block", "mixed", "paper", "differentiated", *CURVE_ON_SURFACE),
         reference="oracles/test_second_formulations.py::test_a_peg_in_a_hole_follows_a_second_formulation",
     ),
-    "sphere_slide_to_roll": Shipped(
-        kinds=("fixed", "free_isotropic", "plane_sphere_explicit_slip"),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_sliding_scenes.py::test_a_ball_comes_to_roll_as_published",
-        events={"stick": 1},
-    ),
-    "spinning_egg": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_top_scenes.py::test_a_spinning_egg_rises_as_its_reference",
-    ),
-    "tippe_top": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_sphere_explicit_slip"),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_top_scenes.py::test_a_tippe_top_turns_over_as_its_reference",
-        events={"stick": 1},
-    ),
-    "turntable": Shipped(
-        kinds=("driven", "free_isotropic", "plane_sphere_explicit_slip"),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_rolling_scenes.py::"
-        "test_a_ball_on_a_turntable_goes_round_a_circle_of_its_own",
-        apart=1e-11,
-    ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),
         forms=("block", "paper", "differentiated"),
         reference="oracles/test_second_routes.py::test_a_bean_on_a_wavy_sheet_follows_its_reference",
     ),
-    "wheel_on_rail": Shipped(
-        kinds=("fixed", "free_diagonal", "bezier_chart_block_slip"),
-        forms=("block", "paper", "differentiated"),
-        reference="oracles/friction/test_machine_scenes.py::"
-        "test_a_wheel_on_rail_follows_a_second_formulation",
-        events={"walk": 1},
-    ),
-}
+} | WITH_FRICTION
 
 
 def _forms_of_contacts(scene: Scene) -> list[tuple[str, ...]]:
