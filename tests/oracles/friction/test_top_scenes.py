@@ -38,7 +38,7 @@ def rattled() -> Array:
 
 @cache
 def turned_over() -> tuple[Array, float]:
-    states, rolls_at = slid_then_rolled(tippe_top(), tippe_top_start(), at(1.5), 1e-13)
+    states, rolls_at = slid_then_rolled(tippe_top(), tippe_top_start(), at(1.5), 1e-14)
     return states, float(rolls_at)
 
 
