@@ -48,7 +48,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_point_explicit"),
         forms=("explicit", "support"),
         reference="oracles/test_dropped.py::test_a_shipped_box_falls_on_the_corner_that_is_lowest",
-        events={"touch-down": None, "lift-off": None},
+        events={"touch-down": None, "lift-off": None, "flat": 1},
         drift=(1e-7, 1e-9, 1e-9),
         apart=1e-9,
     ),

@@ -13,6 +13,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
         events={"slip": 4},
         apart=1e-9,
+        single=1e-3,
     ),
     "bouncing_ellipsoid": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
@@ -49,6 +50,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         reference="oracles/friction/test_bouncing_scenes.py::test_a_cube_toss_goes_as_measured",
         events={"impact": None, "touch-down": None, "lift-off": None},
         apart=1e-8,
+        single=2e-4,
     ),
     "gripper": Shipped(
         kinds=(

@@ -21,6 +21,8 @@ class Shipped:
         drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
         margin: every closed contact has more; less where a rim begins to roll from flat.
         apart: bound on the difference of final positions between forms at `tight`, m.
+        single: bound on the position error of half a second in float, m; more where friction is decided,
+            which in float is known to a thousandth.
     """
 
     kinds: tuple[str, ...]
@@ -30,3 +32,4 @@ class Shipped:
     drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
     margin: float = 1e-3
     apart: float = 1e-12
+    single: float = 2e-5
