@@ -10,8 +10,9 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.format import ACCURACIES, FORMS, RUN
+from modelgen.scene.format import FORMS
 from modelgen.scene.place import Place
+from modelgen.scene.run import ACCURACIES, METHODS, RUN, SCHEMES, SOLVERS
 from modelgen.scene.scalars import Choice, Real, Type, Whole
 
 REALS = ("double", "float", "long double")
@@ -43,6 +44,19 @@ Quality = Annotated[str | None, typer.Option(help="default: the scene's own", me
 Tolerance = Annotated[
     str | None,
     typer.Option(help="local error of a step, relative; overrides --accuracy", metavar="NUMBER"),
+]
+Method = Annotated[
+    str | None, typer.Option(help="of integration; default: the scene's own", metavar=_among(METHODS))
+]
+Step = Annotated[
+    str | None, typer.Option(help="fixed step of rk4 and time-stepping, s", metavar="NUMBER")
+]
+Scheme = Annotated[str | None, typer.Option(help="of time-stepping", metavar=_among(SCHEMES))]
+Solver = Annotated[
+    str | None, typer.Option(help="friction in time-stepping: exact or relaxed", metavar=_among(SOLVERS))
+]
+Fallback = Annotated[
+    bool | None, typer.Option(help="time-stepping for a while where an event-driven run would end")
 ]
 RealName = Annotated[str, typer.Option(help="the real type of the library", metavar=_among(REALS))]
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]

@@ -75,6 +75,7 @@ typedef struct {
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   int *list, *mask, *fired, *lcp_i;
+  int *near;                                /* per contact: it takes part in a step of time-stepping */
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped;                             /* per grip: its event has fired */
@@ -290,5 +291,6 @@ static void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 static void mg_record_now(mg_context *c, mg_record *record);
 
 #include "grips.h"
+#include "timestep.h"
 
 #endif

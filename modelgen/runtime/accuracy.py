@@ -14,7 +14,9 @@ from typing import Literal
 
 from modelgen.errors import SimulationError, nearest
 
-Method = Literal["dop853", "rk4"]
+Method = Literal["dop853", "rk4", "time-stepping"]
+Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
+Solver = Literal["coulomb", "relaxation"]
 
 # What a real type resolves, in multiples of its epsilon: no run takes a finer tolerance. Only `float` is so
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
@@ -54,8 +56,13 @@ class Accuracy:
     Attributes:
         name: what the record is called in results.
         tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
-        method: "dop853" (adaptive, order 8) or "rk4" (fixed step, order 4).
-        step: s; RK4's step. Adaptive runs choose their own first step when it is None.
+        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (fixed step, order 1).
+        step: s; the fixed step. Adaptive runs choose their own first step when it is None.
+        scheme: of time-stepping; see `time_stepping`.
+        solver: its law of friction, "coulomb" or "relaxation"; see `time_stepping`.
+        theta: of the scheme "moreau": the part of a step behind the positions at which its contacts are taken.
+        fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
+        fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
@@ -94,6 +101,11 @@ class Accuracy:
     tolerance: float = 2e-11
     method: Method = "dop853"
     step: float | None = None
+    scheme: Scheme = "stewart-trinkle"
+    solver: Solver = "coulomb"
+    theta: float = 0.5
+    fallback: bool = True
+    fallback_step: float = 1e-4
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
@@ -178,3 +190,24 @@ class Accuracy:
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""
         return replace(self, name=f"rk4 {step:g} s", method="rk4", step=step)
+
+    def time_stepping(
+        self, step: float, scheme: Scheme = "stewart-trinkle", solver: Solver = "coulomb"
+    ) -> Accuracy:
+        """The same record with time-stepping: impulses and velocities at the ends of fixed steps, no events located.
+
+        Of order 1, and for scenes with so many impacts that to locate each costs more than it tells. Penetration
+        is pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
+
+        Args:
+            step: s.
+            scheme: "stewart-trinkle": a gap may close within a step, d + h d_dot >= 0 (Stewart and Trinkle, 1996);
+                "anitescu-potra": what touches stops approaching, d_dot >= 0 where d <= 0 (Anitescu and Potra,
+                1997), others may penetrate for one step; "moreau": the same at positions half a step ahead
+                (Moreau, 1988).
+            solver: "coulomb": the exact law; "relaxation": its convex relaxation (Anitescu and Tasora, 2010),
+                always solvable, with which a contact that slides at v moves off at mu v: a gap of h mu v with
+                "stewart-trinkle", which stays as it is, and friction as with the law.
+        """
+        name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
+        return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)

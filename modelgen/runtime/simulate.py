@@ -15,6 +15,7 @@ from modelgen.runtime.advice import warnings
 from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
@@ -27,6 +28,11 @@ def simulate(
     until: float | None = None,
     accuracy: Accuracy | str | None = None,
     samples: int | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    scheme: str | None = None,
+    solver: str | None = None,
+    fallback: bool | None = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Run the scene of a library.
@@ -36,6 +42,7 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
+        method, step, scheme, solver, fallback: in place of those of the accuracy or the scene; see `Accuracy`.
         on_progress: called with the share of simulated time done, about five times a second.
 
     Returns:
@@ -49,7 +56,8 @@ def simulate(
     expect("simulate", library, Library)
     sentence = library.manifest.sentence
     end, intervals = _extent(sentence, until, samples)
-    chosen = _accuracy_of(sentence) if accuracy is None else Accuracy.taken(accuracy)
+    own = {"method": method, "step": step, "scheme": scheme, "solver": solver, "fallback": fallback}
+    chosen = accuracy_of(sentence, accuracy, own)
     started = time.perf_counter()
     session = Session(library, chosen)
     session.begin()
@@ -73,16 +81,6 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
         remedy = "give the number of output intervals"
         raise SimulationError(where, repr(intervals), "a whole number, at least 1", remedy)
     return float(end), int(intervals)
-
-
-def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
-    """The accuracy that the scene asks for."""
-    run, key = sentence["run"], "accuracy" if sentence["run"]["tolerance"] is None else "tolerance"
-    try:
-        return Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
-    except SimulationError as error:
-        where = f"{sentence['source']}: run.{key}"
-        raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
 def _run(

@@ -10,11 +10,11 @@ from modelgen.scene.friction import FrictionValue
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
+from modelgen.scene.run import RUN
 from modelgen.scene.scalars import LIMIT, NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 
-ACCURACIES = ("fast", "balanced", "tight")
 FORMS = (
     *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
     *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
@@ -261,15 +261,6 @@ SPRING = Table(
         Field("rest_length", _NOT_NEGATIVE, "m", default=0.0),
     )
 )  # fmt: skip
-
-RUN = Table(
-    (
-        Field("until", POSITIVE, "end of the run, s", default=1.0),
-        Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
-        Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
-        Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
-    )
-)
 
 SCENE = Table(
     (

@@ -213,6 +213,11 @@ class RunSettings:
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     samples: int = 200  # output intervals between 0 and until
+    method: str | None = None  # "dop853" | "rk4" | "time-stepping"; None: the accuracy's
+    step: float | None = None  # s, of methods with a fixed step
+    scheme: str | None = None  # of time-stepping: "stewart-trinkle" | "anitescu-potra" | "moreau"
+    solver: str | None = None  # of time-stepping: "coulomb" | "relaxation"
+    fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
 
 
 @dataclass(frozen=True, slots=True)
