@@ -95,7 +95,10 @@ def run_settings(
         "until": read_option("until", until),
         "accuracy": name if own is None else modelgen.Accuracy.of(own),
         "samples": read_option("samples", samples),
-        **{key: read_option(key, value) if isinstance(value, str) else value for key, value in stepping.items()},
+        **{
+            key: read_option(key, value) if isinstance(value, str) else value
+            for key, value in stepping.items()
+        },
     }
 
 

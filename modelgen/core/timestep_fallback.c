@@ -26,7 +26,7 @@ static int mg_first_closed(const mg_context *c) {
    another lasts twice as long. */
 static int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->set->fallback || c->set->method == MG_TIME_STEPPING || !mg_is_closed_to_events(outcome)) return 0;
+  if (!c->set->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
   const mg_real span = MG_FALL_STEPS * c->set->fallback_step * c->sys->time;
   const int again = run->falls > 0 && run->t - run->fall_end <= span;
   run->fall_doublings = again ? run->fall_doublings + (run->fall_doublings < MG_FALL_DOUBLINGS) : 0;

@@ -14,7 +14,6 @@ static void mg_tell_contact(mg_context *c, mg_events *events, int contact, mg_re
     mg_befalls(c, events, contact, MG_IS_CAUGHT, t, before < 0 ? -before : 0);
   } else if (closed && !mg_presses(c, contact) && (after > slow || c->d[contact] > 4 * h * slow))
     mg_befalls(c, events, contact, MG_LIFTS, t, 0);
-  c->run->active[contact] = c->run->closed[contact] && mg_presses(c, contact);
 }
 
 /* Needs the marks of the friction problem solved last. */

@@ -105,10 +105,14 @@ static int mg_push_apart(mg_context *c, mg_events *events) {
     const mg_real worst = mg_deepest(c);
     if (!(worst > c->set->gap * c->sys->length)) break;
     if (!moved++) before = mg_energy(c, &kinetic);
+    for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->run->x[i];
     if (!mg_push_once(c, worst)) break;
-    if (!mg_finite(c->run->x, c->n_x)) return MG_NOT_FINITE;
     mg_settle_eta(c, events);
     mg_rows_at(c, c->run->t, c->run->x);
+    if (mg_deepest(c) < 2 * worst) continue;
+    for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->x_stage[i];
+    mg_rows_at(c, c->run->t, c->run->x);
+    break;
   }
   if (moved) c->run->x[c->work_index] += mg_energy(c, &kinetic) - before;
   return MG_DONE;

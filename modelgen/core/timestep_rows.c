@@ -23,8 +23,16 @@ static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real 
   mg_normalise(c, to);
 }
 
-/* Leaves in c->accel the accelerations without contacts and joints, in K[1] the power of the loads, both of the middle of
-   the step, and in c->settled the positions at which the rows are taken; makes the rows. */
+/* Takes the forces of the joints into c->accel, and notes them in c->amount. */
+static void mg_join_free(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
+  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = mg_separation(c, i);
+  const int n = mg_hold(c, c->run->active, c->rate, c->amount);
+  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->accel);
+}
+
+/* Leaves in c->accel the accelerations without contacts, in K[1] the power of the loads, both of the middle of the step,
+   and in c->settled the positions at which the rows are taken; makes the rows. */
 static void mg_take_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->sys;
   const mg_real t = c->run->t, ahead = (1 - mg_theta(c)) * h;
@@ -37,6 +45,7 @@ static void mg_take_geometry(mg_context *c, mg_real h) {
   mg_accelerations(c, t + h / 2, c->x_stage, c->K + c->n_x);
   if (ahead > 0) mg_place_all(c, t + ahead, c->settled);
   mg_rows_at(c, t + ahead, c->settled);
+  mg_join_free(c);
 }
 
 /* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */

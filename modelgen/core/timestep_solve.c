@@ -1,15 +1,15 @@
 /* Time-stepping, the complementarity problem of a step: impulses that make the velocities at its end admissible. */
 #include "core.h"
 
-enum { MG_FAR = 0, MG_NEAR = 1, MG_ROUNDS = 20 };
+enum { MG_FAR = 0, MG_NEAR = 1, MG_ROUNDS = 20, MG_SOON = 16 };
 
 /* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme asks
-   for what touches only, it must do so already. */
+   for what touches only, at its very beginning, of which `MG_SOON` parts make a step. */
 static int mg_takes_part(const mg_context *c, int contact, mg_real rate, mg_real h) {
   if (!mg_present(c, contact)) return 0;
-  if (c->set->scheme != MG_STEWART_TRINKLE) return c->d[contact] <= c->set->start_gap * c->sys->length;
-  const mg_real gap = c->d[contact] > 0 ? c->d[contact] : 0;
-  return gap + h * rate <= c->set->gap * c->sys->length;
+  const mg_real gap = c->d[contact] > 0 ? c->d[contact] : 0, touching = c->set->start_gap * c->sys->length;
+  const int soon = c->set->scheme == MG_STEWART_TRINKLE ? 1 : MG_SOON;
+  return gap + h * rate / soon <= c->set->gap * c->sys->length || (soon > 1 && gap <= touching);
 }
 
 static int mg_list_near(mg_context *c) {
@@ -99,11 +99,11 @@ static int mg_solve_rough(mg_context *c, mg_real h, int *size) {
 }
 
 /* Impulses of the rows into c->force, what they do to the velocities into c->wrench. */
-static void mg_take_impulses(mg_context *c, int n) {
-  for (int i = 0; i < c->n_all; i++) c->force[i] = 0;
+static void mg_take_impulses(mg_context *c, int n, mg_real h) {
+  for (int i = 0; i < c->n_all; i++) c->force[i] = i >= c->bilateral && i < c->below ? h * c->amount[i] : 0;
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < n; r++) {
-    c->force[c->list[r]] = c->z[r];
+    c->force[c->list[r]] += c->z[r];
     mg_add(c, c->list[r], c->z[r], c->wrench);
   }
 }
@@ -125,7 +125,7 @@ static int mg_find_impulses(mg_context *c, mg_real h) {
     int n = 0;
     const int outcome = c->sys->n_grip ? mg_solve_rough(c, h, &n) : mg_solve_smooth(c, h, &n);
     if (outcome) return outcome;
-    mg_take_impulses(c, n);
+    mg_take_impulses(c, n, h);
     if (!mg_add_missed(c, h)) break;
   }
   return MG_DONE;

@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict
 
 from modelgen.errors import SimulationError, nearest
 from modelgen.runtime.accuracy import Accuracy, is_number
 from modelgen.runtime.tables import LAWS, METHODS, SCHEMES
+
+
+class Stepping(TypedDict, total=False):
+    """What a caller says of the method; None leaves it to the accuracy or the scene."""
+
+    method: str | None
+    step: float | None
+    scheme: str | None
+    solver: str | None
+    fallback: bool | None
+
 
 STEPPING = ("method", "step", "scheme", "solver", "fallback")  # keys of [run] that say how time is integrated
 NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, "solver": LAWS}
@@ -25,7 +36,7 @@ def accuracy_of(
     said = {key: run[key] for key in STEPPING if key in run and not isinstance(accuracy, Accuracy)}
     given = {key: value for key, value in own.items() if value is not None}
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
-    return _stepping(record, said | given, {key: f"{source}: run." for key in said.keys() - given.keys()})
+    return _stepping(record, said | given, dict.fromkeys(said.keys() - given.keys(), f"{source}: run."))
 
 
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:

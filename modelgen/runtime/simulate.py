@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from modelgen.runtime.advice import warnings
 from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
-from modelgen.runtime.settings import accuracy_of
+from modelgen.runtime.settings import Stepping, accuracy_of
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
@@ -28,12 +28,8 @@ def simulate(
     until: float | None = None,
     accuracy: Accuracy | str | None = None,
     samples: int | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    scheme: str | None = None,
-    solver: str | None = None,
-    fallback: bool | None = None,
     on_progress: Callable[[float], None] | None = None,
+    **stepping: Unpack[Stepping],
 ) -> Trajectory:
     """Run the scene of a library.
 
@@ -42,8 +38,8 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
-        method, step, scheme, solver, fallback: in place of those of the accuracy or the scene; see `Accuracy`.
         on_progress: called with the share of simulated time done, about five times a second.
+        stepping: method, step, scheme, solver, fallback in place of the accuracy's or the scene's; see `Accuracy`.
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
@@ -56,8 +52,7 @@ def simulate(
     expect("simulate", library, Library)
     sentence = library.manifest.sentence
     end, intervals = _extent(sentence, until, samples)
-    own = {"method": method, "step": step, "scheme": scheme, "solver": solver, "fallback": fallback}
-    chosen = accuracy_of(sentence, accuracy, own)
+    chosen = accuracy_of(sentence, accuracy, stepping)
     started = time.perf_counter()
     session = Session(library, chosen)
     session.begin()

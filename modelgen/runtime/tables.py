@@ -37,7 +37,17 @@ SYSTEM_REALS = (
 )
 SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project")
 SETTINGS_REALS = (
-    *("step", "theta", "fallback_step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed"),
+    *(
+        "step",
+        "theta",
+        "fallback_step",
+        "tolerance",
+        "gap",
+        "start_gap",
+        "start_joint",
+        "drift",
+        "rest_speed",
+    ),
     *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search", "flat", "border"),
