@@ -56,11 +56,11 @@ class Accuracy:
     Attributes:
         name: what the record is called in results.
         tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
-        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (fixed step, order 1).
+        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4), "time-stepping" (the same, order 1).
         step: s; the fixed step. Adaptive runs choose their own first step when it is None.
         scheme: of time-stepping; see `time_stepping`.
         solver: its law of friction, "coulomb" or "relaxation"; see `time_stepping`.
-        theta: of the scheme "moreau": the part of a step behind the positions at which its contacts are taken.
+        theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
         fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
@@ -194,20 +194,20 @@ class Accuracy:
     def time_stepping(
         self, step: float, scheme: Scheme = "stewart-trinkle", solver: Solver = "coulomb"
     ) -> Accuracy:
-        """The same record with time-stepping: impulses and velocities at the ends of fixed steps, no events located.
+        """The same record with time-stepping: one problem of impulses and velocities a step, no events located.
 
-        Of order 1, and for scenes with so many impacts that to locate each costs more than it tells. Penetration
-        is pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
+        Of order 1, for scenes with so many impacts that to locate each costs more than it tells. Penetration is
+        pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
 
         Args:
             step: s.
-            scheme: "stewart-trinkle": a gap may close within a step, d + h d_dot >= 0 (Stewart and Trinkle, 1996);
-                "anitescu-potra": what touches stops approaching, d_dot >= 0 where d <= 0 (Anitescu and Potra,
-                1997), others may penetrate for one step; "moreau": the same at positions half a step ahead
+            scheme: "stewart-trinkle": a gap may close within a step, d + h d_dot >= 0 (Stewart and Trinkle,
+                1996); "anitescu-potra": what touches stops approaching, d_dot >= 0 where d <= 0 (Anitescu and
+                Potra, 1997), others penetrate for one step; "moreau": the same at positions half a step ahead
                 (Moreau, 1988).
-            solver: "coulomb": the exact law; "relaxation": its convex relaxation (Anitescu and Tasora, 2010),
-                always solvable, with which a contact that slides at v moves off at mu v: a gap of h mu v with
-                "stewart-trinkle", which stays as it is, and friction as with the law.
+            solver: "coulomb": the exact law. "relaxation": its convex relaxation (Anitescu and Tasora, 2010),
+                always solvable, in which a contact that slips at v parts at mu v, or stays at a gap of h mu v
+                where "stewart-trinkle" lets the gap close. Slip that begins suddenly makes a body hop.
         """
         name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
         return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)

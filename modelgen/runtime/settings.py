@@ -28,7 +28,7 @@ NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, 
 def accuracy_of(
     sentence: Mapping[str, Any], accuracy: Accuracy | str | None, own: Mapping[str, Any]
 ) -> Accuracy:
-    """The record of a run: the caller's, or the scene's with what the caller says of its own (keys of STEPPING).
+    """The record of a run: the caller's or the scene's, with what the caller says of its own (STEPPING).
 
     A whole Accuracy stands for itself; the scene's settings of the method are for named ones.
     """

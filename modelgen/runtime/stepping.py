@@ -24,7 +24,7 @@ def stepping_warnings(session: Session) -> list[str]:
         )
     if run.relaxed:
         found.append(
-            f"in {run.relaxed} steps no solution of Coulomb's law was found and its convex relaxation was taken, "
-            "with which sliding contacts move off"
+            f"in {run.relaxed} steps no solution of Coulomb's law was found and its convex relaxation was "
+            "taken, with which sliding contacts move off"
         )
     return found
