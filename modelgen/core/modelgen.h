@@ -72,6 +72,7 @@ typedef struct {
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
   mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
+  mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
@@ -136,8 +137,9 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
-  long falls, fall_left, relaxed; /* back on time-stepping: how often, steps to go; steps solved by the relaxation for want of
-                             a solution of Coulomb's law */
+  long falls, fall_left;  /* back on time-stepping: how often; steps to go */
+  long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
+                             solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */

@@ -56,11 +56,12 @@ class Accuracy:
     Attributes:
         name: what the record is called in results.
         tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
-        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4), "time-stepping" (the same, order 1).
+        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (order 1).
         step: s; the fixed step. Adaptive runs choose their own first step when it is None.
         scheme: of time-stepping; see `time_stepping`.
         solver: its law of friction, "coulomb" or "relaxation"; see `time_stepping`.
         theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
+        loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
         fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
@@ -104,6 +105,7 @@ class Accuracy:
     scheme: Scheme = "stewart-trinkle"
     solver: Solver = "coulomb"
     theta: float = 0.5
+    loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
     newton: Literal[0, 1, 2] = 1
@@ -194,10 +196,10 @@ class Accuracy:
     def time_stepping(
         self, step: float, scheme: Scheme = "stewart-trinkle", solver: Solver = "coulomb"
     ) -> Accuracy:
-        """The same record with time-stepping: one problem of impulses and velocities a step, no events located.
+        """The same record with time-stepping: one problem of impulses a step, no events located.
 
-        Of order 1, for scenes with so many impacts that to locate each costs more than it tells. Penetration is
-        pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
+        Of order 1, for scenes with so many impacts that to locate each costs more than it tells. Penetration
+        is pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
 
         Args:
             step: s.

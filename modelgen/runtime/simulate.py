@@ -39,7 +39,7 @@ def simulate(
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
         on_progress: called with the share of simulated time done, about five times a second.
-        stepping: method, step, scheme, solver, fallback in place of the accuracy's or scene's; see `Accuracy`.
+        stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.

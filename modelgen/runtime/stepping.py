@@ -22,6 +22,11 @@ def stepping_warnings(session: Session) -> list[str]:
             f"{CAUSES[OUTCOME_OF_CODE[run.fall_cause]]}; it went on by time-stepping{more}, for "
             f"{float(run.fall_time):.3g} s, which is of order 1: fallback = false ends it there instead"
         )
+    if run.rough:
+        found.append(
+            f"in {run.rough} steps the impulses were found to a residual of up to "
+            f"{float(run.lcp_residual_max):.1e} only: so much of the largest velocity may be wrong in them"
+        )
     if run.relaxed:
         found.append(
             f"in {run.relaxed} steps no solution of Coulomb's law was found and its convex relaxation was "

@@ -40,6 +40,7 @@ SETTINGS_REALS = (
     *(
         "step",
         "theta",
+        "loose",
         "fallback_step",
         "tolerance",
         "gap",
@@ -64,7 +65,7 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("falls", "fall_left", "relaxed"),
+    *("falls", "fall_left", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
