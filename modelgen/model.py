@@ -131,6 +131,7 @@ class LinkEntry:
     parameters: tuple[float, ...]  # shape o, [placement o (12)], shape f, [placement f (12)]
     swapped: bool  # the user named f first
     shapes: tuple[Shape, Shape]  # of o and f; poses in the body axes as written
+    features: tuple[str, str]  # of the first and the second shape as the user named them
     group: int = -1  # of links of one flat face with the other of two convex solids
     conditions: tuple[LinkCondition, ...] = ()
 
@@ -170,6 +171,40 @@ class ContactEntry:
     eta: int  # offset
     room: int  # entries of eta
     link: int  # its own for good, or -1: any of the pair
+
+
+@dataclass(frozen=True, slots=True)
+class BoundaryEntry:
+    """A piece of the boundary of a face, run through from the first of its ends to the second."""
+
+    kind: int  # of shape
+    curve: Shape  # in its own axes
+    pose: Pose  # of the curve in the axes of the face
+    ends: tuple[float, float]
+    loop: int
+
+
+@dataclass(frozen=True, slots=True)
+class FaceEntry:
+    """A planar region of a body; without boundary a whole plane."""
+
+    name: str  # "bottom"; empty for a shape of one feature
+    body: int
+    pose: Pose  # in the body axes as written, z outward
+    boundary: tuple[BoundaryEntry, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PatchEntry:
+    """Two faces that may rest on each other, held by three points of f's on o's plane."""
+
+    name: str  # "glass-table:bottom"
+    pair: int
+    kind: int  # of contact, of its points
+    faces: tuple[int, int]  # of o and f
+    parameters: tuple[tuple[float, ...], ...]  # of each point's contact
+    links: tuple[int, ...]  # of the pair, that lie in it
+    slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,6 +265,8 @@ class Model:
     pairs: tuple[PairEntry, ...]
     links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
+    faces: tuple[FaceEntry, ...]
+    patches: tuple[PatchEntry, ...]
     loads: tuple[LoadEntry, ...]
     joints: tuple[JointEntry, ...]
     limits: tuple[LimitEntry, ...]

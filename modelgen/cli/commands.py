@@ -15,6 +15,7 @@ from modelgen.cli.options import (
     At,
     Fallback,
     Form,
+    Frames,
     Method,
     OutPicture,
     OutRun,
@@ -142,22 +143,24 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
 def plot(
     source: Annotated[Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first")],
     out: Annotated[Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE")],
+    frames: Frames = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw motion, forces, gaps, energy and the contact curves on both surfaces."""
+    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
     from modelgen.report.export import FORMATS, load
     from modelgen.report.plot import draw
     from modelgen.report.record import record_of
     from modelgen.report.summary import print_written
 
     check_outputs(None, out)
+    pictures = read_option("frames", frames) or 0
     trajectory = None
     if source.suffix in FORMATS:
         record = load(source)
     else:
         trajectory, library = run_scene(source, None, {})
         record = record_of(trajectory, library)
-    draw(record, out)
+    draw(record, out, pictures)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
     print_facts(facts, as_json, lambda: print_written(out, Console()))
     if trajectory:

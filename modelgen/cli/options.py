@@ -24,6 +24,7 @@ TYPES: dict[str, Type] = {
     "format": Choice(STYLES),
     "verify": Whole(1, 100_000),
     "at": Whole(0, 2**31 - 1),
+    "frames": Whole(1, 16),
 }
 
 
@@ -61,6 +62,10 @@ Style = Annotated[str, typer.Option("--format", help="how formulas are written",
 At = Annotated[
     str | None,
     typer.Option(help="where numbers are substituted: a seed, or FILE.json of inputs", metavar="SEED|FILE"),
+]
+Frames = Annotated[
+    str | None,
+    typer.Option(help="pictures of the bodies: at the start, a change of mode, and on", metavar="NUMBER"),
 ]
 Verify = Annotated[
     str | None, typer.Option(help="recompute each status on so many configurations", metavar="NUMBER")

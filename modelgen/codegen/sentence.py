@@ -6,6 +6,7 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
+from modelgen.codegen.faces import face_table, patch_table
 from modelgen.contact.kinds import FORMS, eta_layout
 from modelgen.contact.seek import has_separation
 from modelgen.geometry.catalogue import surface_of
@@ -189,6 +190,8 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "pairs": [_pair(entry) for entry in model.pairs],
         "links": [_link(model, entry) for entry in model.links],
         "contacts": [asdict(entry) for entry in model.contacts],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -211,7 +214,7 @@ def sentence_of(model: Model) -> dict[str, Any]:
 
 def _run(scene: Scene) -> dict[str, Any]:
     """What the scene says of its runs; keys of the method only where it says any."""
-    always = ("until", "accuracy", "tolerance", "samples")
+    always = ("until", "accuracy", "tolerance", "imaginary_edge", "samples")
     return {key: value for key, value in asdict(scene.run).items() if key in always or value is not None}
 
 

@@ -8,6 +8,11 @@ static int mg_find_extrema(mg_context *c) {
     c->run->failed_contact = i;
     c->run->closed[i] = c->run->active[i] = c->run->fresh[i] = 0;
     if (!mg_present(c, i)) continue;
+    const int lost = mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0 || !(mg_margin_of(c) >= c->set->margin_refuse);
+    if (lost && mg_is_flat_on(c, i)) {
+      mg_set_link(c, i, -1, 0);
+      continue;
+    }
     if (mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->place[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->place[0] <= touching;

@@ -14,15 +14,16 @@ static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
-/* A grip whose slip is dying is stuck until the forces say otherwise; one without a past is told by its slip. */
+/* A grip is told by its slip; one that hardly slips is stuck until the forces say otherwise, for slip that dies or begins
+   at one contact dies or begins at others of the body as well. */
 static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
   if (!c->run->closed[contact]) *mode = MG_LOOSE;
   else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
-  else if (*mode >= MG_ONSET && c->slipped[grip]) {
-    const int turned = mg_aim(c, contact, grip); /* it has only left its course */
-    if (!turned) c->over[grip] = mg_slip_left(c, contact, grip);
-    *mode = turned ? MG_SLIPPING : MG_STUCK, c->slipped[grip] = !turned;
+  else if (*mode >= MG_ONSET) {
+    const int slips = mg_aim(c, contact, grip); /* if its event has fired, it has only left its course */
+    if (c->slipped[grip] && !slips) c->over[grip] = mg_slip_left(c, contact, grip);
+    *mode = slips ? MG_SLIPPING : MG_STUCK, c->slipped[grip] &= !slips;
   }
 }
 
@@ -85,17 +86,18 @@ static int mg_put_contact(mg_context *c, int contact, int k, int size) {
 static void mg_lean_known(mg_context *c, int contact) {
   for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
     if (c->bound_of[g] != MG_KNOWN) continue;
-    mg_lean_of(c, contact, g);
+    mg_slip_lean(c, contact, g);
     for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, contact, g) + k);
   }
 }
 
-/* The matrix and the accelerations of the closed contacts that are not skipped and of the joints. */
+/* The matrix and the accelerations of the closed contacts that are not skipped, of pads and of joints. */
 static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
   mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
-  p.n = mg_list_joints(c, c->list, p.n);
+  mg_activate_pads(c);
+  p.n = mg_list_bilateral(c, c->list, p.n);
   mg_assemble(c, c->list, p.n);
   for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->cone_contact[k]);
   mg_lean_columns(c, c->list, p.n);
@@ -260,7 +262,10 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
   mg_bound_all(c);
   mg_let_go(c);
   const mg_friction_problem p = mg_pose_problem(c, skip);
-  if (p.n_contact == 0) return MG_DONE;
+  if (p.n_contact == 0) {
+    mg_refresh(c);
+    return MG_DONE;
+  }
   redundant = mg_oblique_rank(c, c->list, p.n) < p.n;
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;

@@ -1,13 +1,30 @@
 /* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
 #include "core.h"
 
+/* True if the rim of a fresh contact is still flat on the plane: then its row is that of the point where it begins to
+   roll, which its own equations do not tell. */
+static int mg_begins_to_roll(mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  const int patch = mg_patch_flat_on(c, contact);
+  if (!c->begins || c->run->fresh[contact] != MG_FRESH || patch < 0) return 0;
+  const int link = c->first_pad_link + 3 * patch, kind = s->link_kind[link];
+  const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
+  mg_real none[1];
+  for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
+  for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
+  mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
+                   c->d + contact, c->J + 12 * contact, c->J + 12 * contact + 6, c->gamma + contact, none,
+                   c->normal + 3 * contact, 0);
+  return 1;
+}
+
 static void mg_rates(mg_context *c, const mg_real *x) {
   const mg_system *s = c->sys;
   for (int i = 0; i < s->n_contact; i++) {
     const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = mg_contact_kinds[kind].rows > 1;
-    if (c->run->link[i] < 0) continue;
+    if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
     mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
-                     x + s->n_q + s->n_u + s->contact_eta[i], s->parameters + c->parameters[i], c->d + i,
+                     x + s->n_q + s->n_u + s->contact_eta[i], mg_parameters_of(c, i), c->d + i,
                      below ? c->block : c->J + 12 * i, below ? c->block + 36 : c->J + 12 * i + 6,
                      below ? c->block + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
                      below ? c->tangents + 6 * i : 0);

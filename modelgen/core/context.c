@@ -38,18 +38,29 @@ static long mg_grip_isize(const mg_system *s) {
 
 static long mg_onset_size(void) { return (long)(sizeof(mg_onset) / sizeof(mg_real)); }
 
+/* The hull of any patch. */
+static long mg_lay_size(const mg_system *s) {
+  long most = 0;
+  for (int p = 0; p < s->n_patch; p++) {
+    const long room = mg_hull_room(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (room > most) most = room;
+  }
+  return most;
+}
+
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
-         (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() + mg_grip_size(s) +
-         m * mg_onset_size();
+         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() +
+         m * mg_onset_size() + mg_grip_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 6 * m + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_grip_isize(s);
+  return 7 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+         mg_grip_isize(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -90,6 +101,7 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
 static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->sys;
   const long b = s->n_body, m = s->n_contact, r = c->n_all, n = mg_held_of(s), k = s->n_closed, x = c->n_x;
+  c->arc = mg_part_of_memory(&work, mg_most_arcs(s), sizeof(mg_arc)), c->lay = mg_take(&work, mg_lay_size(s)); /* pointers first */
   c->pose = mg_take(&work, 12 * b), c->twist = mg_take(&work, 6 * b);
   c->accel = mg_take(&work, 6 * b), c->wrench = mg_take(&work, 6 * b);
   c->J = mg_take(&work, 12 * r), c->MJ = mg_take(&work, 12 * r);
@@ -111,7 +123,9 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
   c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
-  c->falling = mg_take_int(&iwork, m), c->near = mg_take_int(&iwork, m);
+  c->falling = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
+  c->near = mg_take_int(&iwork, m);
+  c->trying = mg_take_int(&iwork, s->n_slot), c->barred = mg_take_int(&iwork, s->n_slot);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);
   c->parent = mg_take_int(&iwork, b), c->head = mg_take_int(&iwork, b);
@@ -123,7 +137,8 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
                     int *iwork) {
   c->sys = sys, c->set = set, c->run = run;
-  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0;
+  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0, c->laid = -1;
+  c->first_pad = sys->n_contact - 3 * sys->n_slot, c->first_pad_link = sys->n_link - 3 * sys->n_patch;
   c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
   c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = c->steering = 0;
   mg_carve(c, work, iwork);
@@ -134,6 +149,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->d + c->below, sys->n_below);
   c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
+  for (int slot = 0; slot < sys->n_slot; slot++) c->barred[slot] = -1;
   mg_open_joints(c);
   mg_incidence(c);
   mg_set_fixed(c);

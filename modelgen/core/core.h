@@ -6,8 +6,8 @@
 #include "kinds.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
+#include "region.h"
 
-#define MG_BELOW 5     /* most rows of a contact below its normal one */
 #define MG_GRID 17      /* samples along each side of a chart at the start */
 #define MG_COARSE 9     /* and during a run */
 #define MG_SAMPLES 289  /* MG_GRID squared */
@@ -16,6 +16,12 @@
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
 #define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
+#define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
+#define MG_PARTS 6      /* the same: no force is left between the faces */
+#define MG_ROLLS 7      /* the same: an imaginary edge gives way to the rim */
+#define MG_SETTLES 8    /* the same: or to the face, which is flat again */
+
+#define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_RADAU 7   /* stages of collocation */
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
@@ -54,6 +60,7 @@ typedef struct {
   const mg_settings *set;
   mg_run *run;
   int below, n_all;                         /* rows below the normal ones: from `below` to n_all, behind all others */
+  int first_pad, first_pad_link;            /* contacts and links from there on are of patches */
   int n_x, work_index;                      /* length of x; index of the work state */
   mg_real *pose, *twist, *accel, *wrench;   /* per body 12, 6, 6, 6; accel without, then with contact forces */
   int bilateral, n_rows;                    /* rows: contacts, a spare, then those of the joints from `bilateral` on */
@@ -64,24 +71,20 @@ typedef struct {
   mg_real *bias;                            /* per row: what time alone makes of d_dot */
   mg_real *normal, *tangents;               /* per contact 3; 6 */
   mg_real *block;                           /* rows of one contact as its kernel gives them: 6, 6 and 1 a row */
-  mg_real *lean;                            /* per row below: its part of a slipping contact's force, over -N */
-  mg_real *steer;                           /* per grip: angle from its course at which slip that begins is taken to be */
-  int steering;                             /* steer is meant */
-  int leaning;                              /* forces are sought: rows of slipping grips go with their normal rows */
+  mg_real *lean, *steer;                    /* per row below: force over -N of slip; per grip: angle of slip from its course */
+  int leaning, steering;                    /* forces are sought: rows of slipping grips go with N; along steer */
   mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
   mg_real *S, *s, *y;                       /* the same with the joints eliminated */
   mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
-  int *list, *mask, *fired, *lcp_i;
-  int *near;                                /* per contact: it takes part in a step of time-stepping */
+  mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
+  int *list, *mask, *fired, *near, *lcp_i; /* near: per contact, it takes part in a step of time-stepping */
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
-  int *slipped;                             /* per grip: its event has fired */
-  int *before, *bound_of, *gives;           /* per grip: its mode before a choice; in one, what bounds it, and that it slips */
-  mg_real *over;                            /* per grip: how long slip that was stopped would have gone on, s */
-  mg_real *cone, *coulomb;                  /* problem of Coulomb: MG_CONE a contact; scratch of its solver */
+  int *slipped, *before, *bound_of, *gives; /* per grip: its event has fired; its mode before; what bounds it; it slips */
+  mg_real *over, *cone, *coulomb;           /* per grip: s, slip that was stopped had left; MG_CONE a contact; scratch */
   int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *upright;                             /* per contact: it had passed no watched border at the start of the step */
@@ -90,6 +93,8 @@ typedef struct {
   int *column;                              /* per row: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */
   int *first, *incident;                    /* rows at each moving body: incident[first[b]] .. */
+  int *hidden;                              /* per contact: covered by a patch that is held */
+  int *trying, *barred;                     /* per slot: held on trial; a patch not to be held again now, or -1 */
   int n_live;                               /* states without those of contacts on no link */
   mg_sample *sample;                        /* of both sides of a link: 2 MG_SAMPLES */
   mg_real *merit;                           /* of the samples of o with their best mate */
@@ -98,8 +103,14 @@ typedef struct {
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
+  mg_arc *arc;                              /* the boundaries of a patch */
+  mg_regions regions;
+  mg_real *lay;                             /* memory of the hull */
+  mg_hull hull;
+  int laid;                                 /* the patch whose hull that is, or -1 */
   mg_onset *onset;                          /* per contact */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
+  int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 
@@ -128,6 +139,7 @@ static int mg_is_endless(const mg_context *c, int link);
 static int mg_first_contact(const mg_context *c, int pair);
 static int mg_has_own_links(const mg_context *c, int pair);
 static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
+static const mg_real *mg_parameters_of(mg_context *c, int contact);
 static void mg_take_link(mg_context *c, int contact);
 static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
 
@@ -135,8 +147,10 @@ static void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta
 static const mg_real *mg_side(const mg_context *c, int link, int side);
 static int mg_side_body(const mg_context *c, int link, int side);
 static int mg_carrier(const mg_context *c, int link, int side);
+static void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out);
 static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b);
+static mg_real mg_sine(const mg_real *a, const mg_real *b);
 static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
 static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
 static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
@@ -164,6 +178,9 @@ static mg_real mg_parting(mg_context *c, int pair);
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
 static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
+static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found);
+static int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
+static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
@@ -195,6 +212,7 @@ static int mg_joint_of(const mg_context *c, int row);
 static int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 static int mg_list_joints(const mg_context *c, int *list, int n);
 static void mg_watch_joints(mg_context *c);
+static int mg_list_bilateral(const mg_context *c, int *list, int n);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
 /* rhs.c */
@@ -228,21 +246,6 @@ static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at,
 static mg_real mg_misses(const mg_lean *at, mg_real tilt);
 static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 
-/* collocate.c, start_rolling.c */
-static mg_real *mg_stage_state(const mg_context *c, int stage);
-static mg_real *mg_stage_slope(const mg_context *c, int stage);
-static mg_real mg_stage_time(int stage);
-static mg_real mg_stage_weight(int row, int column);
-static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
-static void mg_collocated(mg_context *c, const mg_real *x);
-static mg_real mg_derivative(const mg_real *value, int stage);
-static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
-static mg_real mg_twice(int row, int column);
-static int mg_starts_rolling(const mg_context *c);
-static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
-static void mg_grow_up(mg_context *c);
-static int mg_is_singular(const mg_context *c, int contact);
-
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);
 
@@ -265,7 +268,7 @@ static int mg_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */
 enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
-       MG_ENDS_RUN };
+       MG_ENDS_RUN, MG_RESTS, MG_TURNS_OVER };
 static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
 
 /* events.c, modes.c, impact.c, project.c, ledger.c, record.c */
@@ -275,6 +278,7 @@ static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);
 static int mg_impact(mg_context *c, mg_events *events);
+static int mg_choose_active(mg_context *c, const int *skip);
 static int mg_solve_modes(mg_context *c, mg_events *events);
 static int mg_has_room(const mg_context *c);
 static int mg_transition(mg_context *c, mg_events *events);
@@ -290,7 +294,7 @@ static void mg_ledger(mg_context *c);
 static void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 static void mg_record_now(mg_context *c, mg_record *record);
 
+#include "planar.h"
 #include "grips.h"
-#include "timestep.h"
 
 #endif

@@ -9,7 +9,7 @@ static int mg_held(const mg_context *c, int contact) { return c->run->closed[con
    condition says so is in c->way. */
 static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
-  if (link < 0 || mg_is_endless(c, link)) return 0;
+  if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link) || mg_is_flat_far(c, contact)) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
   if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
@@ -36,8 +36,8 @@ static void mg_mark_upright(mg_context *c) {
    turns to pulling, a gap held without force that accelerates. */
 static int mg_fired(mg_context *c, mg_real *x) {
   const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
-  int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
+  int count = mg_patches_fired(c);
+  for (int i = 0; i < c->first_pad; i++) {
     if (mg_held(c, i))
       c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
     else if (c->run->closed[i])
@@ -80,33 +80,35 @@ static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
   return mg_condition(c, c->run->link[contact], c->way[contact], next);
 }
 
-static mg_real mg_event_value(mg_context *c, int contact, int walks, const mg_real *x) {
+/* The function whose zero is the event; `cause` as in c->fired where the contact leaves its link, or a patch ends. */
+static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
   const int grip = contact - c->sys->n_contact;
   if (grip >= 0) return mg_grip_value(c, mg_contact_of(c, grip), grip);
-  if (walks) return mg_border_value(c, contact, x);
+  if (mg_is_pad(c, contact)) return mg_patch_value(c, contact, cause);
+  if (cause) return mg_border_value(c, contact, x);
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
 }
 
 /* The rate of the event function at theta; needs the rows there. */
-static mg_real mg_event_slope(mg_context *c, int contact, int walks, mg_real h, mg_real theta) {
+static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, mg_real theta) {
   const int grip = mg_is_grip(c, contact), way = grip ? 0 : c->way[contact];
-  if (!grip && !c->run->closed[contact] && !walks) return c->d_dot[contact];
+  if (!grip && !c->run->closed[contact] && !cause) return c->d_dot[contact];
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
-  const mg_real value = mg_event_value(c, contact, walks, c->x_stage);
+  const mg_real value = mg_event_value(c, contact, cause, c->x_stage);
   mg_fired_at(c, h, theta - step);
   if (!grip) c->way[contact] = way;
-  return (value - mg_event_value(c, contact, walks, c->x_stage)) / (step * h);
+  return (value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
 }
 
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
    far as the interpolant may err. */
-static mg_real mg_polish(mg_context *c, int contact, int walks, mg_real h, mg_real slope, mg_real tried) {
+static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
   const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0;
   for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);
-    const mg_real change = slope != 0 ? -mg_event_value(c, contact, walks, c->x_next) / slope : 0;
+    const mg_real change = slope != 0 ? -mg_event_value(c, contact, cause, c->x_next) / slope : 0;
     moved += change;
     if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
     if (h + change <= 0 || h + change > tried) return h;
@@ -150,8 +152,8 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_fired_at(c, h, high);
   const int first = mg_first_event(c);
   if (first < 0) return 0;
-  const int walks = !mg_is_grip(c, first) && (c->fired[first] == MG_WALKS || c->fired[first] == MG_TIPS);
-  const mg_real slope = !mg_is_grip(c, first) && mg_held(c, first) && !walks ? 0 : mg_event_slope(c, first, walks, h, high);
+  const int grip = mg_is_grip(c, first), cause = !grip && c->fired[first] >= MG_WALKS ? c->fired[first] : 0;
+  const mg_real slope = !grip && mg_held(c, first) && !cause ? 0 : mg_event_slope(c, first, cause, h, high);
   mg_fired_at(c, h, high);
-  return mg_polish(c, first, walks, high * h, slope, h);
+  return mg_polish(c, first, cause, high * h, slope, h);
 }

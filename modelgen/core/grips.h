@@ -2,6 +2,8 @@
 #ifndef MG_GRIPS_H
 #define MG_GRIPS_H
 
+#define MG_BELOW 5 /* most rows of a contact below its normal one */
+
 /* grips.c, slip.c, oblique.c */
 static int mg_grip_row(const mg_context *c, int contact, int grip);
 static int mg_grip_rows(const mg_context *c, int grip);
@@ -24,7 +26,8 @@ static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z);
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
 static mg_real mg_grip_value(const mg_context *c, int contact, int grip);
 static int mg_aim(mg_context *c, int contact, int grip);
-static void mg_lean_of(mg_context *c, int contact, int grip);
+static void mg_slip_lean(mg_context *c, int contact, int grip);
+static mg_real mg_stage_weight(int row, int column);
 static int mg_put_contact(mg_context *c, int contact, int k, int size);
 static int mg_grips_fired(mg_context *c);
 static int mg_first_slipped(const mg_context *c);
@@ -38,16 +41,22 @@ static int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor)
 static void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
 static int mg_choose_grips(mg_context *c, const int *skip);
 static void mg_report_grips(mg_context *c, mg_events *events);
-static int mg_impact_with_friction(mg_context *c, mg_events *events);
+static int mg_find_impulses_with_friction(mg_context *c);
+static void mg_note_gain(mg_context *c, int n);
+static void mg_forget_slip(mg_context *c);
+
+static int mg_activate_pads(mg_context *c);
+static int mg_list_bilateral(const mg_context *c, int *list, int n);
 
 /* what they take from impact.c, project.c, start_rolling.c, transitions.c */
 static mg_real mg_rebound(const mg_context *c, int contact);
 static int mg_nearing(const mg_context *c, int contact);
-static void mg_apply_impulses(mg_context *c, int n);
-static void mg_after_impact(mg_context *c, mg_events *events, int n);
+static void mg_rate_pads(mg_context *c);
 static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
 static void mg_correction(mg_context *c, const int *marked, const mg_real *value);
 static void mg_push(mg_context *c);
 static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
+
+#include "timestep.h"
 
 #endif

@@ -19,8 +19,8 @@ static int mg_nearing(const mg_context *c, int contact) {
 
 static int mg_list_closed(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i]) c->list[n++] = i;
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && !c->hidden[i]) c->list[n++] = i;
   return n;
 }
 
@@ -48,32 +48,75 @@ static mg_real mg_bounces_left(mg_context *c, int contact) {
 }
 
 /* Opens the contacts that rebound, and reports every contact that was struck. */
-static void mg_after_impact(mg_context *c, mg_events *events, int n) {
+static void mg_after_impact(mg_context *c, mg_events *events) {
   const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int r = 0; r < n; r++) {
-    const int i = c->list[r];
-    const int bounces = mg_row(c, i, c->twist) > rest;
+  for (int i = 0; i < c->first_pad; i++) {
+    const int bounces = c->run->closed[i] && mg_row(c, i, c->twist) > rest;
     if (bounces && mg_approaching(c, i)) mg_befalls(c, events, i, MG_REBOUNDS, c->run->t, -c->d_dot[i]);
     else if (bounces) mg_befalls(c, events, i, MG_IS_PUSHED_OFF, c->run->t, 0);
   }
 }
 
-/* Needs the rows at run->x. Does nothing unless a closed contact approaches. */
-static int mg_impact(mg_context *c, mg_events *events) {
-  if (c->sys->n_grip) return mg_impact_with_friction(c, events);
+/* The pads of a face that comes down flat rebound together. */
+static void mg_rate_pads(mg_context *c) {
+  for (int i = c->first_pad; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int pad = mg_pad_of(c, slot);
+    mg_real e = 0;
+    for (int k = 0; k < 3 && c->trying[slot]; k++) e = mg_rebound(c, pad + k) > e ? mg_rebound(c, pad + k) : e;
+    for (int k = 0; k < 3; k++) c->rate[pad + k] *= 1 + e;
+  }
+}
+
+/* The impulses on closed contacts that are not hidden, and on pads and joints, into c->z in the order of c->list, and
+   of each contact into c->amount. Returns how many of the list can only push, -1 without a solution. */
+static int mg_find_impulses(mg_context *c) {
+  if (c->sys->n_grip) return mg_find_impulses_with_friction(c);
   const int n = mg_list_closed(c);
-  int struck = 0;
   mg_lcp_report report;
-  for (int r = 0; r < n; r++) struck += mg_nearing(c, c->list[r]);
-  if (!struck) return MG_DONE;
-  for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
+  mg_rate_pads(c);
   for (int r = 0; r < n; r++) {
     const int i = c->list[r];
     c->rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
   }
-  if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
-  mg_apply_impulses(c, n + c->sys->n_row);
+  if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return -1;
+  for (int i = c->first_pad; i < c->sys->n_contact; i++) c->amount[i] = 0;
+  const int size = mg_list_bilateral(c, c->list, n);
+  for (int r = n; r < size; r++) c->amount[c->list[r]] = c->z[r];
+  return n;
+}
+
+/* A closed contact approaches, or a held patch is torn. */
+static int mg_is_struck(const mg_context *c) {
+  const mg_real drift = c->set->drift * c->sys->length / c->sys->time;
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && mg_nearing(c, i)) return 1;
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && fabs(c->d_dot[i]) > drift) return 1;
+  return 0;
+}
+
+/* Faces that come down flat are struck as one, if the impulse presses them together within their hull; else, and where
+   an impulse tears a patch off, what they cover is struck singly. Needs the rows at run->x. */
+static int mg_impact(mg_context *c, mg_events *events) {
+  const mg_real floor = c->set->rest_speed * c->sys->mass * c->sys->length / c->sys->time;
+  int n;
+  for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;
+  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1)) mg_refresh(c);
+  if (!mg_is_struck(c)) {
+    mg_drop_tried(c);
+    return MG_DONE;
+  }
+  do {
+    mg_hide_covered(c);
+    n = mg_find_impulses(c);
+    if (n < 0) return MG_COMPLEMENTARITY;
+  } while (mg_reject(c, c->amount, floor) || mg_tear_off(c, c->amount, floor));
+  if (c->sys->n_grip) mg_note_gain(c, n);
+  mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
   mg_poses(c, c->run->t, c->run->x);
-  mg_after_impact(c, events, n);
+  if (c->sys->n_grip) mg_forget_slip(c);
+  mg_after_impact(c, events);
+  mg_drop_tried(c);
   return MG_DONE;
 }

@@ -32,7 +32,7 @@ static void mg_ledger(mg_context *c) {
   if (s->n_row) mg_watch_joints(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
-    mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_pad(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
     mg_raise(&run->gap_max, fabs(c->d[i]));
     if (!run->fresh[i] && run->margin[i] < run->margin_min) run->margin_min = run->margin[i];

@@ -12,6 +12,16 @@ static mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact) {
   return x + c->sys->n_q + c->sys->n_u + c->sys->contact_eta[contact];
 }
 
+/* The parameters of a contact's kind; the point of a pad is the run's. */
+static const mg_real *mg_parameters_of(mg_context *c, int contact) {
+  const mg_real *held = c->sys->parameters + c->parameters[contact];
+  if (!mg_is_pad(c, contact)) return held;
+  const int n = mg_contact_kinds[c->kind[contact]].n_parameters;
+  for (int k = 0; k < n - 3; k++) c->numbers[k] = held[k];
+  for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
+  return c->numbers;
+}
+
 /* Makes a contact, or the spare one behind the last, stand on a link. */
 static void mg_stand(mg_context *c, int contact, int link) {
   const mg_system *s = c->sys;

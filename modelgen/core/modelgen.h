@@ -6,7 +6,9 @@
 
    Units are SI. Vectors are in world axes except angular velocities and torques, which are in body axes.
    The state is x = [q of all bodies, u of all bodies, eta of all contacts, work].
-   A limit of a joint is a contact without shapes, on a link of its own. */
+   A limit of a joint is a contact without shapes, on a link of its own.
+   A patch is a planar region of one shape that may rest on one of another. While it does, a slot holds it: three
+   pads, contacts of points of f on the plane of o, which hold both ways, on the links of the patch. */
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
@@ -32,6 +34,8 @@ typedef struct {
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
   int n_joint, n_row; /* joints, and the rows of all of them */
+  int n_patch, n_slot; /* patches, with three links each, the last; how many rest at a time, with three contacts each,
+                          the last */
   int n_grip, n_below; /* grips of friction and resistance, and the rows of contacts below their normal ones */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
@@ -43,6 +47,13 @@ typedef struct {
   const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, MG_ENDS, MG_WATCHED */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
   const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */
+  const int *patch_pair, *patch_slots; /* the pair whose faces they are; slots, first and end, two a patch */
+  const int *patch_arc, *patch_arc_f;  /* o's region: [patch_arc[p], patch_arc_f[p]), none: a whole plane; f's:
+                                          [patch_arc_f[p], patch_arc[p + 1]) */
+  const int *patch_numbers;            /* placement of o's face in body o, of f's in body f: 12 each */
+  const int *patch_cover, *covered;    /* covered[patch_cover[p]] ..: the links of the pair that lie in the patch */
+  const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
+      the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
   const int *contact_below, *contact_grip; /* first of its rows below the normal one; first grip (n_contact + 1) */
   const int *grip_aspect, *grip_row, *grip_body; /* MG_SLIP ..; first row of its contact's; axes of its direction, or -1 */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
@@ -70,6 +81,7 @@ typedef struct {
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
+  int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
   mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
@@ -100,6 +112,8 @@ typedef struct {
   mg_real reach;          /* gaps below reach * length are followed when a pair is searched in a run */
   mg_real search;         /* a pair that has moved by search * length is searched again */
   mg_real flat;           /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
+  mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
+  mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */
@@ -118,14 +132,17 @@ enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step l
        MG_TOO_MANY_CLOSED = 25, MG_NO_FRICTION = 26 };
 
 enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_EVENT_MARGIN = 3,
-       MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6, MG_EVENT_SLIP = 7, MG_EVENT_STICK = 8,
-       MG_EVENT_REVERSAL = 9, MG_EVENTS_A_GRIP = 3, /* of slip; those of spin and of rolling follow, in this order */
-       MG_EVENT_FALL_BACK = 16, MG_EVENT_TAKE_UP = 17 }; /* events are told no more; again */
+       MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6,
+       MG_EVENT_FLAT = 7, MG_EVENT_TIP = 8, /* of the first pad of a slot: its patch rests; turns over its edge */
+       MG_EVENT_SLIP = 9, MG_EVENT_STICK = 10, MG_EVENT_REVERSAL = 11,
+       MG_EVENTS_A_GRIP = 3, /* of slip; those of spin and of rolling follow, in this order */
+       MG_EVENT_FALL_BACK = 18, MG_EVENT_TAKE_UP = 19 }; /* events are told no more; again */
 
 typedef struct {
   mg_real t, h;           /* time and the next step to try, s */
   mg_real *x;             /* n_q + n_u + n_eta + 1 */
   int *link;              /* per contact: the link it is on, or -1 */
+  mg_real *point;         /* per contact 3: of a pad or a fresh rim, the point of f, in its body's axes */
   mg_real *moved;         /* per pair: relative movement since it was searched, m */
   int *closed;            /* per contact: its gap is held at zero */
   int *active;            /* per contact: closed and carrying force */
@@ -165,6 +182,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   mg_real *pose, *twist;  /* 12 and 6 a body */
   mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3; gap of none: NAN */
   int *link;              /* per contact */
+  int *patch;             /* per slot: what it holds, or -1 */
+  mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
   mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
@@ -194,6 +213,30 @@ typedef struct {          /* n pairs of poses of one contact kind; caller's arra
   mg_real *d, *normal, *point_o, *point_f, *margin; /* 1, 3, 3, 3, 2: as the place kernel gives them */
   int *outcome;           /* 1: MG_NOWHERE .. MG_CLOSEST */
 } mg_queries;
+
+typedef struct {          /* points in order, loop after loop; count goes on beyond capacity */
+  int capacity, count, n_loop;
+  mg_real *point;         /* 2 each */
+  int *loop;              /* 1 each */
+} mg_outline;
+
+typedef struct {          /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
+  int n_arc, n_o;         /* the first n_o arcs bound A, the others B */
+  int fine;               /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
+  int n_point;
+  const int *shape, *loop, *first; /* per arc: shape kind, loop, offset of its curve's parameters */
+  const mg_real *parameters;
+  const mg_real *numbers; /* 14 an arc: placement of the curve in the axes of its face (12), first and last parameter */
+  const mg_real *pose;    /* 12, of f's face in the axes of o's */
+  mg_real shared;         /* m: points of the two boundaries nearer than this are one */
+  const mg_real *x;       /* 2 a point, in the axes of o's face */
+  mg_real *margin;        /* 1 a point: signed distance to the boundary of the hull of A cap B, m, > 0 inside */
+  mg_real *normal;        /* 2: outward, of the hull where it is nearest */
+  int *supports;          /* 1: 1 the nearest is a point, 2 a straight side, 0 there is no hull */
+  int *identity;          /* 2 x 3: per support its side (0: o, 1: f), arc, arc of the other side that passes or -1 */
+  mg_real *where;         /* 2 x 4: per support t on each of those arcs, then the point */
+  mg_outline *outline, *hull; /* of A cap B, of its hull */
+} mg_region_query;
 
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
@@ -237,5 +280,10 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 
 /* The closest points of n pairs of poses, one contact kind. */
 MG_API void mg_closest(const mg_queries *queries);
+
+/* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
+   point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
+MG_API long mg_region_size(int n_arc, int n_o);
+MG_API int mg_region(const mg_region_query *query, mg_real *work);
 
 #endif

@@ -10,9 +10,22 @@ static mg_real mg_slack(const mg_context *c) {
 
 /* The rows at run->x with the slope in K[0]. */
 static void mg_refresh(mg_context *c) {
+  c->begins = 1;
   mg_rhs(c, c->run->t, c->run->x, c->K);
+  c->begins = 0;
   mg_gap_rates(c);
   for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
+}
+
+/* The pads of patches that are held carry force; the rates of their rows under the accelerations last computed. */
+static int mg_activate_pads(mg_context *c) {
+  int count = 0;
+  for (int i = c->first_pad; i < c->sys->n_contact; i++) {
+    if (!c->run->closed[i]) continue;
+    c->run->active[i] = 1, c->rate[i] = mg_separation(c, i);
+    count++;
+  }
+  return count;
 }
 
 /* Solves for the active set among the closed contacts that are not skipped. */
@@ -23,9 +36,13 @@ static int mg_choose_active(mg_context *c, const int *skip) {
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
   mg_refresh(c);
-  for (int i = 0; i < m; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !skip[i]) c->list[n++] = i;
-  if (n == 0) return MG_DONE;
+  const int pads = mg_activate_pads(c);
+  if (n == 0) {
+    if (pads) mg_refresh(c);
+    return MG_DONE;
+  }
   for (int i = c->bilateral; i < c->n_rows; i++) c->rate[i] = mg_separation(c, i);
   for (int r = 0; r < n; r++) c->rate[c->list[r]] = mg_separation(c, c->list[r]), c->mask[r] = 1;
   if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
@@ -65,7 +82,8 @@ static int mg_opens(mg_context *c, int contact) {
 static int mg_solve_modes(mg_context *c, mg_events *events) {
   const int m = c->sys->n_contact;
   int held = 0;
-  int outcome = mg_choose_active(c, c->fired);
+  int outcome = mg_rest_patches(c, events, c->set->start_gap * c->sys->length);
+  if (!outcome) outcome = mg_choose_active(c, c->fired);
   if (outcome) return outcome;
   for (int i = 0; i < m; i++)
     if (c->fired[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);
@@ -111,11 +129,12 @@ static void mg_open_far(mg_context *c, mg_events *events) {
 static int mg_transition(mg_context *c, mg_events *events) {
   const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
+  if (mg_end_patches(c, events)) mg_refresh(c);
   if (mg_walk_all(c, events)) {
     mg_refresh(c);
     mg_open_far(c, events);
   }
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->first_pad; i++)
     if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
       mg_befalls(c, events, i, MG_STRIKES, c->run->t, 0);
       c->fired[i] = MG_NEW;
@@ -129,5 +148,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     if (c->run->closed[i])
       mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t + mg_bounces_left(c, i), -c->d_dot[i]);
   }
-  return mg_solve_modes(c, events);
+  const int settled = mg_solve_modes(c, events);
+  for (int slot = 0; slot < c->sys->n_slot; slot++) c->barred[slot] = -1;
+  return settled;
 }

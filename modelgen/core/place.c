@@ -3,11 +3,10 @@
 
 /* Layout of c->place: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 static int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
-  const mg_system *s = c->sys;
   const int kind = c->kind[contact];
   mg_real *p = c->place;
   mg_contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
-                   s->parameters + c->parameters[contact], eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
+                   mg_parameters_of(c, contact), eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
   return mg_contact_kinds[kind].n_eta;
 }
 

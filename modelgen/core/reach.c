@@ -7,7 +7,7 @@
 static mg_real mg_reach(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real reach = MG_MAX;
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     const mg_real way = c->d[i] + s->length;
     if (c->run->closed[i] || way <= 0) continue;
     const mg_real speed = -c->d_dot[i], away = mg_separation(c, i), pull = away < 0 ? -away : 0;
@@ -19,7 +19,7 @@ static mg_real mg_reach(const mg_context *c) {
 
 static void mg_mark_falling(mg_context *c) {
   const mg_real rest = -c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = !c->run->closed[i] && c->d_dot[i] < rest;
+  for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = !c->run->closed[i] && !mg_is_pad(c, i) && c->d_dot[i] < rest;
 }
 
 /* Keeps the marks of the gaps that grow again at the end of the step h and may have been closed on the way. */

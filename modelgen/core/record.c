@@ -50,6 +50,15 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
                        s->parameters + s->joint_parameters[joint], coordinate);
 }
 
+/* What presses the faces of a slot's patch together, and where. */
+static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
+  const long k = (long)row * c->sys->n_slot + slot;
+  mg_real *pressure = record->pressure + 4 * k;
+  record->patch[k] = mg_patch_in(c, slot);
+  for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
+  if (record->patch[k] >= 0) pressure[0] = mg_resultant(c, slot, c->force, pressure + 1);
+}
+
 static mg_real mg_energy_of(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
   c->run->x = x;
@@ -68,6 +77,7 @@ static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
   for (int i = 0; i < s->n_contact; i++) mg_record_grips(c, record, (int)row, i);
+  for (int i = 0; i < s->n_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   record->energy[row] = mg_energy_of(c, x);
   record->work[row] = x[c->work_index];

@@ -22,11 +22,18 @@ static void mg_reduce(mg_context *c, int n, int size) {
   for (int i = 0; i < n; i++) c->s[i] = c->b[i] + mg_through_joints(c, i, n, size);
 }
 
-/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the joints' rows held at zero. Starts
-   from the active set in c->mask and leaves that of the answer there. Appends the joints to c->list; z of all is in
-   c->z. Returns the solver's outcome. */
+/* Appends the pads of all patches that are held and the rows of all joints; returns the length of the list. */
+static int mg_list_bilateral(const mg_context *c, int *list, int n) {
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+    if (c->run->closed[i]) list[n++] = i;
+  return mg_list_joints(c, list, n);
+}
+
+/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the pads' and the joints' rows held at
+   zero. Starts from the active set in c->mask and leaves that of the answer there. Appends pads and joints to c->list;
+   z of all is in c->z. Returns the solver's outcome. */
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
-  const int size = mg_list_joints(c, c->list, n), limit = c->set->lcp_iterations;
+  const int size = mg_list_bilateral(c, c->list, n), limit = c->set->lcp_iterations;
   c->run->lcp_solves++;
   mg_assemble(c, c->list, size);
   for (int r = 0; r < size; r++) c->b[r] = value[c->list[r]], c->bound[r] = r >= n;

@@ -21,7 +21,7 @@ static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real
 
 /* Along the slip, which is taken round where it points against its course, so that the force is smooth while one that
    stays on a line passes zero; along the course where there is so little of it that rounding would turn it. */
-static void mg_lean_of(mg_context *c, int contact, int grip) {
+static void mg_slip_lean(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip), rows = mg_grip_rows(c, grip);
   const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *course = c->run->course + 3 * grip;
   const mg_real *t = c->tangents + 6 * contact;
@@ -48,7 +48,7 @@ static void mg_lean_all(mg_context *c) {
   for (int i = 0; i < s->n_contact; i++)
     for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
-      mg_lean_of(c, i, g);
+      mg_slip_lean(c, i, g);
       for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, i, g) + k);
     }
 }

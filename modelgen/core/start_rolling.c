@@ -22,11 +22,20 @@ static int mg_starts_rolling(const mg_context *c) {
   return 0;
 }
 
-/* After a step. */
+/* The conditions of its link hold, and its margin is large enough. */
+static int mg_is_grown_up(mg_context *c, int contact) {
+  const mg_real *eta = mg_eta_of(c, c->run->x, contact);
+  int which;
+  mg_place(c, contact, eta, c->place + 32);
+  return c->run->margin[contact] >= c->set->margin_refuse &&
+         mg_worst_condition(c, c->run->link[contact], eta, &which) >= 0;
+}
+
+/* After a step, with the poses at its end. */
 static void mg_grow_up(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->run->fresh[i] == MG_FRESH) c->run->fresh[i] = MG_YOUNG;
-    if (c->run->fresh[i] && c->run->margin[i] >= c->set->margin_refuse) c->run->fresh[i] = MG_STEADY;
+    if (!c->run->fresh[i]) continue;
+    c->run->fresh[i] = mg_is_grown_up(c, i) ? MG_STEADY : MG_YOUNG;
   }
 }
 

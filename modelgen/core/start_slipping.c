@@ -58,7 +58,7 @@ static void mg_slope_steered(mg_context *c, const mg_slip_onset *o, mg_real t, c
 }
 
 /* A pair of rows of a grip, of c->d_dot or of accelerations, along and across a direction. */
-static void mg_split(const mg_context *c, int contact, int grip, mg_real angle, const mg_real *value, mg_real *along,
+static void mg_split_slip(const mg_context *c, int contact, int grip, mg_real angle, const mg_real *value, mg_real *along,
                      mg_real *across) {
   mg_real e[2];
   mg_steered(c, contact, grip, angle, e);
@@ -73,7 +73,7 @@ static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) 
                      mg_stage_slope(c, stage));
     mg_watch(c);
     for (int k = 0; k < o->count; k++)
-      mg_split(c, o->contact[k], o->grip[k], o->angle[stage][k],
+      mg_split_slip(c, o->contact[k], o->grip[k], o->angle[stage][k],
                c->d_dot + mg_grip_row(c, o->contact[k], o->grip[k]), &o->along[stage][k], &o->across[stage][k]);
     if (!mg_finite(mg_stage_slope(c, stage), c->n_x)) return 0;
   }
@@ -99,7 +99,7 @@ static void mg_find_slip_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, m
           const int row = mg_grip_row(c, o->contact[k], o->grip[k]);
           const mg_real rate[2] = {mg_separation(c, row), mg_separation(c, row + 1)};
           mg_real along, across;
-          mg_split(c, o->contact[k], o->grip[k], o->angle[stage][k], rate, &along, &across);
+          mg_split_slip(c, o->contact[k], o->grip[k], o->angle[stage][k], rate, &along, &across);
           across *= sign / (2 * turned);
           o->stiffness[stage][k][j] = sign < 0 ? across : o->stiffness[stage][k][j] + across;
         }

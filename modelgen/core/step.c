@@ -50,7 +50,8 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 static void mg_watch(mg_context *c) {
   const mg_real deep = -c->set->gap * c->sys->length;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  if (mg_any_patch_ends(c)) c->suspect = 1;
+  for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
   if (c->sys->n_grip && mg_grips_suspect(c)) c->suspect = 1;
 }

@@ -12,57 +12,57 @@ static void mg_put_kinetic(mg_context *c, int contact, mg_real *cone) {
   }
 }
 
-/* Of all closed contacts, with the velocities after the impact as what the impulses must make right. */
+/* Of all closed contacts that are not hidden, of pads and of joints, with the velocities after the impact as what the
+   impulses must make right. */
 static mg_friction_problem mg_pose_impact(mg_context *c) {
   mg_friction_problem p = {0, 0, MG_COULOMB, 0, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    if (!c->run->closed[i]) continue;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!c->run->closed[i] || c->hidden[i]) continue;
     mg_put_kinetic(c, i, c->cone + MG_CONE * p.n_contact);
     p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   }
-  p.n = mg_list_joints(c, c->list, p.n);
+  p.n = mg_list_bilateral(c, c->list, p.n);
   mg_assemble(c, c->list, p.n);
+  mg_rate_pads(c);
   for (int r = 0; r < p.n; r++) {
     const int row = c->list[r];
-    c->b[r] = c->d_dot[row] * (row < c->sys->n_contact ? 1 + mg_rebound(c, row) : 1), c->z[r] = 0;
+    c->b[r] = row < c->first_pad ? c->d_dot[row] * (1 + mg_rebound(c, row)) : row < c->below ? c->rate[row] : c->d_dot[row];
+    c->z[r] = 0;
   }
   return p;
 }
 
-/* Newton's law with friction may make energy: notes the contact that makes most. Needs d_dot before the impact. */
-static void mg_note_gain(mg_context *c, const mg_friction_problem *p) {
-  for (int k = 0; k < p->n_contact; k++) {
+/* As mg_find_impulses: into c->z in the order of c->list, and of each pad into c->amount. Returns how many of the list
+   are rows of contacts, -1 without a solution. */
+static int mg_find_impulses_with_friction(mg_context *c) {
+  mg_friction_report report;
+  const mg_friction_problem p = mg_pose_impact(c);
+  int n = 0;
+  c->run->lcp_solves++;
+  if (mg_friction(&p, c->z, c->marks, &report, c->coulomb, c->coulomb_i)) return -1;
+  for (int k = 0; k < p.n_contact; k++) n += c->cone_rows[k];
+  for (int i = c->first_pad; i < c->sys->n_contact; i++) c->amount[i] = 0;
+  for (int r = n; r < p.n; r++) c->amount[c->list[r]] = c->z[r];
+  return n;
+}
+
+/* Newton's law with friction may make energy: notes the contact that makes most. The first n rows of c->list are those
+   of contacts, c->z their impulses; needs d_dot before the impact. */
+static void mg_note_gain(mg_context *c, int n) {
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  const int size = mg_list_bilateral(c, c->list, n);
+  for (int r = 0; r < size; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int k = 0, r = 0; r < n; k++) {
     mg_real gain = 0;
-    for (int r = c->cone_first[k]; r < c->cone_first[k] + c->cone_rows[k]; r++) {
-      const mg_real before = c->d_dot[c->list[r]];
-      gain += c->z[r] * (before + mg_row(c, c->list[r], c->wrench) / 2);
-    }
+    for (const int end = r + c->cone_rows[k]; r < end; r++)
+      gain += c->z[r] * (c->d_dot[c->list[r]] + mg_row(c, c->list[r], c->wrench) / 2);
     if (!(gain > c->run->gain_max)) continue;
     c->run->gain_max = gain, c->run->gain_t = c->run->t, c->run->gain = c->cone_contact[k];
   }
 }
 
-static int mg_struck(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && mg_nearing(c, i)) return 1;
-  return 0;
-}
-
-/* Needs the rows at run->x. Does nothing unless a closed contact approaches. */
-static int mg_impact_with_friction(mg_context *c, mg_events *events) {
-  mg_friction_report report;
-  if (!mg_struck(c)) return MG_DONE;
-  const mg_friction_problem p = mg_pose_impact(c);
-  c->run->lcp_solves++;
-  if (mg_friction(&p, c->z, c->marks, &report, c->coulomb, c->coulomb_i)) return MG_COMPLEMENTARITY;
-  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < p.n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
-  mg_note_gain(c, &p);
-  mg_apply_impulses(c, p.n);
-  mg_poses(c, c->run->t, c->run->x);
-  for (int k = 0; k < p.n_contact; k++) c->list[k] = c->cone_contact[k];
-  mg_after_impact(c, events, p.n_contact);
+/* After an impact grips are told by their slip anew. */
+static void mg_forget_slip(mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++) c->run->grip[g] = MG_LOOSE, c->slipped[g] = 0;
   mg_slip_rates(c);
-  return MG_DONE;
 }

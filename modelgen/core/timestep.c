@@ -48,7 +48,7 @@ static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *
   if (h > sight) h = sight;
   c->left.count = 0;
   mg_take_geometry(c, h);
-  int outcome = mg_find_impulses(c, h);
+  int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_tell_modes(c, events, h);
   for (int i = 0; i < c->n_x; i++) c->x_next[i] = run->x[i];
@@ -72,7 +72,7 @@ static void mg_preview(mg_context *c, const mg_record *record) {
   if (!mg_steps_in_time(c) || !mg_due(record, c->run->t)) return;
   const mg_real h = mg_next_step(c);
   mg_take_geometry(c, h);
-  if (!mg_find_impulses(c, h)) mg_spread_over(c, h);
+  if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
   mg_rows_at(c, c->run->t, c->run->x);
 }

@@ -8,11 +8,11 @@ static void mg_rows_at(mg_context *c, mg_real t, const mg_real *x);
 static void mg_take_geometry(mg_context *c, mg_real h);
 static mg_real mg_free_rate(const mg_context *c, int row, mg_real h);
 static mg_real mg_slow(const mg_context *c, int contact, mg_real h);
-static int mg_is_struck(const mg_context *c, int contact, mg_real h);
+static int mg_is_sent_back(const mg_context *c, int contact, mg_real h);
 static mg_real mg_least_rate(const mg_context *c, int contact, mg_real h);
 
 /* timestep_solve.c: the impulses of a step */
-static int mg_find_impulses(mg_context *c, mg_real h);
+static int mg_step_impulses(mg_context *c, mg_real h);
 
 /* timestep_move.c: what they do */
 static void mg_book_impulses(mg_context *c, mg_real h);

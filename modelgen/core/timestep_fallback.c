@@ -22,6 +22,17 @@ static int mg_first_closed(const mg_context *c) {
   return 0;
 }
 
+/* Time-stepping knows no patches: what they covered stands open again. Needs the poses at run->x. */
+static void mg_release_patches(mg_context *c) {
+  mg_founds found;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int patch = mg_patch_in(c, slot);
+    if (patch < 0) continue;
+    mg_drop_patch(c, slot);
+    mg_uncover(c, patch, &found);
+  }
+}
+
 /* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once on
    another lasts twice as long. */
 static int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
@@ -33,6 +44,7 @@ static int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
   run->fall_left = (long)MG_FALL_STEPS << run->fall_doublings;
   if (!run->falls++) run->fall_first = run->t, run->fall_cause = outcome;
   mg_emit(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
+  mg_release_patches(c);
   return 1;
 }
 

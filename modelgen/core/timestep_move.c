@@ -1,14 +1,23 @@
 /* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of penetration. */
 #include "core.h"
 
-/* Of the impulses in c->force, against the mean of a row's rates before and after; less what driven bodies move. Notes
-   the contact that makes most energy. */
+/* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
+static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
+  if (c->force[row] == 0) return 0;
+  const mg_real after = mg_free_rate(c, row, h) + mg_row(c, row, c->wrench);
+  return c->force[row] * ((c->d_dot[row] + after) / 2 - mg_driven_rate(c, row));
+}
+
+/* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
 static void mg_work_of_impulses(mg_context *c, mg_real h) {
   mg_run *run = c->run;
-  for (int i = 0; i < c->n_all; i++) {
-    if (c->force[i] == 0) continue;
-    const mg_real after = mg_free_rate(c, i, h) + mg_row(c, i, c->wrench);
-    run->x[c->work_index] += c->force[i] * ((c->d_dot[i] + after) / 2 - mg_driven_rate(c, i));
+  for (int i = 0; i < c->n_all; i++) run->x[c->work_index] += mg_work_of(c, i, h);
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int first = c->below + (mg_rows_below(c, i) ? c->sys->contact_below[i] : 0);
+    mg_real gain = mg_work_of(c, i, h);
+    for (int row = first; row < first + mg_rows_below(c, i); row++) gain += mg_work_of(c, row, h);
+    if (!mg_is_sent_back(c, i, h) || !(gain > run->gain_max)) continue;
+    run->gain_max = gain, run->gain_t = run->t + h, run->gain = i;
   }
 }
 

@@ -61,13 +61,13 @@ static mg_real mg_slow(const mg_context *c, int contact, mg_real h) {
 }
 
 /* The approach is one that Newton's law sends back. */
-static int mg_is_struck(const mg_context *c, int contact, mg_real h) {
+static int mg_is_sent_back(const mg_context *c, int contact, mg_real h) {
   return c->sys->restitution[contact] > 0 && c->d_dot[contact] < -mg_slow(c, contact, h);
 }
 
 /* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
 static mg_real mg_least_rate(const mg_context *c, int contact, mg_real h) {
-  if (mg_is_struck(c, contact, h)) return -c->sys->restitution[contact] * c->d_dot[contact];
+  if (mg_is_sent_back(c, contact, h)) return -c->sys->restitution[contact] * c->d_dot[contact];
   if (c->set->scheme != MG_STEWART_TRINKLE || c->d[contact] <= 0) return 0;
   return -c->d[contact] / h;
 }

@@ -69,9 +69,10 @@ static void mg_leave(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 6; k++) left->eta[k] = k < c->n_eta[contact] ? mg_eta_of(c, c->run->x, contact)[k] : 0;
     mg_note_place(c, left);
   }
+  const int silent = mg_is_for_flat(c, c->run->link[contact]);
   mg_set_link(c, contact, -1, none);
   c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
-  mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
+  if (!silent) mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
 /* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
@@ -84,7 +85,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   found.link = -1;
   for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
     const int to = c->sys->condition_next[way];
-    if (to < 0) break;
+    if (to < 0 || mg_is_covered(c, to)) break;
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
     if (worst > best) {
@@ -120,6 +121,20 @@ static int mg_walk_all(mg_context *c, mg_events *events) {
 }
 
 /* ---- contacts that end and appear ---- */
+
+/* Far points of a rim that is no longer flat are not followed. */
+static void mg_leave_far(mg_context *c) {
+  const mg_real none[6] = {0};
+  mg_real next[6];
+  int which;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!mg_present(c, i) || c->run->closed[i] || !mg_is_flat_far(c, i)) continue;
+    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+    if (mg_worst_condition(c, c->run->link[i], none, &which) >= -c->set->border) continue;
+    mg_set_link(c, i, -1, none);
+    c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+  }
+}
 
 /* Where a local minimum of the distance meets a saddle, both end: the contact is left, its pair searched at once. */
 static int mg_leave_folds(mg_context *c, mg_events *events) {
@@ -166,7 +181,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   mg_founds found = {0};
   int count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_taken(c, pair, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
+    if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
     if (!mg_is_taken_up(c, each)) continue;
@@ -174,7 +189,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
+    if (!mg_is_for_flat(c, each->link)) mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
@@ -192,7 +207,7 @@ static mg_real mg_pair_speed(const mg_context *c, int pair) {
 static int mg_is_unwatched(const mg_context *c, int pair) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
     if (mg_present(c, i)) return 0;
-  return 1;
+  return !mg_pair_rests(c, pair);
 }
 
 /* How fast the relative speed of the bodies' centres may grow. */
@@ -234,6 +249,7 @@ static mg_real mg_sight(const mg_context *c) {
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->sys;
   int count = mg_leave_folds(c, events);
+  mg_leave_far(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_speed(c, pair);

@@ -58,6 +58,8 @@ def load(path: str | Path) -> Record:
                 summary=json.loads(str(stored["summary"])),
                 joint_names=tuple(names["joints"]),
                 coordinate_names=tuple(names["coordinates"]),
+                patch_names=tuple(names["patches"]),
+                faces={key[5:]: stored[key] for key in stored.files if key.startswith("face_")},
             )
     except FileNotFoundError:
         raise ModelgenError(
@@ -78,10 +80,12 @@ def _save_npz(record: Record, path: Path) -> None:
         "contacts": record.contact_names,
         "joints": record.joint_names,
         "coordinates": record.coordinate_names,
+        "patches": record.patch_names,
     }
     meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
+    faces = {f"face_{key}": face for key, face in record.faces.items()}
     texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
-    arrays: dict[str, Array] = {**record.columns, **meshes, "pairs": record.pairs}
+    arrays: dict[str, Array] = {**record.columns, **meshes, **faces, "pairs": record.pairs}
     with path.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays, **{k: np.array(v) for k, v in texts.items()})
 
@@ -96,7 +100,8 @@ def _save_csv(record: Record, path: Path) -> None:
 
 def _table(record: Record) -> tuple[list[str], Array]:
     """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact, and friction,
-    torque and slip where one has friction; force, torque of each joint, and coordinates; energy, work."""
+    torque and slip where one has friction; force and centre of pressure of each patch that rested; force,
+    torque of each joint, and coordinates; energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -110,6 +115,12 @@ def _table(record: Record) -> tuple[list[str], Array]:
         for name in ("friction", "contact_torque", "slip") if record.has_friction else ():
             header += [f"{contact}.{name.removeprefix('contact_')}_{axis}" for axis in "xyz"]
             parts.append(columns[name][:, k])
+    for patch in record.rested:
+        header += [f"{record.patch_names[patch]}.{name}" for name in ("force", "x", "y", "z")]
+        mine = columns["patch"] == patch
+        parts.append(np.where(mine, columns["patch_force"], 0.0).sum(axis=1, keepdims=True))
+        present = np.where(mine[..., None], columns["patch_point"], 0.0).sum(axis=1)
+        parts.append(np.where(mine.any(axis=1, keepdims=True), present, np.nan))
     for k, joint in enumerate(record.joint_names):
         for name in ("force", "torque"):
             header += [f"{joint}.{name}_{axis}" for axis in "xyz"]

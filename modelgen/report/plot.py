@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from modelgen.errors import ModelgenError
 from modelgen.report.export import check_suffix
+from modelgen.report.frames import draw_frames, frame_samples
 from modelgen.report.record import Array, Record
 
 FORMATS = (".png", ".svg")
@@ -30,8 +32,9 @@ def require_matplotlib() -> Any:
     return Figure
 
 
-def draw(record: Record, path: str | Path) -> None:
+def draw(record: Record, path: str | Path, frames: int = 0) -> None:
     """Write the picture of a run, what `record_of` or `load` returned; the suffix says how (.png or .svg).
+    Above it stand `frames` pictures of the bodies: at the start, the first change of mode, and evenly on.
 
     Raises ModelgenError for another suffix, or without matplotlib.
     """
@@ -41,17 +44,18 @@ def draw(record: Record, path: str | Path) -> None:
     shaped = [k for k in _contacts(record) if k < len(record.pairs)]
     curves = shaped[:CURVES] if len(record.columns["t"]) else []
     panels = _panels(record)
-    rows = len(panels) // 2
-    heights = [1.0] * rows + [1.7] * len(curves)
+    shown = frame_samples(record, frames) if frames and len(record.columns["t"]) and record.meshes else []
+    above, rows = -(-len(shown) // 2), -(-len(panels) // 2)
+    heights = [1.7] * above + [1.0] * rows + [1.7] * len(curves)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
+    places = [figure.add_subplot(grid[k // 2, k % 2], projection="3d") for k in range(len(shown))]
+    draw_frames(record, shown, places)
     for k, panel in enumerate(panels):
-        axes = figure.add_subplot(grid[k // 2, k % 2])
-        panel(record, axes)
-        _finish(axes)
-    for row, contact in enumerate(curves, start=rows):
+        panel(record, figure.add_subplot(grid[above + k // 2, k % 2]))
+    for row, contact in enumerate(curves, start=above + rows):
         for column, side in enumerate("of"):
             _curve(record, contact, side, figure.add_subplot(grid[row, column], projection="3d"))
     figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
@@ -63,7 +67,32 @@ def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
     contacts = (_force, _gap) if record.contact_names else ()
     grips = (_friction, _slip) if record.has_friction else ()
     joints = (_joint_force, _coordinates) if record.joint_names else ()
-    return (_position, _velocity, _rotation, *contacts, *grips, *joints, _energy)
+    over_time = (_position, _velocity, _rotation, *contacts, *grips, *joints, _energy)
+    pressed = (partial(_pressure, patch=patch) for patch in record.rested[:CURVES])
+    return (*(partial(_over_time, panel=panel) for panel in over_time), *pressed)
+
+
+def _over_time(record: Record, axes: Any, panel: Callable[[Record, Any], None]) -> None:
+    panel(record, axes)
+    _finish(axes)
+
+
+def _pressure(record: Record, axes: Any, patch: int) -> None:
+    """The outline of a face, and where its centre of pressure went on it."""
+    axes.set_title(f"{record.patch_names[patch]}: centre of pressure")
+    frame = record.faces[f"{patch}_axes"]
+    outline = (record.faces[f"{patch}_outline"] - frame[:3]) @ frame[3:9].reshape(2, 3).T
+    curve = record.pressure_curve(patch)
+    axes.plot(*outline.T, color="0.4", linewidth=1.0)
+    axes.plot(*curve.T, color="tab:blue", linewidth=1.4)
+    known = curve[np.isfinite(curve[:, 0])]
+    for point, label, mark in zip(known[[0, -1]], ("first", "last"), "os", strict=True):
+        axes.plot(*point, mark, color="tab:blue", markersize=4, label=label, fillstyle="none")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="x-small", loc="best")
 
 
 def _contacts(record: Record) -> list[int]:
@@ -108,7 +137,11 @@ def _rotation(record: Record, axes: Any) -> None:
 def _force(record: Record, axes: Any) -> None:
     axes.set_title("normal contact force")
     axes.set_ylabel("force [N]")
-    _per_contact(record, axes, "force")
+    if record.columns["force"].any() or not record.rested:
+        _per_contact(record, axes, "force")
+    for patch in record.rested:
+        values = np.where(record.columns["patch"] == patch, record.columns["patch_force"], 0.0).sum(axis=1)
+        axes.plot(record.columns["t"], values, linewidth=1.0, label=record.patch_names[patch])
 
 
 def _gap(record: Record, axes: Any) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from modelgen.report.patches import face_outlines
 from modelgen.report.surfaces import contact_meshes, link_of
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
+    *("patch", "patch_force", "patch_point"),
 )
 
 
@@ -26,7 +28,8 @@ class Record:
     """What a run file holds; `save` writes it, `load` reads it and `draw` draws it.
 
     `columns` as in Trajectory (SI, world axes); `pairs` body indices (o, f) of each contact with
-    shapes, which the limits of joints follow; `meshes`
+    shapes, which the limits of joints follow; `faces` the outlines of faces that rested (report/patches.py);
+    `meshes`
     the touching surfaces of contact k as "k_o" and "k_f", (rows, columns, 3) m in axes of the body's centre
     of mass; `summary` what `simulate --json` prints, less the files written.
     """
@@ -39,6 +42,8 @@ class Record:
     summary: dict[str, Any]
     joint_names: tuple[str, ...] = ()
     coordinate_names: tuple[str, ...] = ()
+    patch_names: tuple[str, ...] = ()
+    faces: dict[str, Array] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """What it is of, how it ended and how much there is of it; no arrays."""
@@ -58,6 +63,21 @@ class Record:
     def has_friction(self) -> bool:
         """Whether any contact ever slipped, or felt friction."""
         return any(bool(self.columns[name].any()) for name in ("friction", "contact_torque", "slip"))
+
+    @property
+    def rested(self) -> list[int]:
+        """The patches that ever rested, as indices into `patch_names`."""
+        return sorted({int(k) for k in self.columns["patch"].ravel()} - {-1})
+
+    def pressure_curve(self, patch: int) -> Array:
+        """(n, 2) m: the centre of pressure of a patch in the axes of f's face, NaN where it does not rest."""
+        body, axes = int(self.faces[f"{patch}_body"][0]), self.faces[f"{patch}_axes"]
+        mine = (self.columns["patch"] == patch)[..., None]
+        points = np.where(mine, self.columns["patch_point"], np.nan)
+        present = points[np.arange(len(points)), np.argmax(mine[..., 0], axis=1)]
+        local = rotate_inverse(self.columns["quaternion"][:, body], present - self.columns["p"][:, body])
+        curve: Array = (local - axes[:3]) @ axes[3:9].reshape(2, 3).T
+        return curve
 
     def contact_curve(self, contact: int, side: str) -> Array:
         """(n, 3) m: the contact point on side "o" or "f" in axes of that body's centre of mass."""
@@ -87,6 +107,8 @@ def record_of(trajectory: Trajectory, library: Library) -> Record:
         summary=trajectory.summary(),
         joint_names=trajectory.joint_names,
         coordinate_names=trajectory.coordinate_names,
+        patch_names=trajectory.patch_names,
     )
+    bare.faces.update(face_outlines(library, bare.rested))
     bare.meshes.update(contact_meshes(library, bare.contact_curve))
     return bare

@@ -34,7 +34,7 @@ _EVENT = _object(
         "kind": _entry(
             "string",
             "impact, touch-down, lift-off, margin (too near a singularity), walk (to other features), "
-            "appear or vanish",
+            "appear, vanish, flat (a face comes to rest on another) or tip (it turns over its edge)",
         ),
         "contact": _entry("string", "name of the contact"),
         "speed": _entry(_NUMBER, "approach speed, m/s; 0 where it has no meaning"),
@@ -61,6 +61,13 @@ _JOINT = _object(
         ),
     },
 )  # fmt: skip
+_PATCH = _object(
+    "a face that rests on another at t_end",
+    {
+        "force": _entry(_NUMBER, "that presses them together, N"),
+        "centre_of_pressure": _numbers(3, "where it acts, m, world axes"),
+    },
+)
 _SHAPE = _entry(
     "object",
     "each dynamic body's part, the largest entry 1",
@@ -135,6 +142,7 @@ _PROPERTIES = {
     ),
     "events": _entry("array", "changes of mode in order of time", items=_EVENT),
     "joints": _entry("object", "each joint at the last sample", additionalProperties=_JOINT),
+    "patches": _entry("object", "each pair of faces that rest on each other", additionalProperties=_PATCH),
     "final": _entry("object", "each body at the last sample", additionalProperties=_STATE),
     "kinds": _entry("array", "names of the kinds the model uses", items={"type": "string"}),
     "instructions": _entry(

@@ -32,6 +32,10 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     for name, state in summary["final"].items():
         parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+    for name, patch in summary["patches"].items():
+        at = _vector(patch["centre_of_pressure"])
+        line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
+        console.print(line, markup=False, soft_wrap=True)
     for name, joint in summary["joints"].items():
         acting = [f"{key} ({_vector(joint[key])})" for key in ("force", "torque")]
         standing = [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]

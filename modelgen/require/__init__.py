@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.contact.kinds import eta_layout
@@ -14,11 +14,13 @@ from modelgen.model import (
     BodyMotion,
     ContactEntry,
     ContactKind,
+    FaceEntry,
     LinkEntry,
     LoadEntry,
     LoadKind,
     Model,
     PairEntry,
+    PatchEntry,
     Search,
     ShapeKind,
 )
@@ -36,6 +38,7 @@ from modelgen.require.masses import (
     pose_numbers,
 )
 from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
+from modelgen.require.patches import Faces, patches_of, slots_for
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
 from modelgen.require.scales import scales_of
 from modelgen.require.soundness import soundness
@@ -73,6 +76,8 @@ class Touching:
     pairs: tuple[PairEntry, ...]
     links: tuple[LinkEntry, ...]
     contacts: tuple[ContactEntry, ...]
+    faces: tuple[FaceEntry, ...] = ()
+    patches: tuple[PatchEntry, ...] = ()
 
     @property
     def n_eta(self) -> int:
@@ -90,24 +95,24 @@ def require(scene: Scene) -> Model:
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     check_observed(scene, contact_names(scene))
     warnings = soundness(scene)
-    body_kinds: Vocabulary[BodyKind] = Vocabulary()
-    bodies = _body_entries(scene, pieces, body_kinds)
-    shape_kinds, contact_kinds = Vocabulary[ShapeKind](), Vocabulary[ContactKind]()
-    touching = _touching(scene, pieces, contact_names(scene), shape_kinds, contact_kinds)
+    body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
+    touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
+        bodies=_body_entries(scene, pieces, body_kinds),
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
         contact_kinds=contact_kinds.kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
-        bodies=bodies,
         pairs=touching.pairs,
         links=touching.links,
         contacts=touching.contacts,
+        faces=touching.faces,
+        patches=touching.patches,
         loads=loads,
         joints=joints.joints,
         limits=joints.limits,
@@ -168,13 +173,12 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[Body
 def _touching(
     scene: Scene,
     pieces: Sequence[Piece],
-    names: Sequence[str],
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
 ) -> Touching:
     """The pairs that may touch, their links, and the contacts that follow them."""
-    touching = Touching((), (), ())
-    for index, (name, pair) in enumerate(zip(names, scene.contacts, strict=True)):
+    touching, faces = Touching((), (), ()), Faces(shapes)
+    for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
         first = len(touching.links)
@@ -188,12 +192,21 @@ def _touching(
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
         grips = grips_of(pair, a.owner.body)
         entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips)
+        patches = patches_of(a, b, pair, name, where, links, first, faces, kinds)
         touching = Touching(
             (*touching.pairs, entry),
             (*touching.links, *links),
             (*touching.contacts, *contacts),
+            tuple(faces.entries),
+            (*touching.patches, *_with_slots(patches, slots_for(a.shape, b.shape, len(patches)), touching)),
         )
     return touching
+
+
+def _with_slots(patches: Sequence[PatchEntry], count: int, before: Touching) -> Iterator[PatchEntry]:
+    """The patches of one pair with the places that they share."""
+    first = before.patches[-1].slots[1] if before.patches else 0
+    return (replace(patch, slots=(first, first + count)) for patch in patches)
 
 
 def _search(way: Following, links: Sequence[LinkEntry]) -> Search:

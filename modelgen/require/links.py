@@ -183,6 +183,7 @@ def _entry(
         parameters=o.parameters + f.parameters,
         swapped=candidate.swapped,
         shapes=(o.shape, f.shape),
+        features=names,
         group=-1 if face is None else groups.get(face, -1),
         conditions=_conditions(candidate, names, numbers, order),
     )

@@ -21,6 +21,11 @@ def is_pad(feature: Feature) -> bool:
     return any(condition.kind == "tilt" for condition in feature.conditions)
 
 
+def bearer_of(name: str) -> str:
+    """The name of the rim that a point of it is named after; of any other feature its own."""
+    return name.rsplit(".", 1)[0]
+
+
 def pads_of(feature: Feature) -> tuple[Feature, ...]:
     """Points of a rim a third of a turn apart, there while it is flat on a plane; none of other features."""
     if not is_rim(feature):

@@ -39,9 +39,12 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
         "apart": 4096,
         "border": 512,
         "flat": 2048,
+        "shared": 256,
         "dependent": 4096,
     }
 )
+
+SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
 def is_number(value: object) -> bool:
@@ -68,6 +71,7 @@ class Accuracy:
             1 once per accepted step, 2 at every stage as well.
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
         use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
+        planar: a face on another rests as one planar contact; False: on vertices or points of a rim.
         gap: |d| <= gap L counts as touching.
         start_gap: the same at t = 0; deeper penetration is refused.
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
@@ -95,6 +99,9 @@ class Accuracy:
         reach: contacts that appear in a run are followed from gaps below reach L.
         search: a pair that can touch more than once is searched anew when it has moved by search L.
         flat: a rim within this angle (rad) of lying on a plane stands on three points of it.
+        imaginary_edge: rad; if positive, a face turns over a smooth rim on a tangent fixed in the body
+            until it leans so far (section 5.3), instead of rolling on the rim at once.
+        shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
     """
 
@@ -111,6 +118,7 @@ class Accuracy:
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
+    planar: bool = True
     gap: float = 1e-10
     start_gap: float = 1e-8
     start_joint: float = 1e-6
@@ -139,6 +147,8 @@ class Accuracy:
     reach: float = 0.2
     search: float = 0.05
     flat: float = 2e-5
+    imaginary_edge: float = 0.0
+    shared: float = 1e-13
     border: float = 1e-9
 
     @classmethod

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from modelgen.runtime.patches import PADS
+
 ASPECTS = ("slip", "spin", "roll")  # MG_SLIP ..
 BELOW = {"slip": 2, "spin": 5, "roll": 5}  # rows below the normal one that a contact with this grip has
 
@@ -12,9 +14,9 @@ BELOW = {"slip": 2, "spin": 5, "roll": 5}  # rows below the normal one that a co
 class Grips:
     """`integers`, `reals`: arrays of mg_system; `count`, `rows`: of all contacts."""
 
-    def __init__(self, sentence: Mapping[str, Any]) -> None:
+    def __init__(self, sentence: Mapping[str, Any], slots: int) -> None:
         of_contacts = [sentence["pairs"][each["pair"]].get("grips", []) for each in sentence["contacts"]]
-        of_contacts += [[] for _ in sentence["limits"]]
+        of_contacts += [[]] * (len(sentence["limits"]) + PADS * slots)  # of limits and patches
         grips = [grip for listed in of_contacts for grip in listed]
         first, below = [0], [0]
         for listed in of_contacts:

@@ -23,10 +23,11 @@ class Recording:
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
             **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
+            **{"patch": (n, session.n_slot), "pressure": (n, session.n_slot, 4)},
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
-            name: np.zeros(shapes[name], dtype=np.intc if name == "link" else session.tables.dtype)
+            name: np.zeros(shapes[name], dtype=np.intc if name in ("link", "patch") else session.tables.dtype)
             for name in RECORD_ARRAYS
         }
         self.arrays["t"][:] = times
@@ -51,14 +52,17 @@ class Recording:
             "quaternion": quaternions(rotation),
             "v": kept["twist"][..., :3],
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
-            **{name: kept[name] for name in ("eta", "force", "gap", "link", "energy", "work")},
+            **{name: kept[name] for name in ("eta", "energy", "work", "patch")},
+            **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "link")},
+            "patch_force": kept["pressure"][..., 0],
+            "patch_point": kept["pressure"][..., 1:],
             **joint_columns(self.session, kept, rotation),
-            "points_o": kept["point_o"],
-            "points_f": kept["point_f"],
-            "normals": kept["normal"],
-            "friction": kept["friction"],
-            "contact_torque": kept["torque"],
-            "slip": kept["slip"],
+            "points_o": kept["point_o"][:, : self.session.n_shown],
+            "points_f": kept["point_f"][:, : self.session.n_shown],
+            "normals": kept["normal"][:, : self.session.n_shown],
+            "friction": kept["friction"][:, : self.session.n_shown],
+            "contact_torque": kept["torque"][:, : self.session.n_shown],
+            "slip": kept["slip"][:, : self.session.n_shown],
         }
 
 

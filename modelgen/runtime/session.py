@@ -12,6 +12,7 @@ from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import redundancy
+from modelgen.runtime.patches import PADS, slot_count
 from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
@@ -33,7 +34,8 @@ class Session:
         self.link_names = (*named, *("" for _ in sentence["limits"]))  # limits have no features
         self.contacts = [c["name"] for c in (*sentence["contacts"], *sentence["limits"])]
         self.joints = [joint["name"] for joint in sentence["joints"]]
-        n_contact, n_body = len(self.contacts), len(sentence["bodies"])
+        self.n_shown, self.n_slot = len(self.contacts), slot_count(sentence)
+        n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
         self.system, self._kept = fill_system(self.tables, library.manifest, self._scales(library))
         self.settings = fill_settings(self.tables, accuracy)
@@ -45,6 +47,7 @@ class Session:
         grips = int(self.system.n_grip)
         self.grip, self.course = np.zeros(grips + 1, dtype=np.intc), self._reals(3 * grips + 1)
         self.share = self._reals(n_contact + int(self.system.n_below) + 1)
+        self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
         self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
         self.outward = self._reals(3 * n_contact + 3)
@@ -117,12 +120,17 @@ class Session:
         columns = [a[: self.events.count].tolist() for a in self.event_arrays.values()]
         self.events.count = 0
         return [
-            Event(float(t), EVENT_KINDS[kind], self.contacts[contact], float(speed), self._features(link))
+            Event(float(t), EVENT_KINDS[kind], *self._named(contact, link), speed=float(speed))
             for t, kind, contact, link, speed in zip(*columns, strict=True)
         ]
 
-    def _features(self, link: int) -> str:
-        return self.link_names[link] if link >= 0 else ""
+    def _named(self, contact: int, link: int) -> tuple[str, str]:
+        """The contact and the features that it is between; the patch that a pad holds, and its faces."""
+        if contact < self.n_shown:
+            return self.contacts[contact], self.link_names[link] if link >= 0 else ""
+        patch = self.sentence["patches"][(link - len(self.link_names)) // PADS]
+        pair, _, faces = str(patch["name"]).rpartition(":")
+        return pair, faces
 
     def begin(self) -> None:
         """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""

@@ -42,7 +42,8 @@ def accuracy_of(
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
     key = "accuracy" if run["tolerance"] is None else "tolerance"
     try:
-        return Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+        accuracy = Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
+        return replace(accuracy, imaginary_edge=run["imaginary_edge"])
     except SimulationError as error:
         raise SimulationError(f"{source}: run.{key}", error.found, error.allowed, error.remedy) from None
 

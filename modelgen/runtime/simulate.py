@@ -119,6 +119,7 @@ def _trajectory(
         body_names=tuple(b["name"] for b in session.sentence["bodies"]),
         contact_names=tuple(session.contacts),
         link_names=session.link_names,
+        patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
         events=tuple(events),

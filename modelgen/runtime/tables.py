@@ -12,13 +12,15 @@ from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
 from modelgen.runtime.grips import Grips
 from modelgen.runtime.limits import add_limits
+from modelgen.runtime.patches import PADS, add_patches, point_restitutions, slot_count
 from modelgen.runtime.sides import Sides, append
 
 Array = np.ndarray[Any, Any]
 
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
-    *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row", "n_grip", "n_below"),
+    *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
+    *("n_patch", "n_slot", "n_grip", "n_below"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -29,13 +31,15 @@ SYSTEM_INDICES = (
     *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
+    *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_cover", "covered"),
+    *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
     *("contact_below", "contact_grip", "grip_aspect", "grip_row", "grip_body"),
 )
 SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
     *("grip_static", "grip_kinetic", "grip_direction", "pair_normal", "scale"),
 )
-SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project")
+SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
     *(
         "step",
@@ -51,11 +55,12 @@ SETTINGS_REALS = (
     ),
     *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
-    *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search", "flat", "border"),
+    *("margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
+    *("flat", "imaginary_edge", "shared", "border"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (
-    *("x", "link", "moved", "closed", "active", "grip", "course", "share"),
+    *("x", "link", "point", "moved", "closed", "active", "grip", "course", "share"),
     *("force", "margin", "fresh", "outward"),
 )
 RUN_COUNTS = (
@@ -82,7 +87,8 @@ RUN_INTEGERS = (
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
-    *("friction", "torque", "slip", "joint_wrench", "coordinate", "energy", "work"),
+    *("patch", "pressure", "friction", "torque", "slip"),
+    *("joint_wrench", "coordinate", "energy", "work"),
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
@@ -103,19 +109,19 @@ class Tables:
         pointer = ctypes.c_void_p
         integer = ctypes.c_int
         self.real = real
-        self.System = _structure(
+        self.System = structure(
             "System",
             [(n, integer) for n in SYSTEM_INTEGERS]
             + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
             + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
         )
-        self.Settings = _structure(
+        self.Settings = structure(
             "Settings",
             [(n, integer) for n in SETTINGS_INTEGERS]
             + [(n, real) for n in SETTINGS_REALS]
             + [(n, integer) for n in SETTINGS_COUNTS],
         )
-        self.Run = _structure(
+        self.Run = structure(
             "Run",
             [("t", real), ("h", real)]
             + [(n, pointer) for n in RUN_ARRAYS]
@@ -123,11 +129,11 @@ class Tables:
             + [(n, real) for n in RUN_REALS]
             + [(n, integer) for n in RUN_INTEGERS],
         )
-        self.Record = _structure(
+        self.Record = structure(
             "Record",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in RECORD_ARRAYS],
         )
-        self.Events = _structure(
+        self.Events = structure(
             "Events",
             [("capacity", integer), ("count", integer)]
             + [(n, pointer) for n in ("t", "kind", "contact", "link", "speed")],
@@ -136,7 +142,7 @@ class Tables:
 
 
 def _queries(real: Any) -> Any:
-    return _structure(
+    return structure(
         "Queries",
         [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
         + [("stride", ctypes.c_long)]
@@ -146,7 +152,8 @@ def _queries(real: Any) -> Any:
     )
 
 
-def _structure(name: str, fields: list[tuple[str, Any]]) -> Any:
+def structure(name: str, fields: list[tuple[str, Any]]) -> Any:
+    """A C structure as ctypes knows it."""
     return type(name, (ctypes.Structure,), {"_fields_": fields})
 
 
@@ -166,24 +173,30 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
-    grips = Grips(sentence)
+    add_patches(integers, sides.numbers, parameters, sentence)
+    grips = Grips(sentence, slot_count(sentence))
     integers |= grips.integers
     reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers} | grips.reals
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    sizes = [len(sentence[group]) for group in ("bodies", "contacts", "loads", "pairs", "links")]
-    for place in (1, 3, 4):
-        sizes[place] += len(sentence["limits"])
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    joints = len(sentence["joints"]), _row_count(manifest)
-    system = tables.System(*sizes, *states, _room(sentence), *joints, grips.count, grips.rows)
+    rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
+    patches = len(sentence["patches"]), slot_count(sentence)
+    counts = *rows, *patches, grips.count, grips.rows
+    system = tables.System(*_sizes(sentence, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])
     for name, value in sentence["scales"].items():
         setattr(system, name, value)
     return system, list(arrays.values())
+
+
+def _sizes(sentence: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
+    """Numbers of bodies, contacts, loads, pairs and links; limits and points of patches are contacts too."""
+    counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "link_kind"))
+    return len(sentence["bodies"]), *(len(entries) for entries in counted)
 
 
 def _bodies_and_contacts(
@@ -219,7 +232,11 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
     of_contacts = [pairs[c["pair"]]["restitution"] for c in sentence["contacts"]]
     return {
         "mass_inverse": [value for b in sentence["bodies"] for value in b["mass_inverse"]],
-        "restitution": [*of_contacts, *(limit["restitution"] for limit in limits)],
+        "restitution": [
+            *of_contacts,
+            *(limit["restitution"] for limit in limits),
+            *point_restitutions(sentence),
+        ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
     }
 
@@ -227,7 +244,7 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
 def _room(sentence: Mapping[str, Any]) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
-    many = len(sentence["contacts"]) + len(sentence["limits"])
+    many = len(sentence["contacts"]) + len(sentence["limits"]) + PADS * slot_count(sentence)
     return min(many, max(ROOM, ROOM_PER_BODY * moving))
 
 
@@ -248,5 +265,6 @@ def fill_settings(tables: Tables, accuracy: Any) -> Any:
     settings.method, settings.scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
     settings.law = LAWS[accuracy.solver]
     settings.use_gamma = int(accuracy.use_gamma)
+    settings.planar = int(accuracy.planar and accuracy.method != "time-stepping")
     settings.step = accuracy.step or 0.0
     return settings

@@ -50,7 +50,7 @@ OUTCOME_OF_CODE = {
     26: Outcome.NO_FRICTION,
 }
 EVENT_KINDS = (
-    *("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish"),
+    *("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip"),
     *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
     *("roll", "roll-stop", "roll-reversal"),
     *("time-stepping", "event-driven"),
@@ -64,8 +64,8 @@ class Event:
     t: float
     kind: str
     contact: str
-    speed: float = 0.0
     features: str = ""  # that the contact is between after the event, where its shapes have several
+    speed: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -96,6 +96,9 @@ class Trajectory:
     contact_torque: Array  # (n, nc, 3) N m, world, on it: resistance against spinning and rolling
     slip: Array  # (n, nc, 3) m/s, world, of its material point past that of the first body; 0 where open
     normals: Array  # (n, nc, 3), from the first to the second body of the contact's kind
+    patch: Array  # (n, n_slot) index into `patch_names` of a patch that rests, -1 none
+    patch_force: Array  # (n, n_slot) N
+    patch_point: Array  # (n, n_slot, 3) m, centre of pressure; NaN where none rests
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
@@ -104,6 +107,7 @@ class Trajectory:
     body_names: tuple[str, ...]
     contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
     link_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
+    patch_names: tuple[str, ...]  # of faces that may rest on each other: "glass-table:bottom"
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle"
     events: tuple[Event, ...]
@@ -166,8 +170,19 @@ class Trajectory:
                 if last >= 0
             },
             "joints": self._joints_at(last) if last >= 0 else {},
+            "patches": self._patches_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
+        }
+
+    def _patches_at(self, sample: int) -> dict[str, Any]:
+        return {
+            self.patch_names[patch]: {
+                "force": float(self.patch_force[sample, slot]),
+                "centre_of_pressure": self.patch_point[sample, slot].tolist(),
+            }
+            for slot, patch in enumerate(self.patch[sample].tolist())
+            if patch >= 0
         }
 
     def _joints_at(self, sample: int) -> dict[str, Any]:

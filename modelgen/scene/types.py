@@ -212,6 +212,7 @@ class RunSettings:
     until: float = 1.0  # s
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
+    imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     samples: int = 200  # output intervals between 0 and until
     method: str | None = None  # "dop853" | "rk4" | "time-stepping"; None: the accuracy's
     step: float | None = None  # s, of methods with a fixed step

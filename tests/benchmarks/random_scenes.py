@@ -3,9 +3,9 @@
     python -m tests.benchmarks.random_scenes --first 0 --count 20 --out FOLDER
     python -m tests.benchmarks.random_scenes --replay FOLDER/17.toml
 
-Each seed makes one scene file of 1 to 8 bodies with random friction, resistances, restitution, poses and
-velocities. A run passes that ends where it should, in time, with finite numbers, no energy gained beyond what its
-warnings name, and no penetration. The files of those that do not pass stay in the folder.
+Each seed makes one scene file of 1 to 8 bodies, random friction, restitution, poses and velocities. A run passes
+that ends where it should, in time, with finite numbers, no energy gained beyond what its warnings name, and no
+penetration. The files of those that do not pass stay in the folder.
 """
 
 from __future__ import annotations
@@ -118,9 +118,8 @@ def faults(path: Trajectory) -> list[str]:
         found.append("numbers that are not finite")
     depth = -float(np.nanmin(path.gap, initial=0.0))
     if depth > DEEPEST * SIZE:
-        found.append(
-            f"penetration of {depth:.2e} m of {path.contact_names[int(np.nanargmin(path.gap) % path.gap.shape[1])]}"
-        )
+        contact = path.contact_names[int(np.nanargmin(path.gap) % path.gap.shape[1])]
+        found.append(f"penetration of {depth:.2e} m of {contact}")
     if path.p[:, :, 2].min() < -1e-9:
         found.append(f"{path.body_names[int(path.p[:, :, 2].min(axis=0).argmin())]} is below the floor")
     gained = float((path.energy - path.energy[0]).max())
@@ -137,9 +136,8 @@ def replay(file: Path) -> int:
         modelgen.build(modelgen.emit(modelgen.derive(modelgen.require(modelgen.read(file)))))
     )
     found = faults(path)
-    print(
-        f"{file.stem}: {path.steps} steps, {len(path.events)} events, {path.wall_s:.2f} s, drift {path.energy_drift:.0e}"
-    )
+    counts = f"{path.steps} steps, {len(path.events)} events, {path.wall_s:.2f} s"
+    print(f"{file.stem}: {counts}, drift {path.energy_drift:.0e}")
     for line in (*found, *path.warnings):
         print(f"    {line}")
     return len(found)

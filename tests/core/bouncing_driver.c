@@ -11,7 +11,7 @@ int main(void) {
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0};
-  mg_real numbers[2 * SIDE] = {0}, moved[1], outward[3];
+  mg_real numbers[2 * SIDE] = {0}, moved[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
   int closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], link[COUNT], iwork[1000];
@@ -45,7 +45,7 @@ int main(void) {
                           .depth = (mg_real)0.02, .scan = 16,
                           .lcp_iterations = 100, .events_at_once = 100};
   mg_run run = {.x = x, .link = on, .moved = moved, .closed = closed, .active = active, .force = force, .margin = margin,
-                 .fresh = fresh, .outward = outward};
+                 .fresh = fresh, .point = point, .outward = outward};
   mg_events events = {COUNT, 0, t, kind, contact, link, speed};
   mg_record record = {0};
   if (mg_work_size(&system) > 20000 || mg_iwork_size(&system) > 1000) return 1;

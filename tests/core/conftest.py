@@ -1,13 +1,18 @@
-"""The core's complementarity solvers, compiled alone."""
+"""The core's complementarity solvers and regions, compiled alone."""
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.core.compiling import CoreBuild, compile_core, compiler, core_in
+from tests.core.compiling import CORE, REALS, CoreBuild, compile_core, compiler, core_in
+
+REGIONS = ("crossings", "hull", "inside", "lay", "margin", "outline", "region", "tracks")
 
 
 @pytest.fixture(scope="session")
@@ -36,3 +41,40 @@ def lcp_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CoreBuil
 @pytest.fixture(scope="session")
 def lcp(lcp_in: Callable[[str], CoreBuild]) -> CoreBuild:
     return lcp_in("double")
+
+
+@pytest.fixture(scope="session")
+def regions_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CoreBuild]:
+    """The regions alone over plane curves written by hand, in "double", "float" or "long double"."""
+    if compiler() is None:
+        pytest.skip("no C compiler on the path")
+    folder = tmp_path_factory.mktemp("regions")
+    unit = folder / "regions.c"
+    sources = [Path(__file__).with_name("region_kinds.c"), *(CORE / f"{name}.c" for name in REGIONS)]
+    unit.write_text("".join(f'#include "{source}"\n' for source in sources))
+    warnings = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
+
+    @cache
+    def build(real: str) -> CoreBuild:
+        flags, dtype = REALS[real]
+        out = folder / f"{real.replace(' ', '_')}.so"
+        command = [
+            str(compiler()),
+            *warnings,
+            "-O2",
+            "-fvisibility=hidden",
+            "-shared",
+            "-fPIC",
+            f"-I{CORE}",
+            *flags,
+        ]
+        done = subprocess.run([*command, unit, "-o", out, "-lm"], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return CoreBuild(ctypes.CDLL(str(out)), dtype)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def plane_core(regions_in: Callable[[str], CoreBuild]) -> CoreBuild:
+    return regions_in("double")

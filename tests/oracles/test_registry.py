@@ -58,7 +58,7 @@ def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accurac
     assert path.energy_drift < REGISTRY[name].drift[ACCURACIES.index(accuracy)]
     assert path.gap_max < 1e-10 * length
     assert path.complementarity_max < COMPLEMENTARITY[accuracy]
-    assert path.margin_min > Accuracy.balanced().margin_warn
+    assert path.margin_min > REGISTRY[name].margin
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)

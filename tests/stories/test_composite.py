@@ -39,11 +39,12 @@ def test_simulate_names_the_features_that_touch(modelgen: Modelgen, tmp_path: Pa
     summary = modelgen("simulate", BOX, "--samples", 30, "--out", npz, "--plot", picture, "--json").json
     Draft202012Validator(modelgen("schema").json["$defs"]["result"]).validate(summary)
     assert summary["outcome"] == "done"
-    assert {event["features"] for event in summary["events"]} <= CORNERS
+    assert {event["features"] for event in summary["events"] if event["kind"] != "flat"} <= CORNERS
+    assert [event["features"] for event in summary["events"] if event["kind"] == "flat"] == ["bottom"]
     assert summary["final"]["box"]["p"][2] == pytest.approx(0.03, abs=1e-9)
     record = load(npz)
     assert record.summary | {"out": str(npz), "plot": str(picture)} == summary
-    assert record.columns["force"][-1].sum() == pytest.approx(500 * 0.2 * 0.1 * 0.06 * 9.81, rel=1e-9)
+    assert record.columns["patch_force"][-1].sum() == pytest.approx(500 * 0.2 * 0.1 * 0.06 * 9.81, rel=1e-9)
     assert picture.read_text().lstrip().startswith("<?xml")
 
 

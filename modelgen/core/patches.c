@@ -1,0 +1,108 @@
+/* Which patches are held, in which slots, and what they cover. */
+#include "core.h"
+
+static int mg_is_pad(const mg_context *c, int contact) {
+  return contact >= c->first_pad && contact < c->sys->n_contact;
+}
+
+static int mg_pad_of(const mg_context *c, int slot) { return c->first_pad + 3 * slot; }
+
+/* The patch that a slot holds, or -1. */
+static int mg_patch_in(const mg_context *c, int slot) {
+  const int link = c->run->link[mg_pad_of(c, slot)];
+  return link < 0 ? -1 : (link - c->first_pad_link) / 3;
+}
+
+/* The slot that holds a patch, or -1. */
+static int mg_slot_of(const mg_context *c, int patch) {
+  for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
+    if (mg_patch_in(c, slot) == patch) return slot;
+  return -1;
+}
+
+static int mg_free_slot(const mg_context *c, int patch) {
+  for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
+    if (mg_patch_in(c, slot) < 0) return slot;
+  return -1;
+}
+
+static int mg_patch_covers(const mg_context *c, int patch, int link) {
+  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
+    if (c->sys->covered[k] == link) return 1;
+  return 0;
+}
+
+/* The patch that a contact's link lies in with its faces against each other, or -1. */
+static int mg_patch_flat_on(const mg_context *c, int contact) {
+  const int link = c->run->link[contact];
+  mg_real o[12], f[12];
+  for (int patch = 0; patch < c->sys->n_patch; patch++) {
+    if (c->sys->patch_pair[patch] != c->sys->link_pair[link] || !mg_patch_covers(c, patch, link)) continue;
+    mg_face_pose(c, patch, 0, o);
+    mg_face_pose(c, patch, 1, f);
+    if (mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat) return patch;
+  }
+  return -1;
+}
+
+/* The link is there only while faces lie flat on each other. */
+static int mg_is_for_flat(const mg_context *c, int link) {
+  const mg_system *s = c->sys;
+  for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
+    if (s->condition_kind[k] == MG_TILT && s->numbers[s->condition_numbers[k] + 3] < 0) return 1;
+  return 0;
+}
+
+/* Of a link for faces that lie flat, on which nothing touches soon: where its condition ends is no event. */
+static int mg_is_flat_far(const mg_context *c, int contact) {
+  return c->d[contact] > c->set->reach * c->sys->length && mg_is_for_flat(c, c->run->link[contact]);
+}
+
+/* A rim of the pair has just begun to roll. */
+static int mg_pair_starts(const mg_context *c, int pair) {
+  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    if (c->run->fresh[i]) return 1;
+  return 0;
+}
+
+/* True if the link lies in a patch that is held, or in one that just turns over a rim. */
+static int mg_is_covered(const mg_context *c, int link) {
+  if (c->sys->n_slot && mg_pair_starts(c, c->sys->link_pair[link]) && mg_is_for_flat(c, link)) return 1;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int patch = mg_patch_in(c, slot);
+    if (patch >= 0 && c->sys->patch_pair[patch] == c->sys->link_pair[link] && mg_patch_covers(c, patch, link)) return 1;
+  }
+  return 0;
+}
+
+/* A pair with a patch that is held. */
+static int mg_pair_rests(const mg_context *c, int pair) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int patch = mg_patch_in(c, slot);
+    if (patch >= 0 && c->sys->patch_pair[patch] == pair) return 1;
+  }
+  return 0;
+}
+
+/* The bodies of a patch: 0 for o, 1 for f. */
+static int mg_patch_body(const mg_context *c, int patch, int side) {
+  const int link = c->first_pad_link + 3 * patch;
+  return side ? c->sys->link_f[link] : c->sys->link_o[link];
+}
+
+static void mg_pad_on(mg_context *c, int pad, int link) {
+  const mg_system *s = c->sys;
+  const mg_contact_kind *kind = mg_contact_kinds + s->link_kind[link];
+  const mg_real *last = s->parameters + s->link_parameters[link] + kind->n_parameters - 3;
+  mg_set_link(c, pad, link, 0);
+  for (int k = 0; k < 3; k++) c->run->point[3 * pad + k] = last[k];
+  c->run->closed[pad] = c->run->active[pad] = 1;
+}
+
+static void mg_hold_patch(mg_context *c, int slot, int patch) {
+  for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->first_pad_link + 3 * patch + k);
+}
+
+static void mg_drop_patch(mg_context *c, int slot) {
+  for (int k = 0; k < 3; k++) mg_set_link(c, mg_pad_of(c, slot) + k, -1, 0);
+}

@@ -1,0 +1,66 @@
+/* What the files on faces that rest on each other, and on rims that begin to roll, offer the others. */
+#ifndef MG_PLANAR_H
+#define MG_PLANAR_H
+
+#include "core.h"
+
+/* patches.c, pressure.c, rest.c, handover.c */
+static int mg_is_pad(const mg_context *c, int contact);
+static int mg_pad_of(const mg_context *c, int slot);
+static int mg_patch_in(const mg_context *c, int slot);
+static int mg_patch_body(const mg_context *c, int patch, int side);
+static int mg_is_covered(const mg_context *c, int link);
+static int mg_patch_flat_on(const mg_context *c, int contact);
+static int mg_is_flat_on(mg_context *c, int contact);
+static int mg_is_flat_far(const mg_context *c, int contact);
+static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
+static int mg_is_for_flat(const mg_context *c, int link);
+static int mg_pair_rests(const mg_context *c, int pair);
+static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
+static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
+static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+static int mg_most_arcs(const mg_system *s);
+static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
+static int mg_patches_fired(mg_context *c);
+static int mg_any_patch_ends(mg_context *c);
+static mg_real mg_patch_value(mg_context *c, int pad, int cause);
+static void mg_drop_patch(mg_context *c, int slot);
+static void mg_hide_covered(mg_context *c);
+static int mg_try_flat(mg_context *c, mg_real touching, int moving);
+static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
+static void mg_drop_tried(mg_context *c);
+static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor);
+static int mg_patch_covers(const mg_context *c, int patch, int link);
+static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
+static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
+static void mg_uncover(mg_context *c, int patch, mg_founds *found);
+static int mg_end_patches(mg_context *c, mg_events *events);
+static int mg_pivots(const mg_context *c, int slot);
+static mg_real mg_lean_of(const mg_context *c, int slot);
+static int mg_edge_ends(const mg_context *c, int slot);
+static void mg_hold_edge(mg_context *c, int slot, const mg_real *world, const mg_real *outward);
+static void mg_leave_edge(mg_context *c, int slot, mg_events *events);
+static int mg_contact_at(mg_context *c, int pair, const mg_real *world);
+static void mg_close(mg_context *c, int contact);
+static void mg_pad_point(const mg_context *c, int pad, mg_real *world);
+static int mg_slot_of(const mg_context *c, int patch);
+static int mg_free_slot(const mg_context *c, int patch);
+static void mg_hold_patch(mg_context *c, int slot, int patch);
+static int mg_lay_patch(mg_context *c, int patch);
+static mg_real mg_weight_scale(const mg_context *c);
+
+/* collocate.c, start_rolling.c */
+static mg_real *mg_stage_state(const mg_context *c, int stage);
+static mg_real *mg_stage_slope(const mg_context *c, int stage);
+static mg_real mg_stage_time(int stage);
+static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+static void mg_collocated(mg_context *c, const mg_real *x);
+static mg_real mg_derivative(const mg_real *value, int stage);
+static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
+static mg_real mg_twice(int row, int column);
+static int mg_starts_rolling(const mg_context *c);
+static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
+static void mg_grow_up(mg_context *c);
+static int mg_is_singular(const mg_context *c, int contact);
+
+#endif

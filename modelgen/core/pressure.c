@@ -1,0 +1,138 @@
+/* Planar contact (section 5): a face that rests on another is held by three pads, both ways. Where the centre of
+   pressure leaves the hull of what both faces cover, or the force between them is used up, the patch ends. */
+#include "core.h"
+
+/* A face's axes in the world: origin and R, 12 numbers. */
+static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
+  const mg_real *place = c->sys->numbers + c->sys->patch_numbers[patch] + 12 * side;
+  const mg_real *pose = c->pose + 12 * mg_patch_body(c, patch, side);
+  mg_out(pose, place, 1, out);
+  for (int k = 0; k < 3; k++) mg_out(pose, place + 3 + 3 * k, 0, out + 3 + 3 * k);
+}
+
+/* Where a pad is in the world. */
+static void mg_pad_point(const mg_context *c, int pad, mg_real *world) {
+  mg_out(c->pose + 12 * c->f[pad], c->run->point + 3 * pad, 1, world);
+}
+
+/* A point of the world in the axes of a pose. */
+static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local) {
+  const mg_real arm[3] = {world[0] - pose[0], world[1] - pose[1], world[2] - pose[2]};
+  mg_unturn(pose + 3, arm, local);
+}
+
+/* The resultant of the amounts on a slot's pads, and their centre in the world. */
+static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
+  const int pad = mg_pad_of(c, slot);
+  mg_real sum = 0, point[3];
+  for (int k = 0; k < 3; k++) sum += amount[pad + k], centre[k] = 0;
+  for (int i = 0; i < 3; i++) {
+    mg_pad_point(c, pad + i, point);
+    for (int k = 0; k < 3; k++) centre[k] += amount[pad + i] / sum * point[k];
+  }
+  return sum;
+}
+
+/* The most arcs that bound the regions of a patch. */
+static int mg_most_arcs(const mg_system *s) {
+  int most = 0;
+  for (int patch = 0; patch < s->n_patch; patch++)
+    if (s->patch_arc[patch + 1] - s->patch_arc[patch] > most) most = s->patch_arc[patch + 1] - s->patch_arc[patch];
+  return most;
+}
+
+static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_arc[patch] == c->sys->patch_arc_f[patch]; }
+
+/* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
+static void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
+
+/* The pose of f's face in the axes of the hull. */
+static void mg_place_between(mg_context *c, int patch, mg_real *between) {
+  mg_real hull[12], f[12];
+  mg_hull_pose(c, patch, hull);
+  mg_face_pose(c, patch, 1, f);
+  mg_into(hull, f, between);
+  for (int k = 0; k < 3; k++) mg_unturn(hull + 3, f + 3 + 3 * k, between + 3 + 3 * k);
+}
+
+static void mg_set_patch(mg_context *c, int patch) {
+  const mg_system *s = c->sys;
+  const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
+  for (int i = 0; i < n; i++) {
+    const mg_real *numbers = s->numbers + s->arc_numbers[first + i];
+    const mg_arc arc = {s->arc_shape[first + i], s->arc_loop[first + i], s->parameters + s->arc_parameters[first + i],
+                        numbers, numbers[12], numbers[13]};
+    c->arc[i] = arc;
+  }
+  const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
+  c->regions = regions, c->laid = patch;
+  mg_set_regions(&c->hull, &c->regions, c->lay);
+}
+
+/* Lays the faces of a patch on each other; returns the number of sides of their hull. */
+static int mg_lay_patch(mg_context *c, int patch) {
+  const int known = c->laid == patch;
+  mg_real between[12];
+  if (known && mg_is_whole(c, patch)) return c->hull.n_edge;
+  if (!known) mg_set_patch(c, patch);
+  mg_place_between(c, patch, between);
+  return mg_lay(&c->hull, between);
+}
+
+/* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. */
+static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
+  mg_real hull[12], x[3];
+  mg_hull_pose(c, patch, hull);
+  mg_into(hull, world, x);
+  mg_lay_patch(c, patch);
+  return mg_hull_margin(&c->hull, x, brink);
+}
+
+static mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
+
+/* The cause for which a slot's patch ends with these amounts on its pads, or 0; how far it is from there. */
+static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin) {
+  mg_real centre[3];
+  mg_brink brink;
+  const mg_real N = mg_resultant(c, slot, amount, centre);
+  *margin = -MG_MAX;
+  if (!(N > floor)) return MG_PARTS;
+  if (mg_pivots(c, slot)) return mg_edge_ends(c, slot);
+  *margin = mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  return *margin < -c->set->border * c->sys->length ? MG_TURNS : 0;
+}
+
+/* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0. */
+static int mg_slot_ends(mg_context *c, int slot) {
+  mg_real margin;
+  return mg_patch_in(c, slot) < 0 ? 0 : mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+}
+
+/* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
+static int mg_patches_fired(mg_context *c) {
+  int count = 0;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int pad = mg_pad_of(c, slot);
+    for (int k = 0; k < 3; k++) c->fired[pad + k] = 0;
+    c->fired[pad] = mg_slot_ends(c, slot);
+    count += c->fired[pad] != 0;
+  }
+  return count;
+}
+
+static int mg_any_patch_ends(mg_context *c) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++)
+    if (mg_slot_ends(c, slot)) return 1;
+  return 0;
+}
+
+/* The function whose zero ends a patch. */
+static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
+  mg_real centre[3];
+  mg_brink brink;
+  const int slot = (pad - c->first_pad) / 3;
+  const mg_real N = mg_resultant(c, slot, c->force, centre);
+  if (cause == MG_ROLLS) return c->set->imaginary_edge - mg_lean_of(c, slot);
+  if (cause == MG_SETTLES) return mg_lean_of(c, slot);
+  return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+}
