@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
 from modelgen.scene.splines import Spline
@@ -219,6 +219,11 @@ class RunSettings:
     scheme: str | None = None  # of time-stepping: "stewart-trinkle" | "anitescu-potra" | "moreau"
     solver: str | None = None  # of time-stepping: "coulomb" | "relaxation"
     fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
+
+    def said(self) -> dict[str, Any]:
+        """The settings as a table; keys of the method only where the scene says any."""
+        always = ("until", "accuracy", "tolerance", "imaginary_edge", "samples")
+        return {key: value for key, value in asdict(self).items() if key in always or value is not None}
 
 
 @dataclass(frozen=True, slots=True)

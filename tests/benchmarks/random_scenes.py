@@ -3,9 +3,9 @@
     python -m tests.benchmarks.random_scenes --first 0 --count 20 --out FOLDER
     python -m tests.benchmarks.random_scenes --replay FOLDER/17.toml
 
-Each seed makes one scene file of 1 to 8 bodies, random friction, restitution, poses and velocities. A run passes
-that ends where it should, in time, with finite numbers, no energy gained beyond what its warnings name, and no
-penetration. The files of those that do not pass stay in the folder.
+Each seed makes one scene file of 1 to 8 bodies, random friction, restitution, poses and velocities. A run
+passes that ends where it should, in time, with finite numbers, no energy gained beyond what its warnings
+name, and no penetration. The files of those that do not pass stay in the folder.
 """
 
 from __future__ import annotations
