@@ -35,6 +35,10 @@ def accuracy_of(
     run, source = sentence["run"], sentence["source"]
     said = {key: run[key] for key in STEPPING if key in run and not isinstance(accuracy, Accuracy)}
     given = {key: value for key, value in own.items() if value is not None}
+    if given.get("method", said.get("method")) != said.get(
+        "method"
+    ):  # what goes with another method is not meant
+        said = {key: value for key, value in said.items() if key == "fallback"}
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
     return _stepping(record, said | given, dict.fromkeys(said.keys() - given.keys(), f"{source}: run."))
 

@@ -142,3 +142,20 @@ def test_painleves_rod_is_named_and_passed_by_an_impulse() -> None:
     refused = simulate(library, until=0.05, fallback=False)
     assert refused.outcome is Outcome.NO_FRICTION
     assert refused.t_end == 0
+
+
+def test_a_pile_of_balls_in_a_bowl_comes_to_rest_and_stays_there() -> None:
+    bowl = make.fixed("bowl", make.sphere(1.0, cavity=True, position=[0, 0, 1.0]))
+    spots = [(0.21 * np.cos(a), 0.21 * np.sin(a), 0.16) for a in np.arange(4) * np.pi / 2] + [
+        (0.02, 0.01, 0.35)
+    ]
+    names = [f"b{k}" for k in range(len(spots))]
+    pairs = [(name, "bowl") for name in names] + [(a, b) for k, a in enumerate(names) for b in names[:k]]
+    law = {"friction": 0.3, "restitution": 0.2, "rolling_resistance": 2e-3, "spinning_resistance": 1e-3}
+    contact = [{"between": pair, **law} for pair in pairs]
+    balls = [ball(name, spot) for name, spot in zip(names, spots, strict=True)]
+    path = stepped(make.scene("pile", [bowl, *balls], contact=contact), 3.0, 4e-3, samples=30)
+    assert path.outcome is Outcome.DONE
+    assert np.abs(path.v[-10:]).max() < 1e-9
+    assert np.abs(path.p[-1] - path.p[-10]).max() < 1e-10
+    assert np.nanmin(path.gap) > -1e-9
