@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagged
 from modelgen.scene.free_shapes import FREE_SHAPES
-from modelgen.scene.friction import FrictionValue
+from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
@@ -157,18 +157,7 @@ CONTACT = Table(
             "points", Whole(1, 64),
             "how many points of this pair may touch at a time; without it as the shapes suggest",
         ),
-        Field(
-            "friction", FrictionValue(),
-            "coefficient of Coulomb friction, or a table of a static and a kinetic one; without it none",
-        ),
-        Field(
-            "rolling_resistance", _NOT_NEGATIVE,
-            "torque against rolling over the normal force, m; needs friction", default=0.0,
-        ),
-        Field(
-            "spinning_resistance", _NOT_NEGATIVE,
-            "torque against spinning about the normal over the normal force, m; needs friction", default=0.0,
-        ),
+        *FRICTION_FIELDS,
     )
 )  # fmt: skip
 

@@ -96,3 +96,20 @@ def _check_direction(found: tuple[float, ...], direction: tuple[float, ...] | No
 
 def _shown(along: float, across: float) -> str:
     return f"{along:g}" if along == across else f"[{along:g}, {across:g}]"
+
+
+_LENGTH = Real(minimum=0.0)
+FRICTION_FIELDS = (
+    Field(
+        "friction", FrictionValue(),
+        "coefficient of Coulomb friction, or a table of a static and a kinetic one; without it none",
+    ),
+    Field(
+        "rolling_resistance", _LENGTH,
+        "torque against rolling over the normal force, m; needs friction", default=0.0,
+    ),
+    Field(
+        "spinning_resistance", _LENGTH,
+        "torque against spinning about the normal over the normal force, m; needs friction", default=0.0,
+    ),
+)  # fmt: skip
