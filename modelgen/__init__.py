@@ -2,6 +2,7 @@
 
 The street is read -> require -> derive -> emit -> build -> simulate: one value between two verbs.
 `modelgen.require` and the other verbs are always the functions; their modules load on first use.
+`measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from modelgen.codegen.emit import emit as emit
     from modelgen.derive import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
+    from modelgen.measure import measure as measure
+    from modelgen.measure import tune as tune
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
     from modelgen.report.linear import linearise as linearise
@@ -40,12 +43,14 @@ __all__ = [
     "emit",
     "linearise",
     "load",
+    "measure",
     "read",
     "record_of",
     "require",
     "save",
     "simulate",
     "simulate_batch",
+    "tune",
 ]
 
 _HOMES = {
@@ -58,6 +63,8 @@ _HOMES = {
     "closest_points": "modelgen.runtime.nearest",
     "simulate_batch": "modelgen.runtime.batch",
     "linearise": "modelgen.report.linear",
+    "measure": "modelgen.measure",
+    "tune": "modelgen.measure",
     "record_of": "modelgen.report.record",
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",

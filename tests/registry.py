@@ -3,41 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 
 from modelgen import read, require
 from modelgen.codegen.library import Library
 from modelgen.contact.kinds import regular_forms
 from modelgen.scene.types import Scene
+from tests.registry_friction import WITH_FRICTION
 from tests.running import SCENES, library_of
+from tests.shipped import CURVE_ON_SURFACE, Shipped
 
-
-@dataclass(frozen=True)
-class Shipped:
-    """What holds for one scene in every regular form.
-
-    Attributes:
-        kinds: what `check` prints for the scene as it stands: bodies, contacts in the chosen form, loads,
-            joints, limits.
-        forms: all that are regular for one of the scene's contacts; none without contacts.
-        reference: the test that holds the scene against its reference, as `file::function` in tests.
-        events: how often each kind of event happens at `balanced` and at `tight`; None: many.
-        drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
-        margin: every closed contact has more; less where a rim begins to roll from flat.
-        apart: bound on the difference of final positions between forms at `tight`, m.
-    """
-
-    kinds: tuple[str, ...]
-    forms: tuple[str, ...]
-    reference: str
-    events: Mapping[str, int | None] = field(default_factory=dict)
-    drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
-    margin: float = 1e-3
-    apart: float = 1e-12
-
-
-CURVE_ON_SURFACE = ("curve_implicit", "curve_block", "curve_paper", "curve_differentiated")
 REGISTRY: Mapping[str, Shipped] = {
     "ball_in_bowl": Shipped(
         kinds=("fixed", "point", "sphere_sphere_cavity_explicit"),
@@ -62,13 +38,6 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
         events={"walk": 2},
     ),
-    "block_on_incline": Shipped(
-        kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", "force"),
-        forms=("explicit", "support"),
-        reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
-        events={"slip": 4},
-        apart=1e-9,
-    ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),
@@ -79,7 +48,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_point_explicit"),
         forms=("explicit", "support"),
         reference="oracles/test_dropped.py::test_a_shipped_box_falls_on_the_corner_that_is_lowest",
-        events={"touch-down": None, "lift-off": None},
+        events={"touch-down": None, "lift-off": None, "flat": 1},
         drift=(1e-7, 1e-9, 1e-9),
         apart=1e-9,
     ),
@@ -163,16 +132,6 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("curves_block", "curves_differentiated"),
         reference="curves/test_scenes.py::test_linked_rings_swing_for_a_hundred_seconds",
     ),
-    "rolling_disc": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_circle_support_slip"),
-        forms=("support", *CURVE_ON_SURFACE),
-        reference="oracles/friction/test_rolling_scenes.py::test_a_coin_rolls_as_published",
-    ),
-    "rolling_ellipsoid": Shipped(
-        kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
-        forms=("support", "implicit"),
-        reference="oracles/friction/test_rolling_scenes.py::test_a_passive_ellipsoid_rolls_as_its_reference",
-    ),
     "slider_crank": Shipped(
         kinds=(
             *("free_diagonal", "free_isotropic", "free_isotropic_loaded", "fixed"),
@@ -192,25 +151,12 @@ REGISTRY: Mapping[str, Shipped] = {
         forms=("implicit", "block", "mixed", "paper", "differentiated", *CURVE_ON_SURFACE),
         reference="oracles/test_second_formulations.py::test_a_peg_in_a_hole_follows_a_second_formulation",
     ),
-    "sphere_slide_to_roll": Shipped(
-        kinds=("fixed", "free_isotropic", "plane_sphere_explicit_slip"),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_sliding_scenes.py::test_a_ball_comes_to_roll_as_published",
-        events={"stick": 1},
-    ),
-    "turntable": Shipped(
-        kinds=("driven", "free_isotropic", "plane_sphere_explicit_slip"),
-        forms=("explicit", "support", "implicit"),
-        reference="oracles/friction/test_rolling_scenes.py::"
-        "test_a_ball_on_a_turntable_goes_round_a_circle_of_its_own",
-        apart=1e-11,
-    ),
     "user_surface": Shipped(
         kinds=("fixed", "free_diagonal", "chart_chart_2_block"),
         forms=("block", "paper", "differentiated"),
         reference="oracles/test_second_routes.py::test_a_bean_on_a_wavy_sheet_follows_its_reference",
     ),
-}
+} | WITH_FRICTION
 
 
 def _forms_of_contacts(scene: Scene) -> list[tuple[str, ...]]:

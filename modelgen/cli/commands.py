@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
@@ -77,7 +78,7 @@ def check(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
 def build(
     scene: SceneFile,
     out: Annotated[Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER")] = None,
-    real: RealName = "double",
+    real: RealName = None,
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
@@ -138,6 +139,10 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
 
 
+app.command()(measure)
+app.command()(tune)
+
+
 @app.command()
 @guarded
 def plot(
@@ -195,11 +200,13 @@ def inspect(
 @app.command()
 @guarded
 def schema(as_json: AsJson = False) -> None:
-    """Print the JSON Schema of scene files; `$defs` has those of what `simulate` and `linearise` print."""
+    """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
+    from modelgen.measure.result import measured_schema, tuned_schema
     from modelgen.report.result import linearised_schema, result_schema
     from modelgen.scene.schema import scene_schema
 
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema()}
+    results |= {"measured": measured_schema(), "tuned": tuned_schema()}
     document["$defs"] = {**document.get("$defs", {}), **results}
     typer.echo(json.dumps(document, indent=None if as_json else 2, allow_nan=False))

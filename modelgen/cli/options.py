@@ -10,12 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.format import FORMS
 from modelgen.scene.place import Place
-from modelgen.scene.run import ACCURACIES, METHODS, RUN, SCHEMES, SOLVERS
+from modelgen.scene.run import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
 from modelgen.scene.scalars import Choice, Real, Type, Whole
 
-REALS = ("double", "float", "long double")
 STYLES = ("text", "latex", "html")
 TYPES: dict[str, Type] = {
     **{field.key: field.type for field in RUN.fields},
@@ -57,7 +55,10 @@ Solver = Annotated[
 Fallback = Annotated[
     bool | None, typer.Option(help="time-stepping for a while where an event-driven run would end")
 ]
-RealName = Annotated[str, typer.Option(help="the real type of the library", metavar=_among(REALS))]
+RealName = Annotated[
+    str | None,
+    typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),
+]
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
 At = Annotated[
     str | None,

@@ -42,11 +42,11 @@ def folder_of(scene: Scene, form: str | None) -> Path:
     return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
 
 
-def build_scene(scene: Scene, folder: Path, real: str = "double") -> Library:
+def build_scene(scene: Scene, folder: Path, real: str | None = None) -> Library:
     return build_derivation(derive_scene(scene), folder, real)
 
 
-def build_derivation(derivation: Derivation, folder: Path, real: str = "double") -> Library:
+def build_derivation(derivation: Derivation, folder: Path, real: str | None = None) -> Library:
     with progress("compiling"):
         return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
 

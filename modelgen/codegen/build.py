@@ -12,19 +12,34 @@ from pathlib import Path
 import casadi as ca
 
 from modelgen import __version__
-from modelgen.codegen.compiler import REALS, Compiler, compile_library, cpu_target, find_compiler
+from modelgen.codegen.compiler import (
+    LEVEL,
+    LEVELS,
+    REALS,
+    Compiler,
+    compile_library,
+    cpu_target,
+    find_compiler,
+)
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import BuildRecord, record_name
 from modelgen.errors import LibraryError, expect, nearest
 
 
-def build(package: Package, *, real: str = "double", folder: str | Path | None = None) -> Library:
+def build(
+    package: Package,
+    *,
+    real: str | None = None,
+    folder: str | Path | None = None,
+    level: str | None = None,
+) -> Library:
     """The library of a package, compiled if no library of the same content lies in `folder`.
 
     Args:
         package: what `emit` returned.
-        real: "double", "float" or "long double".
+        real: "double", "float" or "long double"; the scene's own when None, else double.
+        level: how far the compiler optimises: "O1", "O2" or "O3"; the scene's own when None, else O2.
         folder: where C, header, manifest, library and its record go; `generated/<scene>` when None.
 
     Raises:
@@ -33,11 +48,14 @@ def build(package: Package, *, real: str = "double", folder: str | Path | None =
         LibraryError: the compiler fails; the message names the command and the log.
     """
     expect("build", package, Package)
-    if real not in REALS:
-        raise LibraryError("real", repr(real), f"allowed: {', '.join(REALS)}", nearest(real, REALS))
+    run = package.manifest.sentence["run"]
+    real, level = real or run.get("real", "double"), level or run.get("level", LEVEL)
+    for name, value, known in (("real", real, tuple(REALS)), ("level", level, LEVELS)):
+        if value not in known:
+            raise LibraryError(name, repr(value), f"allowed: {', '.join(known)}", nearest(value, known))
     folder = (Path("generated") / package.name if folder is None else Path(folder)).absolute()
     compiler = find_compiler()
-    flags = compiler.flags(real)
+    flags = compiler.flags(real, level)
     key = content_hash(package, flags, compiler)
     path = folder / f"lib{package.name}-{key[:16]}.so"
     folder.mkdir(parents=True, exist_ok=True)

@@ -16,7 +16,8 @@ from pathlib import Path
 from modelgen.errors import CompilerMissing, LibraryError
 
 CANDIDATES = ("cc", "gcc", "clang")
-FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
+LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
+FLAGS = ("-std=c99", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
 LIBRARIES = ("-lm",)
 REALS: Mapping[str, tuple[str, ...]] = {
     "double": (),
@@ -36,13 +37,13 @@ class Compiler:
     def is_zig(self) -> bool:
         return "ziglang" in self.command or Path(self.command[0]).stem == "zig"
 
-    def flags(self, real: str) -> tuple[str, ...]:
-        """All flags that decide what the library does, for one real type."""
+    def flags(self, real: str, level: str = LEVEL) -> tuple[str, ...]:
+        """All flags that decide what the library does, for one real type and level of optimisation."""
         native = (
             ("-fno-sanitize=undefined",) if self.is_zig else ("-march=native",)
         )  # zig targets this CPU anyway
         strict = ("-Wl,-z,defs",) if sys.platform == "linux" else ()
-        return (*FLAGS, *native, *strict, *REALS[real])
+        return (f"-{level}", *FLAGS, *native, *strict, *REALS[real])
 
 
 def find_compiler() -> Compiler:

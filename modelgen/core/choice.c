@@ -153,7 +153,7 @@ static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
 }
 
 /* Those that slip get their kinetic bounds; returns how many bounds that changes. */
-static int mg_give_way(mg_context *c) {
+static int mg_loosen_one(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->sys->n_grip; g++) {
     const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
@@ -270,7 +270,7 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
     giving = mg_mark_giving(c, &p);
-  } while (mg_give_way(c));
+  } while (mg_loosen_one(c));
   mg_note_report(c, &report);
   mg_take_modes(c, &p);
   c->run->shared = 0;

@@ -18,8 +18,9 @@
 
 #define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
 #define MG_PARTS 6      /* the same: no force is left between the faces */
-#define MG_ROLLS 7      /* the same: an imaginary edge gives way to the rim */
+#define MG_ROLLS_OFF 7  /* the same: an imaginary edge gives way to the rim */
 #define MG_SETTLES 8    /* the same: or to the face, which is flat again */
+#define MG_YIELDS 9     /* the same: a side of the hull that is held no longer presses at one of its ends */
 
 #define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_RADAU 7   /* stages of collocation */
@@ -237,14 +238,6 @@ static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *et
 static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
 static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
-
-/* lean.c */
-static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
-static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
-static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
-static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
-static mg_real mg_misses(const mg_lean *at, mg_real tilt);
-static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);

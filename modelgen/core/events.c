@@ -101,10 +101,15 @@ static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, 
 }
 
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
-   far as the interpolant may err. */
+   far as the interpolant may err. That of a collocation is the step itself. */
 static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
   const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0;
+  if (mg_starts_rolling(c)) {
+    mg_interpolate(c, c->run->x, h / tried, c->x_next);
+    mg_finish_step(c, t, h);
+    return h;
+  }
   for (int round = 1;; round++) {
     mg_try_step(c, t, c->run->x, h);
     mg_finish_step(c, t, h);

@@ -105,30 +105,54 @@ static void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world) 
   mg_out(o, local, 1, world);
 }
 
+/* A point of f that lies on a curve, so that what touches there has no equations while the faces are flat. */
+static int mg_is_curved(const mg_context *c, const mg_support *at) {
+  return at->crossing_arc < 0 && at->side == 1 && !c->hull.track[at->arc].straight;
+}
+
+/* Holds an edge in place of the patch, where the face is to turn on one. Returns 0 where it is not. */
+static int mg_turn_on_edge(mg_context *c, int slot, const mg_brink *brink, mg_real world[2][3], const mg_real *outward) {
+  const int patch = mg_patch_in(c, slot);
+  if (brink->n == 2) {
+    if (!mg_is_curved(c, brink->at) && !mg_is_curved(c, brink->at + 1)) return 0;
+    mg_hold_side(c, slot, world, outward);
+    return 1;
+  }
+  if (!(c->set->imaginary_edge > 0) || !mg_is_smooth(c, patch, brink->at)) return 0;
+  mg_hold_tangent(c, slot, world[0], outward);
+  return 1;
+}
+
+/* What a face would turn on is a curve, and it has not begun to. */
+static int mg_turns_on_curve(mg_context *c, int slot) {
+  mg_real centre[3];
+  mg_brink brink;
+  mg_resultant(c, slot, c->force, centre);
+  mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  int curved = 0;
+  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved(c, brink.at + k);
+  return curved && !mg_pair_starts(c, c->sys->patch_pair[mg_patch_in(c, slot)]);
+}
+
 static void mg_turn_over(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
-  mg_real centre[3], o[12];
+  mg_real centre[3], o[12], outward[3], world[2][3];
   mg_brink brink;
   mg_founds found;
   mg_resultant(c, slot, c->force, centre);
   mg_patch_margin(c, patch, centre, &brink);
   mg_hull_pose(c, patch, o);
   const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
-  mg_real outward[3], world[3];
   mg_out(o, across, 0, outward);
-  if (c->set->imaginary_edge > 0 && brink.n == 1 && mg_is_smooth(c, patch, brink.at)) {
-    mg_at_brink(o, brink.at, world);
-    mg_hold_edge(c, slot, world, outward);
-    return;
-  }
+  for (int k = 0; k < brink.n; k++) mg_at_brink(o, brink.at + k, world[k]);
+  if (mg_turn_on_edge(c, slot, &brink, world, outward)) return;
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
   for (int k = 0; k < brink.n; k++) {
-    mg_at_brink(o, brink.at + k, world);
     const int smooth = mg_is_smooth(c, patch, brink.at + k);
-    const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world);
+    const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world[k]);
     if (contact >= 0) mg_close(c, contact);
-    else mg_start_rim(c, patch, brink.at + k, world, outward);
+    else mg_start_rim(c, patch, brink.at + k, world[k], outward);
   }
 }
 
@@ -160,10 +184,10 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
     c->fired[pad] = 0;
     if (!cause || patch < 0) continue;
-    if (cause < MG_ROLLS) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
+    if (cause < MG_ROLLS_OFF) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);
-    else if (cause == MG_ROLLS) mg_leave_edge(c, slot, events);
+    else if (cause == MG_ROLLS_OFF || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
     else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
     c->run->moved[c->sys->patch_pair[patch]] = MG_MAX / 2;
     count++;

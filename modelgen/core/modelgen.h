@@ -104,6 +104,7 @@ typedef struct {
                              along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
   mg_real step_min;       /* a step below step_min * time ends the run */
+  mg_real margin_warn;    /* a contact that starts where its margin is zero is excused from bounds on it up to here */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
   mg_real margin_appear;  /* a contact without a link of its own appears in a run only with more margin */
   mg_real lean;           /* a vertex or edge over a face is taken up while no edge or face beside it leans further out */
@@ -124,7 +125,8 @@ typedef struct {
    begun to and is slower yet than slip_speed; it slips along what its rows tell. */
 enum { MG_LOOSE = 0, MG_STUCK = 1, MG_ONSET = 2, MG_STARTING = 3, MG_SLIPPING = 4 };
 
-enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2 }; /* a contact that starts from flat; that did, its margin still small */
+enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2, /* a contact that starts from flat; that did, its margin still small */
+       MG_HINGED = 3 }; /* the first pad of a slot: the first two hold a straight side of the hull */
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */
@@ -151,7 +153,7 @@ typedef struct {
   mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
-  int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG */
+  int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */

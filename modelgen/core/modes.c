@@ -125,11 +125,36 @@ static void mg_open_far(mg_context *c, mg_events *events) {
     if (c->run->closed[i] && c->d[i] > c->set->start_gap * c->sys->length) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
 }
 
+/* The contact is at a border of its link and about to pass it: there it does not strike. Which border is in c->way. Needs
+   the slope in K[0]. */
+static int mg_is_passing(mg_context *c, int contact) {
+  const mg_system *s = c->sys;
+  const int link = c->run->link[contact];
+  const mg_real moment = sqrt(c->set->event) * s->time, near = c->set->apart;
+  mg_real *x = c->x_stage, next[6];
+  if (mg_is_endless(c, link)) return 0;
+  mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
+  if (mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact) > near) return 0;
+  for (int i = 0; i < c->n_x; i++) x[i] = c->run->x[i] + moment * c->K[i];
+  mg_poses(c, c->run->t + moment, x);
+  mg_place(c, contact, mg_eta_of(c, x, contact), next);
+  const int passing = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->way + contact) < -c->set->border;
+  mg_poses(c, c->run->t, c->run->x);
+  return passing;
+}
+
+/* Open contacts whose gaps have closed where they leave their links walk. */
+static void mg_let_pass(mg_context *c) {
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->fired[i] == 1 && mg_present(c, i) && !c->run->closed[i] && mg_is_passing(c, i)) c->fired[i] = MG_WALKS;
+}
+
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
 static int mg_transition(mg_context *c, mg_events *events) {
   const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_refresh(c);
+  mg_let_pass(c);
   if (mg_walk_all(c, events)) {
     mg_refresh(c);
     mg_open_far(c, events);

@@ -1,55 +1,90 @@
-/* The imaginary edge (section 5.3): where a face turns over a smooth rim, a tangent of the rim that is fixed in the body
-   stays on the plane until the body leans enough for the equations of the rim; a slot's first two pads hold it, and the
-   third tells on which side of flat the body leans. */
+/* Edges that a face turns on: a slot's first two pads hold the edge, and the third tells on which side of flat the body
+   leans. A straight side of the hull that ends on curves stays on the plane, both ends pressing, until the body leans enough
+   for the equations of the curves. The imaginary edge (section 5.3), a tangent of a smooth rim that is fixed in the body, is
+   held both ways in place of the rim itself. */
 #include "core.h"
 
-/* The slot holds an imaginary edge in place of a patch. */
+/* The slot holds an edge in place of a patch. */
 static int mg_pivots(const mg_context *c, int slot) {
   return mg_patch_in(c, slot) >= 0 && !c->run->closed[mg_pad_of(c, slot) + 2];
 }
+
+static int mg_is_hinged(const mg_context *c, int slot) { return c->run->fresh[mg_pad_of(c, slot)] == MG_HINGED; }
 
 /* The lean about the edge, rad; negative where the face would sink into the other. */
 static mg_real mg_lean_of(const mg_context *c, int slot) {
   return asin(2 * c->d[mg_pad_of(c, slot) + 2] / c->sys->length);
 }
 
-/* The cause for which an edge is given up, or 0: the body leans enough, or comes back flat. */
-static int mg_edge_ends(const mg_context *c, int slot) {
+/* The lean up to which the edge is held. */
+static mg_real mg_lean_held(const mg_context *c, int slot) {
+  return mg_is_hinged(c, slot) ? c->set->margin_warn : c->set->imaginary_edge;
+}
+
+static mg_real mg_least_end(const mg_context *c, int slot, const mg_real *amount) {
+  const int pad = mg_pad_of(c, slot);
+  return amount[pad] < amount[pad + 1] ? amount[pad] : amount[pad + 1];
+}
+
+/* The cause for which an edge is given up, or 0: the body leans enough, comes back flat, or lifts one end of it. */
+static int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
   const mg_real lean = mg_lean_of(c, slot);
-  if (lean > c->set->imaginary_edge + c->set->border) return MG_ROLLS;
+  if (mg_is_hinged(c, slot) && mg_least_end(c, slot, amount) < -fabs(floor)) return MG_YIELDS;
+  if (lean > mg_lean_held(c, slot) + c->set->border) return MG_ROLLS_OFF;
   return lean < -c->set->border ? MG_SETTLES : 0;
 }
 
-/* Moves the pads of a slot onto the tangent of the rim at a point of the world; needs the patch still held. */
-static void mg_hold_edge(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
+/* The function whose zero ends an edge. */
+static mg_real mg_edge_value(const mg_context *c, int slot, int cause) {
+  if (cause == MG_YIELDS) return mg_least_end(c, slot, c->force);
+  return cause == MG_ROLLS_OFF ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
+}
+
+/* Moves the pads of a slot onto an edge between two points of the world; needs the patch still held. */
+static void mg_hold_edge(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   const int pad = mg_pad_of(c, slot);
   const mg_real *pose = c->pose + 12 * c->f[pad];
-  mg_real o[12], back[3];
-  mg_face_pose(c, mg_patch_in(c, slot), 0, o);
-  const mg_real *n = o + 9, half = c->sys->length / 2;
-  const mg_real along[3] = {n[1] * outward[2] - n[2] * outward[1], n[2] * outward[0] - n[0] * outward[2],
-                            n[0] * outward[1] - n[1] * outward[0]};
-  for (int end = 0; end < 2; end++) {
-    mg_real at[3];
-    for (int k = 0; k < 3; k++) at[k] = world[k] + (end ? half : -half) * along[k];
-    mg_into(pose, at, c->run->point + 3 * (pad + end));
-  }
-  for (int k = 0; k < 3; k++) back[k] = world[k] - half * outward[k];
+  mg_real back[3];
+  for (int end = 0; end < 2; end++) mg_into(pose, ends[end], c->run->point + 3 * (pad + end));
+  for (int k = 0; k < 3; k++) back[k] = (ends[0][k] + ends[1][k] - c->sys->length * outward[k]) / 2;
   mg_into(pose, back, c->run->point + 3 * (pad + 2));
   c->run->closed[pad + 2] = c->run->active[pad + 2] = 0;
 }
 
-/* The rim takes over from the edge. */
+/* The imaginary edge: along the tangent of the rim at a point of the world. */
+static void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
+  const mg_real half = c->sys->length / 2;
+  mg_real o[12], along[3], ends[2][3];
+  mg_face_pose(c, mg_patch_in(c, slot), 0, o);
+  mg_cross(o + 9, outward, along);
+  for (int end = 0; end < 2; end++)
+    for (int k = 0; k < 3; k++) ends[end][k] = world[k] + (end ? half : -half) * along[k];
+  mg_hold_edge(c, slot, ends, outward);
+}
+
+/* A side of the hull. */
+static void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
+  mg_hold_edge(c, slot, ends, outward);
+  c->run->fresh[mg_pad_of(c, slot)] = MG_HINGED;
+}
+
+/* What touches at a point of the world takes over from the edge. */
+static void mg_take_over(mg_context *c, int pair, const mg_real *world, mg_events *events) {
+  const int contact = mg_contact_at(c, pair, world);
+  if (contact < 0) return;
+  mg_close(c, contact);
+  c->run->fresh[contact] = MG_YOUNG;
+  mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
+}
+
 static void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
-  const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
+  const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), hinged = mg_is_hinged(c, slot);
   mg_founds found;
   mg_real ends[2][3], middle[3];
   for (int end = 0; end < 2; end++) mg_pad_point(c, pad + end, ends[end]);
   for (int k = 0; k < 3; k++) middle[k] = (ends[0][k] + ends[1][k]) / 2;
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
-  const int contact = mg_contact_at(c, c->sys->patch_pair[patch], middle);
-  if (contact < 0) return;
-  mg_close(c, contact);
-  mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
+  for (int end = 0; end < 1 + hinged; end++)
+    mg_take_over(c, c->sys->patch_pair[patch], hinged ? ends[end] : middle, events);
 }

@@ -15,6 +15,7 @@ static int mg_is_flat_on(mg_context *c, int contact);
 static int mg_is_flat_far(const mg_context *c, int contact);
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
+static int mg_pair_starts(const mg_context *c, int pair);
 static int mg_pair_rests(const mg_context *c, int pair);
 static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
 static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
@@ -35,10 +36,14 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
 static void mg_uncover(mg_context *c, int patch, mg_founds *found);
 static int mg_end_patches(mg_context *c, mg_events *events);
+static void mg_turn_over(mg_context *c, int slot);
+static int mg_turns_on_curve(mg_context *c, int slot);
 static int mg_pivots(const mg_context *c, int slot);
 static mg_real mg_lean_of(const mg_context *c, int slot);
-static int mg_edge_ends(const mg_context *c, int slot);
-static void mg_hold_edge(mg_context *c, int slot, const mg_real *world, const mg_real *outward);
+static int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+static mg_real mg_edge_value(const mg_context *c, int slot, int cause);
+static void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward);
+static void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward);
 static void mg_leave_edge(mg_context *c, int slot, mg_events *events);
 static int mg_contact_at(mg_context *c, int pair, const mg_real *world);
 static void mg_close(mg_context *c, int contact);
@@ -62,5 +67,13 @@ static int mg_starts_rolling(const mg_context *c);
 static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
 static int mg_is_singular(const mg_context *c, int contact);
+
+/* lean.c */
+static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
+static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
+static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
+static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
+static mg_real mg_misses(const mg_lean *at, mg_real tilt);
+static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 
 #endif

@@ -97,7 +97,7 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
   const mg_real N = mg_resultant(c, slot, amount, centre);
   *margin = -MG_MAX;
   if (!(N > floor)) return MG_PARTS;
-  if (mg_pivots(c, slot)) return mg_edge_ends(c, slot);
+  if (mg_pivots(c, slot)) return mg_edge_ends(c, slot, amount, floor);
   *margin = mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
   return *margin < -c->set->border * c->sys->length ? MG_TURNS : 0;
 }
@@ -132,7 +132,6 @@ static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
-  if (cause == MG_ROLLS) return c->set->imaginary_edge - mg_lean_of(c, slot);
-  if (cause == MG_SETTLES) return mg_lean_of(c, slot);
+  if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }

@@ -83,18 +83,52 @@ static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor) {
   return count;
 }
 
+/* What the patches that are held cover gives way to them. */
+static void mg_give_way(mg_context *c) {
+  const mg_real none[6] = {0};
+  mg_hide_covered(c);
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->hidden[i]) mg_set_link(c, i, -1, none), c->fired[i] = 0;
+}
+
+/* The slot held on trial if no other patch is held, or -1. */
+static int mg_alone_on_trial(const mg_context *c) {
+  int alone = -1;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    if (mg_patch_in(c, slot) < 0) continue;
+    if (alone >= 0) return -1;
+    alone = slot;
+  }
+  return alone >= 0 && c->trying[alone] ? alone : -1;
+}
+
+/* A face that lies flat, but is pressed outside its hull by the forces, turns over at once where the hull is curved; what a
+   polygon turns on is closed already. */
+static int mg_turns_at_once(mg_context *c, mg_events *events) {
+  const int slot = mg_alone_on_trial(c), pad = slot < 0 ? 0 : mg_pad_of(c, slot);
+  mg_real margin;
+  if (slot < 0) return 0;
+  const int cause = mg_ends_with(c, slot, c->force, mg_weight_scale(c), &margin);
+  if (cause == MG_PARTS || margin > 0 || !mg_turns_on_curve(c, slot)) return 0;
+  mg_give_way(c);
+  c->trying[slot] = 0, c->barred[slot] = mg_patch_in(c, slot);
+  mg_befalls(c, events, pad, MG_RESTS, c->run->t, 0);
+  mg_befalls(c, events, pad, MG_TURNS_OVER, c->run->t, 0);
+  mg_turn_over(c, slot);
+  mg_refresh(c);
+  return 1;
+}
+
 /* Patches that lie flat rest, if the forces press them together within their hulls; what they cover gives way. */
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
-  const mg_real none[6] = {0};
   if (!mg_try_flat(c, touching, 0)) return MG_DONE;
   do {
     mg_hide_covered(c);
     const int outcome = mg_choose_active(c, c->hidden);
     if (outcome) return outcome;
+    if (mg_turns_at_once(c, events)) return MG_DONE;
   } while (mg_reject(c, c->force, mg_weight_scale(c)));
-  mg_hide_covered(c);
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->hidden[i]) mg_set_link(c, i, -1, none), c->fired[i] = 0;
+  mg_give_way(c);
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (c->trying[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_RESTS, c->run->t, 0);
   return MG_DONE;

@@ -12,8 +12,8 @@
    (if it has any) at the point where the pressure leaves, mark it closed, active and MG_FRESH, write the way out of the
    hull there, along the plane (world, unit), into run->outward, and let run->h be no shorter than the scene's own time:
    the step is tried from there down. The row of a fresh contact means nothing until its first step, which mg_try_step
-   takes: no complementarity problem may contain it. Then it is MG_YOUNG, excused from the bound on margins until its
-   margin is above it. */
+   takes: no complementarity problem may contain it. Then it is MG_YOUNG, excused from the bounds on margins until its
+   margin is above them. */
 #include "core.h"
 
 static int mg_starts_rolling(const mg_context *c) {
@@ -22,18 +22,18 @@ static int mg_starts_rolling(const mg_context *c) {
   return 0;
 }
 
-/* The conditions of its link hold, and its margin is large enough. */
+/* The conditions of its link hold, and its margin is nothing to warn of. */
 static int mg_is_grown_up(mg_context *c, int contact) {
   const mg_real *eta = mg_eta_of(c, c->run->x, contact);
   int which;
   mg_place(c, contact, eta, c->place + 32);
-  return c->run->margin[contact] >= c->set->margin_refuse &&
+  return c->run->margin[contact] >= c->set->margin_warn &&
          mg_worst_condition(c, c->run->link[contact], eta, &which) >= 0;
 }
 
 /* After a step, with the poses at its end. */
 static void mg_grow_up(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     if (!c->run->fresh[i]) continue;
     c->run->fresh[i] = mg_is_grown_up(c, i) ? MG_STEADY : MG_YOUNG;
   }

@@ -33,6 +33,7 @@ _CLOSED_FORMS: Mapping[str, Callable[[list[float]], float]] = {
     "cylinder": lambda p: hypot(p[0], p[1] / 2),
     "disc": lambda p: p[0],
     "capsule": lambda p: p[0] + p[1] / 2,
+    "tube": lambda p: hypot(p[0], p[2] / 2),
     "frustum": lambda p: hypot(max(p[0], p[1]), p[2] / 2),
     "half_torus": lambda p: p[0] + p[1],
     "polyhedron": lambda p: max(hypot(*p[k : k + 3]) for k in range(0, len(p), 3)),

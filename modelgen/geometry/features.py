@@ -34,6 +34,7 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "cylinder": rounds.cylinder,
     "disc": rounds.disc,
     "capsule": rounds.capsule,
+    "tube": rounds.tube,
     "frustum": rounds.frustum,
     "half_torus": rounds.half_torus,
     "polyhedron": polyhedron,

@@ -208,7 +208,8 @@ def _is_linear(condition: Condition) -> bool:
 
 
 def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str]) -> list[_Run] | None:
-    """The sides of a convex polygon, given by the half-planes in order, but for those to other members."""
+    """The sides of a convex polygon, given by its half-planes, but for those to other members."""
+    conditions = _in_turn(conditions)
     lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in conditions]
     corners = []
     for k, (normal, offset) in enumerate(lines):
@@ -219,6 +220,13 @@ def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str
         corners.append(to_outer(pose, (*np.linalg.solve(A, [-start, -offset]), 0.0)))
     sides = zip(corners, [*corners[1:], corners[0]], conditions, strict=True)
     return [_side(a, b) for a, b, condition in sides if condition.next not in members]
+
+
+def _in_turn(conditions: Sequence[Condition]) -> list[Condition]:
+    """Half-planes by the direction of their normals, from the first on."""
+    angles = [float(np.arctan2(each.numbers[2], each.numbers[1])) for each in conditions]
+    order = sorted(range(len(angles)), key=lambda k: (angles[k] - angles[0]) % (2 * np.pi))
+    return [conditions[k] for k in order]
 
 
 def _side(a: Array, b: Array) -> _Run:

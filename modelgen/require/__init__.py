@@ -182,7 +182,7 @@ def _touching(
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
         first = len(touching.links)
-        links = links_of(a, b, pair, where, shapes, kinds, first, index)
+        links = links_of(a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index)
         room = max(eta_size(kinds.kinds[link.kind]) for link in links)
         explicit = all(eta_layout(kinds.kinds[link.kind])[1] == "none" and room < 2 for link in links)
         way = following(a.shape, b.shape, pair, links, explicit)

@@ -50,14 +50,18 @@ def links_of(
     a: Whole,
     b: Whole,
     pair: ContactPair,
+    wish: str,
     where: str,
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
     first: int,
     index: int,
 ) -> tuple[LinkEntry, ...]:
-    """The links of a pair; the first has the number `first`. Raises SceneError if there is none."""
-    found = _candidates(a, b, pair, where, shapes)
+    """The links of a pair; the first has the number `first`. Raises SceneError if there is none.
+
+    `wish` is the form that they take where it is regular, if the pair names none.
+    """
+    found = _candidates(a, b, pair, wish, where, shapes)
     numbers = {names: first + k for k, names in enumerate(found)}
     known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
     groups = _parting_faces(found) if known else {}
@@ -82,7 +86,7 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 
 
 def _candidates(
-    a: Whole, b: Whole, pair: ContactPair, where: str, shapes: Vocabulary[ShapeKind]
+    a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: Vocabulary[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
     sides = [_with_pads(features_of(whole.shape).features) for whole in (a, b)]
     _check_restriction(pair, sides, where)
@@ -97,7 +101,9 @@ def _candidates(
         (one, first), (two, second) = (
             _place(whole, feature, shapes) for whole, feature in zip((a, b), features, strict=True)
         )
-        forced = pair if alone else _where_it_fits(pair, first, second)
+        forced = pair
+        if not alone or pair.form == "auto":
+            forced = _where_it_fits(pair, wish if pair.form == "auto" else pair.form, first, second)
         kind, swapped = pair_up(first, second, forced, where)
         joined = _joined(one, sides[0]), _joined(two, sides[1])
         found[names] = Candidate((one, two), (first, second), joined, kind, swapped)
@@ -158,9 +164,9 @@ def _place(whole: Whole, feature: Feature, shapes: Vocabulary[ShapeKind]) -> tup
     return feature, Partner(whole.owner, shape, shapes.named(shape_kind(shape, whole.owner.fold)))
 
 
-def _where_it_fits(pair: ContactPair, a: Partner, b: Partner) -> ContactPair:
-    fits = pair.form in (*regular_forms(a.side, b.side), *regular_forms(b.side, a.side))
-    return pair if fits else replace(pair, form="auto")
+def _where_it_fits(pair: ContactPair, form: str, a: Partner, b: Partner) -> ContactPair:
+    fits = form != "auto" and form in (*regular_forms(a.side, b.side), *regular_forms(b.side, a.side))
+    return replace(pair, form=form if fits else "auto")
 
 
 def _entry(

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from numbers import Real
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from modelgen.errors import SimulationError, nearest
 
@@ -45,6 +45,9 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 )
 
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
+
+
+CHOICES = ("newton", "project", "use_gamma")  # that a scene's [run] may make by itself
 
 
 def is_number(value: object) -> bool:
@@ -169,6 +172,11 @@ class Accuracy:
         return cls(name="tight", tolerance=1e-13)
 
     @classmethod
+    def finest(cls) -> Accuracy:
+        """Close to the rounding of long double: for references, in that build."""
+        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+
+    @classmethod
     def of(cls, tolerance: float) -> Accuracy:
         """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
@@ -190,6 +198,13 @@ class Accuracy:
         return records[name]()
 
     @classmethod
+    def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
+        """The record that a run's accuracy or tolerance names, as they stand in a manifest."""
+        tolerance = run.get("tolerance")
+        base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
+        return replace(base, imaginary_edge=run["imaginary_edge"])
+
+    @classmethod
     def taken(cls, value: object) -> Accuracy:
         """The record that a caller gave, as such or by its name."""
         if isinstance(value, Accuracy):
@@ -198,6 +213,12 @@ class Accuracy:
             return cls.named(value)
         allowed = "an Accuracy, or one of fast, balanced, tight"
         raise SimulationError("accuracy", repr(value), allowed, "write Accuracy.of(...) for a tolerance")
+
+    def choosing(self, run: Mapping[str, Any]) -> Accuracy:
+        """The same record with a run's own newton, project and use_gamma, and their names behind its own."""
+        own = {key: run[key] for key in CHOICES if run.get(key) is not None}
+        name = ", ".join([self.name, *(f"{key} {value}" for key, value in own.items())])
+        return replace(self, name=name, **own) if own else self
 
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""

@@ -30,26 +30,24 @@ def accuracy_of(
 ) -> Accuracy:
     """The record of a run: the caller's or the scene's, with what the caller says of its own (STEPPING).
 
-    A whole Accuracy stands for itself; the scene's settings of the method are for named ones.
+    A whole Accuracy stands for itself; the scene's other settings go with named ones.
     """
-    run, source = sentence["run"], sentence["source"]
-    said = {key: run[key] for key in STEPPING if key in run and not isinstance(accuracy, Accuracy)}
+    source, run = sentence["source"], {} if isinstance(accuracy, Accuracy) else sentence["run"]
+    said = {key: run[key] for key in STEPPING if run.get(key) is not None}
     given = {key: value for key, value in own.items() if value is not None}
-    if given.get("method", said.get("method")) != said.get(
-        "method"
-    ):  # what goes with another method is not meant
+    if "method" in given and given["method"] != said.get("method"):  # what goes with another one is not meant
         said = {key: value for key, value in said.items() if key == "fallback"}
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
-    return _stepping(record, said | given, dict.fromkeys(said.keys() - given.keys(), f"{source}: run."))
+    places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
+    return _stepping(record, said | given, places).choosing(run)
 
 
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
-    key = "accuracy" if run["tolerance"] is None else "tolerance"
     try:
-        accuracy = Accuracy.named(run[key]) if key == "accuracy" else Accuracy.of(run[key])
-        return replace(accuracy, imaginary_edge=run["imaginary_edge"])
+        return Accuracy.of_run(run)
     except SimulationError as error:
-        raise SimulationError(f"{source}: run.{key}", error.found, error.allowed, error.remedy) from None
+        where = f"{source}: run.{error.where}"
+        raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
 def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str]) -> Accuracy:

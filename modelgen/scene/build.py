@@ -168,6 +168,11 @@ def capsule(radius: float, length: float, **keys: object) -> Shape:
     return shape("capsule", radius=radius, length=length, **keys)
 
 
+def tube(radius: float, bore: float, length: float, **keys: object) -> Shape:
+    """A cylinder about z with a bore of radius `bore`, centred; lengths in m."""
+    return shape("tube", radius=radius, bore=bore, length=length, **keys)
+
+
 def frustum(radius_bottom: float, radius_top: float, length: float, **keys: object) -> Shape:
     """A truncated cone about z, centred; lengths in m."""
     return shape("frustum", radius_bottom=radius_bottom, radius_top=radius_top, length=length, **keys)

@@ -8,19 +8,14 @@ from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagg
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
+from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
-from modelgen.scene.run import RUN
-from modelgen.scene.scalars import LIMIT, NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
+from modelgen.scene.run import FORMS, RUN
+from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 
-FORMS = (
-    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
-    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
-    *("curves_block", "curves_paper", "curves_differentiated"),
-    *("centre_surface", "centre_curve", "edge_edge"),
-)
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 
@@ -30,17 +25,11 @@ LOAD_NAMES = ("t", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx"
 ZERO = (0.0, 0.0, 0.0)
 STILL = ("0.0", "0.0", "0.0")
 
-NAME = Text(
-    r"^[A-Za-z][A-Za-z0-9_]{0,63}$",
-    "a name is allowed: a letter, then up to 63 letters, digits or _",
-)
 SCENE_NAME = Text(r"^[A-Za-z0-9_-]{1,64}$", "letters, digits, _ and - are allowed, at most 64")
 _PARTNER = Text(
     r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z][A-Za-z0-9_]{0,63})?$",
     "the name of a body, or body/shape, is allowed",
 )
-_NOT_NEGATIVE = Real(minimum=0.0)
-_ORIENTATION = (ORIENTATIONS,)
 
 
 def _formulas(doc: str) -> Sequence:
@@ -127,12 +116,12 @@ BODY = Defined(
         "motion",
         "fixed: at rest; driven: moves on a path; dynamic: moves by forces",
         {
-            "fixed": Table(_BODY_FIELDS, _ORIENTATION),
+            "fixed": Table(_BODY_FIELDS, ORIENTATION),
             "driven": Table(
                 (*_BODY_FIELDS, Field("path", _PATH, "the motion as expressions of t", required=True)),
-                _ORIENTATION,
+                ORIENTATION,
             ),
-            "dynamic": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS), (*_ORIENTATION, *_MASS_OR_DENSITY)),
+            "dynamic": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS), (*ORIENTATION, *_MASS_OR_DENSITY)),
         },
         default="dynamic",
     ),
@@ -176,68 +165,6 @@ FORCE = Table(
 
 TORQUE = Table((_LOADED, Field("torque", _formulas(_LOAD_DOC), "components, N m", required=True), _FRAME))
 
-_BETWEEN = Field(
-    "between", Sequence(NAME, 2), 'names of two bodies; "world" is a body at rest', required=True
-)
-_JOINT_FRAMES = (
-    Field("name", NAME, "name of the joint, unique in the scene; its bodies' names and kind if absent"),
-    _BETWEEN,
-    *POSE_FIELDS,
-    Field(
-        "frames",
-        Sequence(Table(POSE_FIELDS, _ORIENTATION), 2),
-        "the frame in each body, in its axes; else position and orientation give it in the world at t = 0",
-    ),
-)
-_LIMITS = (
-    Field(
-        "limits",
-        Sequence(LIMIT, 2),
-        'least and largest coordinate, rad or m; "none" where there is no bound',
-        default=(None, None),
-    ),
-    Field("restitution", Real(0.0, 1.0), "coefficient of restitution at the limits", default=0.0),
-)
-_LIMITS_Y = Field(
-    "limits_y",
-    Sequence(LIMIT, 2),
-    'least and largest y, m; "none" where there is no bound',
-    default=(None, None),
-)
-_SPRUNG = (
-    Field("stiffness", _NOT_NEGATIVE, "of a spring along the coordinate, N/m or N m/rad", default=0.0),
-    Field("damping", _NOT_NEGATIVE, "along the coordinate, N s/m or N m s/rad", default=0.0),
-    Field("rest", NUMBER, "coordinate at which the spring has no force, m or rad", default=0.0),
-)
-_MOTION = Field("motion", ExpressionText("expression of t"), "the coordinate as an expression of t, rad or m")
-_LEAD = Field("lead", Real(), "displacement a turn, m; negative: left-handed", required=True)
-_DISTANCE = Field("distance", POSITIVE, "between the origins of the frames, m, unless its motion is given")
-_TEETH = Field("teeth", Sequence(Whole(-10000, 10000), 2), "n_a turn_a + n_b turn_b = 0", required=True)
-
-_JOINT_KEYS: Mapping[str, tuple[Field, ...]] = {
-    "revolute": (*_LIMITS, *_SPRUNG, _MOTION),
-    "prismatic": (*_LIMITS, *_SPRUNG, _MOTION),
-    "cylindrical": (*_LIMITS, *_SPRUNG),
-    "spherical": _LIMITS,
-    "universal": (*_LIMITS, *_SPRUNG),
-    "planar": (*_LIMITS, _LIMITS_Y),
-    "weld": (),
-    "screw": (_LEAD, *_LIMITS, *_SPRUNG, _MOTION),
-    "distance": (_DISTANCE, _MOTION),
-    "rope": _LIMITS,
-    "gear": (_TEETH,),
-}
-_FRAME_OR_FRAMES = tuple((key, "frames") for key in ("position", *ORIENTATIONS))
-
-JOINT = Tagged(
-    "kind",
-    "what the two frames of the joint may do",
-    {
-        kind: Table((*_JOINT_FRAMES, *keys), (*_ORIENTATION, *_FRAME_OR_FRAMES))
-        for kind, keys in _JOINT_KEYS.items()
-    },
-)
-
 SPRING = Table(
     (
         Field("between", Sequence(NAME, 2), "names of two bodies", required=True),
@@ -245,9 +172,9 @@ SPRING = Table(
             "anchors", Sequence(VECTOR, 2), "a point of each, body axes from its origin, m",
             default=(ZERO, ZERO),
         ),
-        Field("stiffness", _NOT_NEGATIVE, "N/m", required=True),
-        Field("damping", _NOT_NEGATIVE, "N s/m", default=0.0),
-        Field("rest_length", _NOT_NEGATIVE, "m", default=0.0),
+        Field("stiffness", NOT_NEGATIVE, "N/m", required=True),
+        Field("damping", NOT_NEGATIVE, "N s/m", default=0.0),
+        Field("rest_length", NOT_NEGATIVE, "m", default=0.0),
     )
 )  # fmt: skip
 

@@ -9,6 +9,14 @@ ACCURACIES = ("fast", "balanced", "tight")
 METHODS = ("dop853", "rk4", "time-stepping")
 SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
 SOLVERS = ("coulomb", "relaxation")
+REALS = ("double", "float", "long double")
+LEVELS = ("O1", "O2", "O3")
+FORMS = (
+    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
+    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+    *("curves_block", "curves_paper", "curves_differentiated"),
+    *("centre_surface", "centre_curve", "edge_edge"),
+)
 
 RUN = Table(
     (
@@ -27,5 +35,11 @@ RUN = Table(
         Field("scheme", Choice(SCHEMES), "of time-stepping; else stewart-trinkle"),
         Field("solver", Choice(SOLVERS), "friction in time-stepping: Coulomb's law or its convex relaxation"),
         Field("fallback", Switch(), "time-stepping for a while where an event-driven run ends; else true"),
+        Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
+        Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
+        Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),
+        Field("form", Choice(FORMS), "form of contacts that name none, where it is regular"),
+        Field("real", Choice(REALS), "the real type of the library"),
+        Field("level", Choice(LEVELS), "how far the compiler optimises"),
     )
 )

@@ -1,7 +1,7 @@
 """Bodies with edges in the scene format: fields, numbers in a fixed order, and what makes them degenerate.
 
-Shape frames: box, cylinder with a length, disc, capsule and frustum centred at the origin, round about z;
-half torus the half y >= 0 of a torus about z; extrusion along z, centred in z.
+Shape frames: box, cylinder with a length, tube, disc, capsule and frustum centred at the origin, round about
+z; half torus the half y >= 0 of a torus about z; extrusion along z, centred in z.
 """
 
 from __future__ import annotations
@@ -55,6 +55,11 @@ def _frustum_constraint(values: tuple[float, ...]) -> str:
     if bottom == top or abs(bottom - top) >= NEARLY_CYLINDRICAL * length:
         return ""
     return f"radius_bottom {bottom:.9g} and radius_top {top:.9g} differ by little"
+
+
+def _tube_constraint(values: tuple[float, ...]) -> str:
+    radius, bore, _ = values
+    return "" if bore < radius else f"bore {bore:g} is not smaller than radius {radius:g}"
 
 
 POLYHEDRON_FIELDS = (
@@ -171,6 +176,11 @@ _COMPOSITES = (
         "capsule", "a cylinder about z between two half spheres", ("radius", "length"),
         (_RADIUS, Field("length", POSITIVE, "length of the straight part, m", required=True)),
         closed=True, implicit=False,
+    ),
+    ShapeSpec(
+        "tube", "a cylinder about z with a bore", ("radius", "bore", "length"),
+        (_RADIUS, Field("bore", POSITIVE, "radius of the bore, m", required=True), LENGTH),
+        closed=True, implicit=False, constraint=_tube_constraint, rule="bore must be smaller than radius",
     ),
     ShapeSpec(
         "frustum", "a truncated cone about z", ("radius_bottom", "radius_top", "length"),

@@ -209,21 +209,28 @@ Load = ForceLoad | TorqueLoad | SpringLoad
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
+    """How the scene is run; None leaves a choice to the accuracy, or to the generator and the build."""
+
     until: float = 1.0  # s
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     samples: int = 200  # output intervals between 0 and until
-    method: str | None = None  # "dop853" | "rk4" | "time-stepping"; None: the accuracy's
-    step: float | None = None  # s, of methods with a fixed step
-    scheme: str | None = None  # of time-stepping: "stewart-trinkle" | "anitescu-potra" | "moreau"
-    solver: str | None = None  # of time-stepping: "coulomb" | "relaxation"
+    method: str | None = None  # dop853 | rk4 | time-stepping
+    step: float | None = None  # s, of rk4 and time-stepping
+    scheme: str | None = None  # of time-stepping: stewart-trinkle | anitescu-potra | moreau
+    solver: str | None = None  # of time-stepping: coulomb | relaxation
     fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
+    newton: int | None = None  # 0 | 1 | 2
+    project: int | None = None  # every so many steps; 0 never
+    use_gamma: bool | None = None
+    form: str | None = None  # of the contacts that name none, where it is regular
+    real: str | None = None  # double | float | long double
+    level: str | None = None  # of the compiler: O1 | O2 | O3
 
     def said(self) -> dict[str, Any]:
-        """The settings as a table; keys of the method only where the scene says any."""
-        always = ("until", "accuracy", "tolerance", "imaginary_edge", "samples")
-        return {key: value for key, value in asdict(self).items() if key in always or value is not None}
+        """The settings as a table; of what may be left open, only what the scene says."""
+        return {key: value for key, value in asdict(self).items() if key == "tolerance" or value is not None}
 
 
 @dataclass(frozen=True, slots=True)

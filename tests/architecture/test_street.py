@@ -20,6 +20,7 @@ STREET = (
     ("codegen",),
     ("runtime",),
     ("report",),
+    ("measure",),
     ("cli",),
 )
 STATION = {room: number for number, rooms in enumerate(STREET) for room in rooms}

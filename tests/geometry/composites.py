@@ -107,6 +107,10 @@ SPECIMENS = {
     "cylinder": Specimen(
         build.cylinder(0.7, 2), lambda x: max(np.hypot(x[0], x[1]) - 0.7, abs(x[2]) - 1), 2.0
     ),
+    "tube": Specimen(
+        build.tube(0.9, 0.6, 2),
+        lambda x: max(np.hypot(x[0], x[1]) - 0.9, 0.6 - np.hypot(x[0], x[1]), abs(x[2]) - 1), 2.0,
+    ),
     "disc": Specimen(build.disc(0.7), lambda x: max(np.hypot(x[0], x[1]) - 0.7, abs(x[2])), 1.4),
     "capsule": Specimen(build.capsule(0.4, 1), capsule_level, 1.8),
     "frustum": Specimen(build.frustum(1.2, 0.5, 1.6), frustum_level, 2.4),

@@ -52,6 +52,15 @@ def test_cylinder(r: float, h: float) -> None:
 
 
 @given(LENGTH, st.floats(0.01, 0.99), LENGTH)
+def test_tube(r: float, ratio: float, h: float) -> None:
+    bore = ratio * r
+    mass = pi * (r - bore) * (r + bore) * h
+    square = r * r + bore * bore
+    across = mass * (square / 4 + h * h / 12)
+    close(build.tube(r, bore, h), mass, [0, 0, 0], np.diag([across, across, mass * square / 2]))
+
+
+@given(LENGTH, st.floats(0.01, 0.99), LENGTH)
 def test_frustum(a: float, ratio: float, h: float) -> None:
     """A cone less its tip: V = pi h/3 (a^2 + ab + b^2), Izz = 3/10 m (a^5 - b^5)/(a^3 - b^3)."""
     b = ratio * a

@@ -66,6 +66,10 @@ SOLIDS: dict[str, tuple[Callable[[], Shape], Callable[[np.ndarray], float]]] = {
         lambda: make.cylinder(0.03, 0.09),
         turned_profile(((0, 0.045), (0.03, 0.045), (0.03, -0.045), (0, -0.045))),
     ),
+    "tube": (
+        lambda: make.tube(0.06, 0.04, 0.09),
+        turned_profile(((0.04, 0.045), (0.06, 0.045), (0.06, -0.045), (0.04, -0.045), (0.04, 0.045))),
+    ),
     "frustum": (
         lambda: make.frustum(0.05, 0.02, 0.08),
         turned_profile(((0, 0.04), (0.02, 0.04), (0.05, -0.04), (0, -0.04))),

@@ -16,6 +16,10 @@ from tests.running import run, scene_of
 
 FORMS = REGISTRY["ellipsoid_on_plane"].forms
 WIDER = np.finfo(np.longdouble).eps < np.finfo(np.float64).eps
+GRIPS = (
+    *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
+    *("roll", "roll-stop", "roll-reversal"),
+)
 needs_long = pytest.mark.skipif(not WIDER, reason="long double is double here")
 
 
@@ -45,10 +49,13 @@ def test_float_follows_double(form: str, accuracy: Accuracy) -> None:
 
 
 def lively(events: tuple[Event, ...]) -> list[tuple[str, str]]:
-    """Kinds and contacts up to the first strike below a twentieth of the fastest: float rests from there."""
-    strikes = [event.speed for event in events]
-    slow = (k for k, speed in enumerate(strikes) if 0 < speed < max(strikes) / 20)
-    return [(event.kind, event.contact) for event in events[: next(slow, len(events))]]
+    """Kinds and contacts before the first strike below a twentieth of the fastest: there float lands flat.
+
+    When a contact slips or sticks is not compared: float decides friction to a thousandth.
+    """
+    fastest = max((event.speed for event in events), default=0.0)
+    slow = min((event.t for event in events if 0 < event.speed < fastest / 20), default=np.inf)
+    return [(event.kind, event.contact) for event in events if event.t < slow and event.kind not in GRIPS]
 
 
 @pytest.mark.parametrize("name", REGISTRY)
@@ -57,7 +64,7 @@ def test_every_scene_runs_in_float(name: str) -> None:
     fine = run(name, Accuracy.tight(), until=0.5, samples=5)
     assert coarse.outcome is Outcome.DONE
     assert lively(coarse.events) == lively(fine.events)
-    assert np.abs(coarse.p - fine.p).max() < 2e-5
+    assert np.abs(coarse.p - fine.p).max() < REGISTRY[name].single
 
 
 @pytest.mark.parametrize("name", ["linked_rings", "disc_on_rim"])

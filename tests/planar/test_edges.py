@@ -66,20 +66,26 @@ def test_after_the_rim_is_reached_the_lowest_point_of_it_stays_on_the_table() ->
     assert (np.diff(lean) > 0).all()
 
 
+def polygon_tips(n: int, turn: float) -> float:
+    """When the run of a regular polygon tips towards a vertex (turn 0) or the middle of a side (pi/n)."""
+    corners = [[RADIUS * cos(2 * pi * k / n), RADIUS * sin(2 * pi * k / n)] for k in range(n)]
+    force = [f"{RATE * cos(turn)!r}*t", f"{RATE * sin(turn)!r}*t", "0"]
+    path = pushed(make.extrusion(HEIGHT, points=corners), force, [0, 0, ARM], exit_time(RADIUS) + 0.01, 4)
+    (tip,) = events(path, "tip")
+    return tip.t
+
+
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 16, 64])
 def test_a_regular_polygon_tips_when_its_inscribed_circle_or_vertex_is_reached(n: int) -> None:
     """Towards a vertex at R, across the middle of a side at R cos(pi/n); both tend to the circle's time."""
-    corners = [[RADIUS * cos(2 * pi * k / n), RADIUS * sin(2 * pi * k / n)] for k in range(n)]
-    shape = make.extrusion(HEIGHT, points=corners)
-    for turn, reach in ((0.0, RADIUS), (pi / n, RADIUS * cos(pi / n))):
-        force = [f"{RATE * cos(turn)!r}*t", f"{RATE * sin(turn)!r}*t", "0"]
-        path = pushed(shape, force, [0, 0, ARM], exit_time(reach) + 0.01, 4)
-        (tip,) = events(path, "tip")
-        assert tip.t == pytest.approx(exit_time(reach), abs=1e-10)
+    assert polygon_tips(n, 0.0) == pytest.approx(exit_time(RADIUS), abs=1e-10)
+    assert polygon_tips(n, pi / n) == pytest.approx(exit_time(RADIUS * cos(pi / n)), abs=1e-10)
 
 
 def test_the_times_of_polygons_tend_to_that_of_the_circle_with_the_square_of_the_side() -> None:
-    short = [exit_time(RADIUS) - exit_time(RADIUS * cos(pi / n)) for n in (16, 32, 64)]
+    circle = events(glass(exit_time(RADIUS) + 0.01, 4), "tip")[0].t
+    short = [circle - polygon_tips(n, pi / n) for n in (16, 32, 64)]
+    assert short[0] == pytest.approx(circle * (pi / 16) ** 2 / 2, rel=0.01)
     assert np.log2(short[0] / short[1]) == pytest.approx(2, abs=0.02)
     assert np.log2(short[1] / short[2]) == pytest.approx(2, abs=0.01)
 

@@ -110,6 +110,48 @@ def test_a_brick_slides_across_the_corners_of_another_on_one_planar_contact() ->
     assert path.p[:, 1, :2] == pytest.approx(straight, abs=1e-12)
 
 
+def test_the_force_between_two_bricks_does_not_jump_where_the_polygon_of_their_patch_changes() -> None:
+    """At neighbouring samples: what bears the weight knows nothing of the polygon."""
+    _, path = bricks()
+    corners = [len(polygon_of_patch(path, sample)) for sample in range(len(path.t))]
+    changes = np.flatnonzero(np.diff(corners))
+    assert len(set(corners)) > 2
+    assert len(changes) > 3
+    force, at = path.patch_force[:, 0], path.patch_point[:, 0, :2] - path.p[:, 1, :2]
+    assert np.abs(np.diff(force)[changes]).max() < 1e-12 * force[0]
+    assert np.abs(np.diff(at, axis=0)[changes]).max() < 1e-12
+
+
+def polygon_of_patch(path: Trajectory, sample: int) -> np.ndarray:
+    """The lower brick's rectangle cut by the upper one's four half-planes, one after the other."""
+    (x, y), (a, b) = (0.15, 0.1), (0.1, 0.08)
+    polygon = [np.array(corner) for corner in ((x, y), (-x, y), (-x, -y), (x, -y))]
+    R, p = rotations(path, 1)[sample][:2, :2], path.p[sample, 1, :2]
+    for normal, reach in ((R[:, 0], a), (-R[:, 0], a), (R[:, 1], b), (-R[:, 1], b)):
+        inside = [reach - normal @ (corner - p) for corner in polygon]
+        kept = []
+        for k, corner in enumerate(polygon):
+            if inside[k - 1] * inside[k] < 0:
+                share = inside[k - 1] / (inside[k - 1] - inside[k])
+                kept.append(polygon[k - 1] + share * (corner - polygon[k - 1]))
+            if inside[k] >= 0:
+                kept.append(corner)
+        polygon = kept
+    return np.array(polygon)
+
+
+def test_the_corners_of_the_patch_of_two_bricks_are_those_of_a_clipped_rectangle() -> None:
+    """At a hundred sampled times, whichever corner comes first."""
+    library, path = bricks()
+    for sample in range(len(path.t)):
+        known = polygon_of_patch(path, sample)
+        found = patch_overlap(library, path, sample, int(path.patch[sample, 0]))
+        assert len(found.hull) == len(known)
+        away = np.linalg.norm(np.asarray(found.hull)[:, None] - known[None], axis=2)
+        assert away.min(axis=0).max() < 1e-12
+        assert away.min(axis=1).max() < 1e-12
+
+
 def test_the_region_of_two_bricks_is_the_intersection_of_their_rectangles() -> None:
     """At a hundred sampled times, by half-planes: the area of the outline, and the margin of the pressure."""
     library, path = bricks()

@@ -30,6 +30,7 @@ def test_numbers_stand_in_a_fixed_order() -> None:
     assert build.cylinder(1).parameters == (("radius", 1),)
     assert build.disc(2).parameters == (("radius", 2),)
     assert build.capsule(1, 2).parameters == (("radius", 1), ("length", 2))
+    assert build.tube(2, 1, 3).parameters == (("radius", 2), ("bore", 1), ("length", 3))
     assert build.frustum(1, 2, 3).parameters == (("radius_bottom", 1), ("radius_top", 2), ("length", 3))
     assert build.half_torus(2, 1).parameters == (("major", 2), ("minor", 1))
     assert [name for name, _ in build.polyhedron(CORNERS).parameters][:4] == ["x0", "y0", "z0", "x1"]
@@ -57,6 +58,7 @@ REFUSED: list[tuple[Callable[[], object], list[str]]] = [
     (lambda: build.disc(-1), ["shape disc.radius"]),
     (lambda: build.disc(1, cavity=True), ["'cavity' where kind is 'disc'"]),
     (lambda: build.capsule(1, 0), ["shape capsule.length", "the number 0"]),
+    (lambda: build.tube(1, 1, 1), ["bore 1 is not smaller than radius 1"]),
     (lambda: build.frustum(1, 0, 1), ["frustum.radius_top", "the number 0"]),
     (lambda: build.frustum(1, 1.0001, 1), ["differ by little", "equal, or differ by 0.001 length"]),
     (lambda: build.half_torus(1, 1), ["major 1 is not larger than minor 1"]),
@@ -139,6 +141,7 @@ def tables_of(shape: Shape) -> dict[str, Any]:
 CATALOGUE = {
     "box": build.box(1, 2, 3),
     "cylinder": build.cylinder(0.5, 2),
+    "tube": build.tube(0.5, 0.3, 2),
     "disc": build.disc(1),
     "capsule": build.capsule(0.3, 1),
     "frustum": build.frustum(1, 2, 1.5),

@@ -25,6 +25,12 @@ def within_circle(radius: float, next: str | None) -> Condition:
     return Condition("quadric", (radius / 2, 0.0, 0.0, 0.0, bend, bend, 0.0, 0.0, 0.0, 0.0), next)
 
 
+def beyond_circle(radius: float, next: str | None) -> Condition:
+    """(x^2 + y^2 - radius^2)/(2 radius)."""
+    inside = within_circle(radius, next)
+    return Condition("quadric", tuple(0.0 - number for number in inside.numbers), next)
+
+
 def above(z: float, next: str | None) -> Condition:
     return linear((0.0, 0.0, z), (0.0, 0.0, 1.0), next)
 

@@ -74,6 +74,13 @@ def _cylinder(shape: Shape) -> Moments:
     return _layers(radius, radius, length)
 
 
+def _tube(shape: Shape) -> Moments:
+    """The cylinder less its bore; both are centred."""
+    (_, radius), (_, bore), (_, length) = shape.parameters
+    whole, hole = _layers(radius, radius, length), _layers(bore, bore, length)
+    return Moments(whole.volume - hole.volume, whole.centre, whole.second - hole.second)
+
+
 def _frustum(shape: Shape) -> Moments:
     (_, bottom), (_, top), (_, length) = shape.parameters
     return _layers(bottom, top, length)
@@ -132,6 +139,7 @@ def _polygon_prism(shape: Shape) -> Moments:
 _MOMENTS: Mapping[str, Callable[[Shape], Moments]] = {
     "box": _box,
     "cylinder": _cylinder,
+    "tube": _tube,
     "frustum": _frustum,
     "capsule": _capsule,
     "half_torus": _half_torus,

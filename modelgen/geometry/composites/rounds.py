@@ -1,13 +1,23 @@
-"""Solids of revolution with edges: cylinder, disc, capsule, frustum, half torus.
+"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, half torus.
 
 A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the wing into the disc it bounds.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import atan2, hypot
 
-from modelgen.geometry.composites.conditions import above, below, edge, face, smooth, wing, within_circle
+from modelgen.geometry.composites.conditions import (
+    above,
+    below,
+    beyond_circle,
+    edge,
+    face,
+    smooth,
+    wing,
+    within_circle,
+)
 from modelgen.scene.poses import UPSIDE_DOWN, Quaternion
 from modelgen.scene.types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
@@ -24,6 +34,32 @@ def cylinder(shape: Shape) -> Composite:
     )
     ends = (*_end("top", radius, half, (0.0, -1.0)), *_end("bottom", radius, -half, (0.0, 1.0)))
     return Composite((side, *ends), convex=True)
+
+
+def tube(shape: Shape) -> Composite:
+    """A cylinder about z, centred, with a bore along its axis; parameters radius, bore, length."""
+    (_, radius), (_, bore), (_, length) = shape.parameters
+    half = length / 2
+    outer = smooth("cylinder", Pose(), radius=radius)
+    inner = replace(smooth("cylinder", Pose(), radius=bore), cavity=True)
+    return Composite(
+        (
+            face("side", outer, below(half, "rim_top"), above(-half, "rim_bottom")),
+            face("bore", inner, below(half, "bore_top"), above(-half, "bore_bottom")),
+            *_ring("top", radius, bore, half),
+            *_ring("bottom", radius, bore, -half),
+        ),
+        convex=False,
+    )
+
+
+def _ring(name: str, radius: float, bore: float, z: float) -> tuple[Feature, ...]:
+    """The end of a tube at height z, its rim and the edge of its bore."""
+    down = (0.0, -1.0) if z > 0 else (0.0, 1.0)
+    end, rim = _end(name, radius, z, down)
+    circle = smooth("circle", Pose((0.0, 0.0, z)), radius=bore)
+    lip = edge(f"bore_{name}", circle, wing(1.0, 0.0, name), wing(*down, "bore"))
+    return replace(end, conditions=(*end.conditions, beyond_circle(bore, lip.name))), rim, lip
 
 
 def frustum(shape: Shape) -> Composite:

@@ -1,0 +1,167 @@
+"""The verbs that trade speed for accuracy: measure and tune."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+import modelgen
+from modelgen.cli import INTERRUPTED
+from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
+from modelgen.cli.output import check_outputs, guarded, print_facts
+from modelgen.errors import ModelgenError
+
+UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "ms": 1e6, "s": 1e9}  # of a budget, in ns
+
+Knobs = Annotated[
+    str | None, typer.Option(help="only these knobs, by name; default: all that matter", metavar="A,B,...")
+]
+Limit = Annotated[
+    str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
+]
+Against = Annotated[str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")]
+AllowedError = Annotated[
+    str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
+]
+Budget = Annotated[
+    str | None,
+    typer.Option(help="CPU time per simulated second that is allowed, such as 20us", metavar="TIME"),
+]
+OutScene = Annotated[
+    Path | None, typer.Option(help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE")
+]
+InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")]
+
+
+@guarded
+def measure(
+    scene: SceneFile,
+    until: Until = None,
+    samples: Samples = None,
+    knobs: Knobs = None,
+    against: Against = None,
+    limit: Limit = None,
+    fresh: Fresh = False,
+    plot: OutPicture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure error and cost of every setting that matters for a scene. Ctrl-C keeps what was measured."""
+    from modelgen.measure import measure as measured
+    from modelgen.measure.picture import draw_measurement
+    from modelgen.measure.table import print_measurement
+
+    check_outputs(None, plot)
+    what = modelgen.read(scene)
+    with _told() as report:
+        found = measured(
+            what,
+            until=read_option("until", until),
+            samples=read_option("samples", samples),
+            knobs=_names(knobs),
+            against=_names(against) or (),
+            limit=_seconds(limit),
+            fresh=fresh,
+            on_progress=report,
+        )
+    if plot is not None:
+        draw_measurement(found, plot)
+    facts = found.as_json() | {"plot": None if plot is None else str(plot)}
+    print_facts(facts, as_json, lambda: print_measurement(found, Console()))
+    if found.interrupted.startswith("interrupted"):
+        raise typer.Exit(INTERRUPTED)
+
+
+@guarded
+def tune(
+    scene: SceneFile,
+    error: AllowedError = None,
+    budget: Budget = None,
+    until: Until = None,
+    knobs: Knobs = None,
+    limit: Limit = None,
+    out: OutScene = None,
+    in_place: InPlace = False,
+    as_json: AsJson = False,
+) -> None:
+    """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""
+    from modelgen.measure import tune as tuned
+    from modelgen.measure.settings_file import with_run
+    from modelgen.measure.table import print_tuned
+
+    target = _target(scene, out, in_place)
+    what = modelgen.read(scene)
+    text = scene.read_text(encoding="utf-8")
+    with _told() as report:
+        found = tuned(
+            what,
+            error=_error(error),
+            budget=_budget(budget),
+            until=read_option("until", until),
+            knobs=_names(knobs),
+            limit=_seconds(limit),
+            on_progress=report,
+        )
+    target.write_text(with_run(text, found.point.settings, str(scene)), encoding="utf-8")
+    facts = found.as_json() | {"file": str(target)}
+    print_facts(facts, as_json, lambda: print_tuned(found, Console()))
+    if not as_json:
+        typer.echo(target)
+
+
+def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
+    """Where the scene is written with its settings; refuses two answers, and a folder that is not there."""
+    if out is not None and in_place:
+        raise ModelgenError("--out", "together with --in-place", "one of them", "leave one out")
+    target = scene if in_place else out or scene.with_name(f"{scene.stem}_tuned.toml")
+    if not target.parent.is_dir():
+        raise ModelgenError(str(target), f"no folder {str(target.parent)!r}", "", "make it first")
+    return target
+
+
+def _names(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def _error(text: str | None) -> float | None:
+    return None if text is None else _number("error", text, "a number such as 1e-6")
+
+
+def _seconds(text: str | None) -> float | None:
+    return None if text is None else _number("limit", text, "a number of seconds")
+
+
+def _budget(text: str | None) -> float | None:
+    """Nanoseconds of `20us`."""
+    if text is None:
+        return None
+    unit = next((unit for unit in UNITS if text.endswith(unit)), "")
+    if not unit:
+        raise ModelgenError("--budget", repr(text), "a time with its unit: ns, us, ms or s", "write 20us")
+    return UNITS[unit] * _number("budget", text.removesuffix(unit), "a time such as 20us")
+
+
+def _number(name: str, text: str, allowed: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value < float("inf"):
+        raise ModelgenError(f"--{name}", repr(text), f"{allowed}, positive", "write one")
+    return value
+
+
+@contextmanager
+def _told() -> Iterator[Callable[[str], None]]:
+    """A line on standard error that says what is measured, and for how long."""
+    console = Console(stderr=True)
+    columns: tuple[Any, ...] = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("reference", total=None)
+        yield lambda text: bar.update(task, description=text)

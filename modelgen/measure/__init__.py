@@ -1,0 +1,8 @@
+"""Speed against accuracy, measured for one scene: `measure` finds the front, `tune` picks from it."""
+
+from __future__ import annotations
+
+from modelgen.measure.measurement import Measurement, measure
+from modelgen.measure.tuning import Tuned, tune
+
+__all__ = ["Measurement", "Tuned", "measure", "tune"]

@@ -1,0 +1,133 @@
+"""How far two motions are apart: in position, rotation, force and event times, and beyond a horizon."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from modelgen.measure.motion import Array, Bodies, Motion
+from modelgen.runtime.trajectory import Event
+
+
+def separation(a: Motion, b: Motion, bodies: Bodies) -> Array:
+    """(n,) at each common sample: the largest distance of body points, over the characteristic length L.
+
+    Body points are the centre of mass and, of a body that turns, three points L along its axes.
+    """
+    n = min(len(a.t), len(b.t))
+    if n == 0 or not bodies.moving:
+        return np.zeros(n)
+    centres = (a.p[:n] - b.p[:n]) / bodies.length
+    apart = np.linalg.norm(centres.astype(np.longdouble), axis=-1)
+    for k, turns in enumerate(bodies.turning):
+        if turns:
+            turned = _axes(a.rotation[:n, k]) - _axes(b.rotation[:n, k])
+            tips = np.linalg.norm((centres[:, k, None] + turned).astype(np.longdouble), axis=-1)
+            apart[:, k] = np.maximum(apart[:, k], tips.max(axis=1))
+    return np.asarray(apart.max(axis=1), dtype=float)
+
+
+def errors(found: Motion, true: Motion, bodies: Bodies, horizon: float | None) -> dict[str, Any]:
+    """Each kind of error up to the horizon, and what can be judged beyond it.
+
+    position m, rotation rad, force (root mean square, over that of the reference), events s; the invariants
+    of the whole run; `beyond`: differences of the distributions after the horizon.
+    """
+    end = np.inf if horizon is None else horizon
+    n = int(np.searchsorted(true.t[: len(found.t)], end, side="right"))
+    mine, theirs = _cut(found, 0, n), _cut(true, 0, n)
+    result = {
+        "position": float(np.linalg.norm((mine.p - theirs.p).astype(float), axis=-1).max(initial=0.0)),
+        "rotation": _angle(mine, theirs, bodies),
+        "force": _force(mine, theirs),
+        **_events(found.events, true.events, end),
+        **found.invariants,
+    }
+    if horizon is not None:
+        result["beyond"] = beyond(found, true, bodies, n)
+    return result
+
+
+def beyond(found: Motion, true: Motion, bodies: Bodies, n: int) -> dict[str, float]:
+    """After sample n, where trajectories mean nothing: how the samples of two runs are distributed.
+
+    Mean distance of the sorted samples (Wasserstein's) of heights along each axis over L, of speeds and of
+    total momentum over their root mean squares.
+    """
+    last = min(len(found.t), len(true.t))
+    a, b = (_cut(motion, n, last) for motion in (found, true))
+    if last <= n:
+        return {}
+    mass = np.array(bodies.mass)
+    speeds = [np.linalg.norm(motion.v.astype(float), axis=-1) for motion in (a, b)]
+    momenta = [np.einsum("nbi,b->ni", motion.v.astype(float), mass) for motion in (a, b)]
+    return {
+        "positions": _sorted_apart(a.p.astype(float), b.p.astype(float)) / bodies.length,
+        "speeds": _sorted_apart(*speeds) / _size(speeds[1]),
+        "momentum": _sorted_apart(*momenta) / _size(momenta[1]),
+    }
+
+
+def _sorted_apart(a: Array, b: Array) -> float:
+    """Mean distance of sorted samples, the worst of all columns."""
+    columns = np.abs(np.sort(a, axis=0) - np.sort(b, axis=0)).mean(axis=0)
+    return float(columns.max(initial=0.0))
+
+
+def _size(values: Array) -> float:
+    return float(np.sqrt((values**2).mean())) or 1.0
+
+
+def _cut(motion: Motion, start: int, end: int) -> Motion:
+    force = None if motion.force is None else motion.force[start:end]
+    t, p, rotation, v = (each[start:end] for each in (motion.t, motion.p, motion.rotation, motion.v))
+    return Motion(t, p, rotation, v, force, motion.events, motion.invariants)
+
+
+def _axes(quaternion: Array) -> Array:
+    """The body axes in the world, (n, 3 axes, 3)."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    axes = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+        (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+        (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.stack([np.stack(axis, axis=-1) for axis in axes], axis=1)
+
+
+def _angle(a: Motion, b: Motion, bodies: Bodies) -> float:
+    """The largest rotation between the two, rad, from the chord of their unit quaternions."""
+    turning = [k for k, turns in enumerate(bodies.turning) if turns]
+    p, q = a.rotation[:, turning], b.rotation[:, turning]
+    chord = np.minimum(np.linalg.norm(p - q, axis=-1), np.linalg.norm(p + q, axis=-1))
+    return float(4 * np.arcsin(np.minimum(chord / 2, 1.0)).max(initial=0.0))
+
+
+def _force(a: Motion, b: Motion) -> float | None:
+    if a.force is None or b.force is None or b.force.size == 0 or a.force.shape != b.force.shape:
+        return None
+    return float(np.sqrt(((a.force - b.force).astype(float) ** 2).mean())) / _size(b.force.astype(float))
+
+
+def _events(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
+    """Largest difference of event times, each matched with its like in order, and how many have none."""
+    if found is None or true is None or not (found or true):
+        return {"events": None, "events_unmatched": None}
+    times = [_by_kind(events, end) for events in (found, true)]
+    worst, unmatched = 0.0, 0
+    for key in times[0].keys() | times[1].keys():
+        mine, theirs = times[0].get(key, []), times[1].get(key, [])
+        unmatched += abs(len(mine) - len(theirs))
+        worst = max([worst, *(abs(a - b) for a, b in zip(mine, theirs, strict=False))])
+    return {"events": worst, "events_unmatched": unmatched}
+
+
+def _by_kind(events: Sequence[Event], end: float) -> dict[tuple[str, str], list[float]]:
+    times: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for event in events:
+        if event.t <= end:
+            times[event.kind, event.contact].append(event.t)
+    return times

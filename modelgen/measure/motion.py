@@ -1,0 +1,65 @@
+"""A run as measurements see it, whoever made it: samples of bodies and forces, events and invariants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.trajectory import Event, Trajectory
+
+Array = np.ndarray[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Bodies:
+    """The bodies that move, and the scale that errors are measured against."""
+
+    length: float  # m
+    moving: tuple[int, ...]  # indices among all bodies
+    turning: tuple[bool, ...]  # of those: whether their rotation is followed
+    mass: tuple[float, ...]  # kg, of those
+
+    @classmethod
+    def of(cls, sentence: Mapping[str, Any]) -> Bodies:
+        """The bodies of a manifest's sentence."""
+        bodies = [(k, b) for k, b in enumerate(sentence["bodies"]) if b["motion"] in ("point", "free")]
+        return cls(
+            length=sentence["scales"]["length"],
+            moving=tuple(k for k, _ in bodies),
+            turning=tuple(b["motion"] == "free" for _, b in bodies),
+            mass=tuple(b["parameters"][0] for _, b in bodies),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Samples at times t (n,) of the nb bodies that move."""
+
+    t: Array  # s
+    p: Array  # (n, nb, 3) m
+    rotation: Array  # (n, nb, 4) quaternions (w, x, y, z)
+    v: Array  # (n, nb, 3) m/s
+    force: Array | None  # (n, nc) N
+    events: Sequence[Event] | None
+    invariants: Mapping[str, float]  # by name: energy (relative), gap and joints (over the length)
+
+
+def motion_of(path: Trajectory, bodies: Bodies) -> Motion:
+    """What a run of this program leaves."""
+    chosen = list(bodies.moving)
+    return Motion(
+        t=path.t,
+        p=path.p[:, chosen],
+        rotation=path.quaternion[:, chosen],
+        v=path.v[:, chosen],
+        force=path.force,
+        events=path.events,
+        invariants={
+            "energy": path.energy_drift,
+            "gap": path.gap_max / bodies.length,
+            **({"joints": path.joint_error_max / bodies.length} if path.joint_names else {}),
+        },
+    )

@@ -1,0 +1,178 @@
+"""The setting that a demand asks for: picked from the measured front, refined, verified on a fresh run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import log
+from pathlib import Path
+from typing import Any
+
+from modelgen.errors import ModelgenError
+from modelgen.measure.front import Point, cheapest, finest, front, is_measured, place
+from modelgen.measure.knobs import Settings
+from modelgen.measure.measurement import Measurement, Report, measure
+from modelgen.measure.program import Bench, point_of, scaled
+from modelgen.measure.store import Store
+from modelgen.measure.subject import applied
+from modelgen.scene.types import RunSettings, Scene
+
+BAND = 0.2  # by which a verified cost may exceed a budget
+HALVINGS = 3  # of the rung between two neighbours on a ladder
+CANDIDATES = 4  # that are verified before a demand is refused
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A setting that met its demand on a fresh run."""
+
+    point: Point  # as verified
+    run: RunSettings  # of the scene, with it
+    measurement: Measurement
+
+    def as_json(self) -> dict[str, Any]:
+        """The object that `tune --json` prints, less the file written."""
+        return {
+            "scene": self.measurement.subject.scene.name,
+            "error": self.point.error,
+            "cost_ns_per_s": self.point.cost_ns_per_s,
+            "settings": dict(self.point.settings),
+            "errors": self.point.errors,
+            "reference_error": self.measurement.reference["error"],
+            "horizon": self.measurement.reference["horizon"],
+            "length": self.measurement.length,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """An error over the characteristic length, or a cost in ns per simulated second."""
+
+    error: float | None = None
+    budget: float | None = None
+
+    def pick(self, points: Sequence[Point]) -> Point | None:
+        if self.error is not None:
+            return cheapest(points, self.error)
+        return finest(points, self.budget or 0.0)
+
+    def is_met(self, point: Point) -> bool:
+        if not is_measured(point):
+            return False
+        cost, error = place(point)
+        return error <= self.error if self.error is not None else cost <= (self.budget or 0.0) * (1 + BAND)
+
+
+def tune(
+    scene: Scene,
+    *,
+    error: float | None = None,
+    budget: float | None = None,
+    until: float | None = None,
+    knobs: Sequence[str] | None = None,
+    limit: float | None = None,
+    root: str | Path = "generated",
+    on_progress: Report | None = None,
+) -> Tuned:
+    """The cheapest setting that errs at most `error`, or the most accurate one within `budget`.
+
+    Args:
+        scene, until, knobs, limit, root, on_progress: as for `measure`.
+        error: over the characteristic length.
+        budget: ns of CPU time per simulated second; the fresh run may exceed it by 20 %.
+
+    Raises ModelgenError, naming what can be reached, where the demand cannot be met.
+    """
+    if (error is None) == (budget is None):
+        raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
+    demand = Demand(error, budget)
+    report = on_progress or (lambda text: None)
+    found = measure(scene, until=until, knobs=knobs, limit=limit, root=root, on_progress=on_progress)
+    if found.interrupted and "interrupted" in found.interrupted:
+        raise KeyboardInterrupt
+    _refuse_beyond_horizon(found, demand)
+    bench = Bench(
+        found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name)
+    )
+    points = _refined(bench, list(found.points), demand)
+    report("verifying on a fresh run")
+    return Tuned(*_verified(bench, points, demand, found), measurement=found)
+
+
+def _refined(bench: Bench, points: list[Point], demand: Demand) -> list[Point]:
+    """The points, and those that halve the rung between the pick and its neighbour beyond the demand."""
+    for _ in range(HALVINGS):
+        pick = demand.pick(points)
+        middle = None if pick is None else _towards(bench, pick, points, demand)
+        if middle is None:
+            return points
+        points = scaled([*points, point_of(bench, middle)])
+    return points
+
+
+def _towards(bench: Bench, pick: Point, points: Sequence[Point], demand: Demand) -> Settings | None:
+    """Half-way to the nearest point that differs on the ladder alone and does not meet the demand."""
+    halves = [
+        (abs(_log_cost(point) - _log_cost(pick)), bench.space.between(pick.settings, point.settings))
+        for point in points
+        if is_measured(point) and demand.pick([point]) is None
+    ]
+    known = [dict(point.settings) for point in points]
+    fresh = [(far, middle) for far, middle in halves if middle is not None and middle not in known]
+    return min(fresh, key=lambda entry: entry[0])[1] if fresh else None
+
+
+def _log_cost(point: Point) -> float:
+    return log(place(point)[0])
+
+
+def _verified(
+    bench: Bench, points: list[Point], demand: Demand, found: Measurement
+) -> tuple[Point, RunSettings]:
+    """The first pick that a fresh run confirms, and the run settings with it."""
+    again = replace(bench, fresh=True)
+    for _ in range(CANDIDATES):
+        pick = demand.pick(points)
+        if pick is None:
+            break
+        fresh = scaled([*points, point_of(again, pick.settings)])[-1]
+        if demand.is_met(fresh):
+            return fresh, applied(found.subject.scene.run, pick.settings)
+        points = [point for point in points if point.settings != pick.settings]
+    raise _refusal(found, demand)
+
+
+def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
+    known = front(found.points)
+    if not known:
+        return ModelgenError(
+            "tune", "no setting runs this scene to its end", "", "look at `modelgen simulate`"
+        )
+    if demand.error is not None:
+        cost, error = place(known[-1])
+        return ModelgenError(
+            "--error",
+            f"{demand.error:g} is not reached",
+            f"the reachable error is {error:.2g}, at {cost:.3g} ns per simulated second",
+            "ask for that, or for less of the run (--until)",
+        )
+    cost, error = place(known[0])
+    return ModelgenError(
+        "--budget",
+        f"{demand.budget:g} ns per simulated second is not enough",
+        f"the cheapest setting takes {cost:.3g} ns, with an error of {error:.2g}",
+        "ask for that, or choose forms that cost less",
+    )
+
+
+def _refuse_beyond_horizon(found: Measurement, demand: Demand) -> None:
+    """An error cannot be promised for a time that cannot be predicted."""
+    horizon, until = found.reference["horizon"], found.subject.until
+    if demand.error is None or horizon is None:
+        return
+    raise ModelgenError(
+        "--error",
+        f"the trajectory cannot be predicted to {until:g} s: {found.reference['reason']}",
+        f"an error can be promised up to {horizon:g} s",
+        f"give --until {horizon:g}, or a --budget",
+    )

@@ -1,0 +1,81 @@
+"""What a peer makes of a scene: the same motion where it can represent it, else what it cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from modelgen import measure, read
+from modelgen.measure.front import is_measured, place
+from modelgen.measure.mujoco import unlike
+from modelgen.scene.read import read_text
+from tests.running import SCENES
+
+pytestmark = pytest.mark.peers
+mujoco = pytest.importorskip("mujoco")
+
+FEW = ["tolerance", "timestep"]
+
+
+def box(text: str) -> str:
+    return f"""
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+
+[[body]]
+name = "solid"
+density = 500.0
+position = [0.0, 0.0, 2.0]
+rpy = [0.3, 0.2, 0.1]
+velocity = [0.5, 0.1, 0.0]
+angular_velocity = [1.0, 2.0, 3.0]
+{text}
+
+[[contact]]
+between = ["solid", "floor"]
+"""
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        'shape = { kind = "box", size = [0.2, 0.3, 0.1] }',
+        'shape = { kind = "cylinder", radius = 0.1, length = 0.3 }',
+        'shape = { kind = "ellipsoid", semi_axes = [0.2, 0.1, 0.1], position = [0.1, 0.0, 0.0] }',
+    ],
+    ids=["box", "cylinder", "ellipsoid beside the origin"],
+)
+def test_a_body_in_flight_flies_the_same_way(shape: str, tmp_path: Path) -> None:
+    """Without touching, masses, inertias, frames and starts alone decide."""
+    scene = read_text(box(shape), "flight.toml")
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], root=tmp_path)
+    (peer,) = found.peers
+    assert not peer.cannot
+    assert min(place(point)[1] for point in peer.points if is_measured(point)) < 1e-9
+
+
+def test_an_ellipsoid_on_a_plane_rocks_the_same_way(tmp_path: Path) -> None:
+    scene = read(SCENES / "ellipsoid_on_plane.toml")
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], root=tmp_path)
+    (peer,) = found.peers
+    assert place(peer.front[-1])[1] < 1e-4
+    facts = peer.advantage(found.points)
+    assert facts is not None
+    assert facts["cheaper"] > 100
+    assert facts["digits"] > 6
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("linked_rings", ["shape hook/circle is a circle", "shape ring/circle is a circle"]),
+        ("ellipsoid_in_cavity", ["shape cave/ellipsoid is a cavity"]),
+        ("bouncing_ball", ["contact 0 has a restitution"]),
+        ("ellipsoid_on_ellipsoid", []),
+    ],
+)
+def test_what_it_cannot_represent_is_said_by_name(name: str, words: list[str]) -> None:
+    assert unlike(read(SCENES / f"{name}.toml")) == words
