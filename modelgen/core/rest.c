@@ -22,8 +22,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
   for (int k = 0; k < 3; k++) {
     const int link = c->first_pad_link + 3 * patch + k, body = s->link_f[link];
-    const mg_real *pad = s->parameters + s->link_parameters[link] + mg_contact_kinds[s->link_kind[link]].n_parameters - 3;
-    mg_out(c->pose + 12 * body, pad, 1, at);
+    mg_out(c->pose + 12 * body, mg_point_of_link(c, link), 1, at);
     mg_into(o, at, x);
     if (fabs(x[2]) > touching) return 0;
     const mg_real speed = mg_speed_along(c, body, at, o + 9) - mg_speed_along(c, s->link_o[link], at, o + 9);
@@ -34,12 +33,8 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
 
 /* The contact is of a patch whose faces lie on each other. */
 static int mg_is_flat_on(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
-  for (int patch = 0; patch < s->n_patch; patch++)
-    if (s->patch_pair[patch] == s->contact_pair[contact] && mg_patch_covers(c, patch, c->run->link[contact]) &&
-        mg_lies_flat(c, patch, c->set->start_gap * s->length, 1))
-      return 1;
-  return 0;
+  const int patch = mg_patch_flat_on(c, contact);
+  return patch >= 0 && mg_lies_flat(c, patch, c->set->start_gap * c->sys->length, 1);
 }
 
 /* Contacts that a held patch covers are hidden. */
