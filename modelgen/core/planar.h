@@ -69,7 +69,11 @@ static mg_real mg_twice(int row, int column);
 static int mg_starts_rolling(const mg_context *c);
 static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
+
+/* folds.c */
+static int mg_crosses(const mg_context *c, int link);
 static int mg_is_singular(const mg_context *c, int contact);
+static int mg_leave_folds(mg_context *c, mg_events *events);
 
 /* lean.c */
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);

@@ -136,19 +136,6 @@ static void mg_leave_far(mg_context *c) {
   }
 }
 
-/* Where a local minimum of the distance meets a saddle, both end: the contact is left, its pair searched at once. */
-static int mg_leave_folds(mg_context *c, mg_events *events) {
-  int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    const int pair = c->sys->contact_pair[i];
-    if (!mg_present(c, i) || c->run->closed[i] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    if (c->run->margin[i] >= c->set->margin_refuse) continue;
-    mg_leave(c, events, i);
-    count++;
-  }
-  return count;
-}
-
 /* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
 static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   int slot = -1;
