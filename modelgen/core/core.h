@@ -188,6 +188,7 @@ static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
 
 static void mg_leave(mg_context *c, mg_events *events, int contact);
+static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which);
 
 /* bodies.c */
 static inline int mg_moves(const mg_context *c, int body);

@@ -70,7 +70,10 @@ static int mg_starts_rolling(const mg_context *c);
 static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
 
-/* folds.c */
+/* corners.c, folds.c */
+static int mg_is_pointed(const mg_context *c, int link);
+static void mg_look_ahead(mg_context *c);
+static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found);
 static int mg_crosses(const mg_context *c, int link);
 static int mg_is_singular(const mg_context *c, int contact);
 static int mg_leave_folds(mg_context *c, mg_events *events);

@@ -70,7 +70,7 @@ static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor) {
   mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     if (!c->trying[slot]) continue;
-    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > 0) continue;
+    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > c->set->border * c->sys->length) continue;
     c->trying[slot] = 0;
     mg_drop_patch(c, slot);
     count++;
@@ -104,7 +104,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
   mg_real margin;
   if (slot < 0) return 0;
   const int cause = mg_ends_with(c, slot, c->force, mg_weight_scale(c), &margin);
-  if (cause == MG_PARTS || margin > 0 || !mg_turns_on_curve(c, slot)) return 0;
+  if (cause == MG_PARTS || margin > c->set->border * c->sys->length || !mg_turns_on_curve(c, slot)) return 0;
   mg_give_way(c);
   c->trying[slot] = 0, c->barred[slot] = mg_patch_in(c, slot);
   mg_befalls(c, events, pad, MG_RESTS, c->run->t, 0);

@@ -86,6 +86,10 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
     const int to = c->sys->condition_next[way];
     if (to < 0 || mg_is_covered(c, to)) break;
+    if (mg_is_pointed(c, to) && fabs(at[0]) < c->set->apart * c->sys->length && mg_pass_corner(c, link, to, at, &found)) {
+      best = 0;
+      break;
+    }
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
     if (worst > best) {

@@ -98,3 +98,55 @@ def test_a_plate_that_spins_over_the_rim_of_a_can_keeps_what_symmetry_keeps(
     assert np.abs(R[-1, :, 2] - [0, 0, 1]).max() > 1e-3
     assert path.outcome.name == "DONE"
     assert path.energy_drift < 1e-11
+
+
+OUTLINES = {
+    "box": make.box(0.08, 0.06, 0.02),
+    "triangle": make.extrusion(0.02, points=[[0.05, 0], [-0.03, 0.05], [-0.03, -0.05]]),
+    "can": make.cylinder(0.05, 0.02),
+}
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@pytest.mark.parametrize("spin", [0.0, 3.0, -2.0])
+def test_a_plate_that_tips_over_a_straight_edge_moves_alike_whatever_its_outline(
+    name: str, spin: float
+) -> None:
+    """While the edge lies in its bottom, it is all one where its sides cross the edge and which corners pass."""
+    table = make.box(0.4, 0.4, 0.1, position=[0, 0, -0.05])
+    paths = [
+        slid(
+            table,
+            make.dynamic(
+                "body",
+                shape,
+                mass=0.3,
+                inertia=[1e-4, 1e-4, 1.6e-4],
+                position=[0.1, 0.05, 0.01],
+                velocity=[0.5, 0.1, 0],
+                angular_velocity=[0, 0, spin],
+            ),
+            0.255,
+        )
+        for shape in (OUTLINES[name], make.box(0.3, 0.26, 0.02))
+    ]
+    (tip,) = events(paths[0], "tip")
+    assert tip.t == pytest.approx(0.2, abs=1e-10)
+    assert np.abs(paths[0].p[:, 1] - paths[1].p[:, 1]).max() < 1e-9
+    assert np.abs(paths[0].quaternion[:, 1] - paths[1].quaternion[:, 1]).max() < 1e-7
+    assert not events(paths[0], "touch-down")
+    assert max(path.energy_drift for path in paths) < 1e-12
+
+
+@pytest.mark.parametrize(("place", "velocity"), [((0.1, 0.12), (0.5, 0.5)), ((0.1, 0.15), (0.6, 0.2))])
+def test_a_glass_that_slides_over_the_corner_of_a_table_keeps_its_energy(
+    place: tuple[float, float], velocity: tuple[float, float]
+) -> None:
+    glass = standing(
+        make.cylinder(RADIUS, HEIGHT), position=[*place, HEIGHT / 2], velocity=[*velocity, 0],
+        angular_velocity=[0, 0, 2.0],
+    )  # fmt: skip
+    path = slid(make.box(2 * EDGE, 2 * EDGE, 0.05, position=[0, 0, -0.025]), glass, 0.45)
+    assert path.outcome.name == "DONE"
+    assert path.energy_drift < 1e-11
+    assert not events(path, "time-stepping")
