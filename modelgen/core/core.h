@@ -77,8 +77,7 @@ typedef struct {
   mg_real *force, *rate, *amount, *eta_dot; /* per row 1, 1, 1; n_eta */
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
   mg_real *S, *s, *y;                       /* the same with the joints eliminated */
-  mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
-  mg_real *scale;                           /* one a state: what its error is measured against */
+  mg_real *K, *x_next, *x_stage, *settled, *scale; /* stages; states; the end of a step with eta corrected; sizes */
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
@@ -134,9 +133,8 @@ typedef struct { /* their separation function along a normal */
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work, int *iwork);
 static void mg_set_fixed(mg_context *c);
 
-static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
-
 /* links.c */
+static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
 static int mg_present(const mg_context *c, int contact);
 static void mg_stand(mg_context *c, int contact, int link);
 static void mg_eta_scale(const mg_context *c, int link, mg_real *scale);
