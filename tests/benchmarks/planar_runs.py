@@ -4,8 +4,8 @@
 
 prints a line a seed: the body, what it lies on, how it starts and ends; then how many have a fault: an
 outcome other than DONE, a passage by time-stepping, an energy drift above 1e-8, a gap below -1e-9 m, numbers
-that are not finite. Each seed runs in a process of its own, stopped after `--limit` seconds, so that a fault of
-one is none of the others.
+that are not finite. Each seed runs in a process of its own, stopped after `--limit` seconds, so that a
+fault of one is none of the others.
 """
 
 from __future__ import annotations
