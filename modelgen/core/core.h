@@ -110,6 +110,7 @@ typedef struct {
   mg_hull hull;
   int laid;                                 /* the patch whose hull that is, or -1 */
   mg_onset *onset;                          /* per contact */
+  mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
   int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */
