@@ -16,7 +16,9 @@
    margin is above them. */
 #include "core.h"
 
-#define MG_ROUGHLY 0.05 /* change of the stages, against their scale, at which the lean is held no longer */
+/* changes of the stages, against their scale: below the one the lean is held no longer, above the other it never is found */
+#define MG_ROUGHLY 0.05
+#define MG_HOPELESS 100
 
 static int mg_starts_rolling(const mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -179,7 +181,7 @@ static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int hel
     const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
     if (!(effect <= most)) most = effect;
   }
-  for (int sweep = 0; sweep < 3; sweep++)
+  for (int sweep = 0; sweep < 2; sweep++)
     if (!mg_sweep(c, t, x, h, held, &change)) return (mg_real)NAN;
   return most <= change ? change : most;
 }
@@ -225,7 +227,8 @@ static int mg_reuse_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_r
 static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
   const mg_real goal = c->set->tolerance / 100;
   mg_real before = MG_MAX, most = held ? before : 0;
-  for (int round = 0; round < 12 && most > (mg_real)MG_ROUGHLY; round++) most = mg_round(c, t, x, h, 1);
+  for (int round = 0; round < 12 && most > (mg_real)MG_ROUGHLY; round++)
+    if (!((most = mg_round(c, t, x, h, 1)) <= MG_HOPELESS)) return (mg_real)NAN;
   for (int round = 0; round < 40 && most <= MG_MAX; round++) {
     most = mg_round(c, t, x, h, 0);
     if (round && most <= goal) return most;

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from modelgen.measure.peers.drake import DRAKE
 from modelgen.measure.peers.mujoco import MUJOCO
 from modelgen.measure.peers.peer import Peer, PeerPoints, peer_points
 
 __all__ = ["PEERS", "Peer", "PeerPoints", "peer_points"]
 
-PEERS: Mapping[str, Peer] = {peer.name: peer for peer in (MUJOCO,)}
+PEERS: Mapping[str, Peer] = {peer.name: peer for peer in (MUJOCO, DRAKE)}

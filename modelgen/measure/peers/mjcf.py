@@ -9,7 +9,7 @@ from math import cos, log, pi, sin, sqrt
 import numpy as np
 
 from modelgen.measure.knobs import Settings
-from modelgen.measure.peers.setup import Setup, Solid, driven, unsteady
+from modelgen.measure.peers.setup import Setup, Solid, driven, numbers, unsteady
 from modelgen.scene.types import ContactPair, ForceLoad, Scene, Shape, SpringLoad, TorqueLoad
 
 PRIMITIVES: Mapping[str, tuple[tuple[str, ...], float]] = {  # parameters, and what of the last MuJoCo takes
@@ -80,7 +80,7 @@ class Mjcf:
         tube = float(self.settings["tube"]) * self.setup.length
         number, bit = int(self.settings["segments"]), 1 << self.setup.scene.contacts.index(pair)
         first = pair.between[0] == (solid.name, shape.name)
-        radius = shape.parameters[0][1] + (tube if _is_linked(self.setup, pair) else -tube)
+        radius = numbers(shape)["radius"] + (tube if _is_linked(self.setup, pair) else -tube)
         turns = [2 * pi * k / number for k in range(number + 1)]
         points = [(radius * cos(turn), radius * sin(turn), 0.0) for turn in turns]
         frame = f'pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
@@ -197,7 +197,7 @@ def _corners(shape: Shape) -> list[tuple[float, ...]]:
 
 
 def _vertex(point: Shape) -> tuple[float, ...]:
-    at = [value for _, value in point.parameters] or [0.0] * 3
+    at = [*numbers(point).values()] or [0.0] * 3
     return tuple(np.add(point.pose.position, at).tolist())
 
 
@@ -219,7 +219,7 @@ def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
     if shape.kind == "plane":
         return f'<geom type="plane" size="0 0 1" {placed} {silent}/>'
     if shape.kind == "circle":
-        radius = shape.parameters[0][1]
+        radius = numbers(shape)["radius"]
         return f'<geom type="cylinder" size="{_words([radius, THIN * radius])}" {placed} {silent}/>'
     if shape.kind in PRIMITIVES:
         return f'<geom type="{shape.kind}" size="{_words(_size(shape))}" {placed} {silent}/>'
@@ -228,7 +228,7 @@ def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
 
 def _size(shape: Shape) -> list[float]:
     names, share = PRIMITIVES[shape.kind]
-    values = [value for _, value in shape.parameters][: len(names)]
+    values = [numbers(shape)[name] for name in names]
     return [share * v for v in values] if shape.kind == "box" else [*values[:-1], share * values[-1]]
 
 

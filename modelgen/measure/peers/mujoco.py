@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 from modelgen.measure.knobs import Facts, Knob, Settings
 from modelgen.measure.motion import Array
 from modelgen.measure.peers.mjcf import Mjcf, different, is_ringed, motors, unlike
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing
+from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing, sampled
 from modelgen.measure.peers.setup import Setup, tabulated
 
 
@@ -33,7 +32,7 @@ BASIC: tuple[Knob, ...] = (
         lambda f: ("tied", "default"),
         _touch,
     ),
-    Knob("solver", "tolerance of its solver", lambda f: (1e-8, 1e-12), _touch),
+    Knob("solver", "tolerance of its solver", lambda f: (1e-12, 1e-8, 1e-15), _touch),
     Knob("collider", "its convex collider", lambda f: ("native", "libccd"), _touch),
     Knob("ccd", "tolerance of the collider", lambda f: (1e-6, 1e-12, 1e-15), _touch),
 )
@@ -95,39 +94,32 @@ class MujocoScene:
             turning = rotation.reshape(3, 3).T @ solid.w
             data.qpos[7 * k : 7 * k + 7] = [*solid.p, *solid.quaternion]
             data.qvel[6 * k : 6 * k + 6] = [*solid.v, *turning]
-        rows = [np.concatenate([data.qpos, data.qvel])]
         advance = _advance(model, data, per_sample, control)
-        begun = time.thread_time()
-        for sample in range(self.setup.samples):
-            advance(sample)
-            rows.append(np.concatenate([data.qpos, data.qvel]))
-        return _states(np.array(rows)), time.thread_time() - begun
+        return sampled(self.setup, advance, lambda: _bodies(data))
 
 
-def _advance(model: Any, data: Any, per_sample: int, control: Array | None) -> Callable[[int], None]:
+def _advance(model: Any, data: Any, per_sample: int, control: Array | None) -> Callable[[int, float], None]:
     """What runs the steps of one output interval in C."""
     mujoco = _module()
     if control is None:
-        return lambda sample: mujoco.mj_step(model, data, nstep=per_sample)
+        return lambda sample, t: mujoco.mj_step(model, data, nstep=per_sample)
     from mujoco import rollout
 
     kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
     state = np.zeros((1, mujoco.mj_stateSize(model, kind)))
     mujoco.mj_getState(model, data, state[0], kind)
 
-    def advance(sample: int) -> None:
+    def advance(sample: int, t: float) -> None:
         held = control[None, sample * per_sample : (sample + 1) * per_sample]
         state[0] = rollout.rollout(model, data, state, held)[0][0, -1]
 
     return advance
 
 
-def _states(rows: Array) -> Array:
-    """(samples + 1, nb, 10) from rows of qpos and qvel."""
-    nb = rows.shape[1] // 13
-    q = rows[:, : 7 * nb].reshape(-1, nb, 7)
-    v = rows[:, 7 * nb :].reshape(-1, nb, 6)
-    return np.concatenate([q, v[..., :3]], axis=-1)
+def _bodies(data: Any) -> Array:
+    """(nb, 10) from qpos and qvel."""
+    q, v = data.qpos.reshape(-1, 7), data.qvel.reshape(-1, 6)
+    return np.concatenate([q, v[:, :3]], axis=1)
 
 
 def _module() -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -17,6 +18,7 @@ from modelgen.measure.peers.setup import Setup
 from modelgen.measure.program import Bench
 from modelgen.measure.search import sweep
 
+PATIENCE = 4.0  # s of CPU time per simulated second, after which a run is given up
 SLOW = 1.0  # s of CPU time per simulated second; a ladder goes no further than the first that takes longer
 
 Run = Callable[[], tuple[Array, float]]  # (samples + 1, nb, 10) of p, quaternion, v; CPU seconds
@@ -35,7 +37,11 @@ class Adapter(Protocol):
 
 
 class PeerFailure(Exception):
-    """Why a simulator did not come to the end."""
+    """Why a simulator did not come to the end; finer settings need not be tried where it took too long."""
+
+    def __init__(self, why: str, too_long: bool = False) -> None:
+        super().__init__(why)
+        self.too_long = too_long
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +107,7 @@ def _measured(bench: Bench, theirs: Adapter, settings: Settings) -> Point:
     try:
         states, cost = _timed(bench, theirs.prepare(settings))
     except PeerFailure as failure:
-        return Point(settings, None, None, remark=str(failure))
+        return Point(settings, None, None, costs={"too_long": failure.too_long}, remark=str(failure))
     until = bench.subject.until
     costs = {"noise": cost.noise, "yard_s": cost.yard, "too_long": cost.seconds > SLOW * until}
     if not np.isfinite(states).all():
@@ -123,6 +129,21 @@ def _timed(bench: Bench, run: Run) -> tuple[Array, Cost]:
 
     cost = cost_of(once, bench.yard)
     return states[0], cost
+
+
+def sampled(
+    setup: Setup, advance: Callable[[int, float], None], read: Callable[[], Array]
+) -> tuple[Array, float]:
+    """What `read` gives at the start and after each `advance`(sample, t), and the CPU seconds of the latter."""
+    rows, spent = [read()], 0.0
+    for sample, t in enumerate(setup.times[1:]):
+        begun = time.process_time()
+        advance(sample, float(t))
+        spent += time.process_time() - begun
+        rows.append(read())
+        if spent > PATIENCE * setup.until:
+            raise PeerFailure(f"{spent:.3g} s of CPU time up to {t:.6g} s", too_long=True)
+    return np.array(rows), spent
 
 
 def missing(name: str, remedy: str) -> ModelgenError:

@@ -88,6 +88,11 @@ def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], *start: Array) -
     return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), *start, shapes)
 
 
+def numbers(shape: Shape) -> dict[str, float]:
+    """The parameters of a shape by name."""
+    return dict(shape.parameters)
+
+
 def driven(scene: Scene) -> list[str]:
     """Sentences on the bodies that are driven: no simulator here is told of their paths."""
     return [f"body {body.name!r} is driven along a path" for body in scene.bodies if body.motion == "driven"]
