@@ -79,7 +79,7 @@ class DrakeScene:
             place = _transform(drake, solid.p, solid.quaternion)
             plant.SetFloatingBaseBodyPoseInWorldFrame(context, bodies[solid.name], place)
             speed = drake.SpatialVelocity(solid.w, solid.v)
-            plant.SetFreeBodySpatialVelocity(bodies[solid.name], speed, context)
+            plant.SetFreeBodySpatialVelocity(context, bodies[solid.name], speed)
         moving = [bodies[solid.name] for solid in self.setup.moving]
         try:
             simulator.Initialize()

@@ -66,10 +66,9 @@ class MujocoScene:
 
     def prepare(self, settings: Settings) -> Run:
         mujoco, setup = _module(), self.setup
-        interval = setup.until / setup.samples
-        per_sample = max(1, round(interval / float(settings["timestep"])))
+        per_sample = setup.per_sample(float(settings["timestep"]))
         try:
-            text = Mjcf(setup, settings, interval / per_sample).text()
+            text = Mjcf(setup, settings, setup.until / setup.samples / per_sample).text()
             model = mujoco.MjModel.from_xml_string(text)
         except ValueError as refused:
             raise PeerFailure(str(refused)) from None
@@ -81,8 +80,7 @@ class MujocoScene:
         loads = motors(self.setup.scene)
         if not loads:
             return None
-        steps = per_sample * self.setup.samples
-        middles = (np.arange(steps) + 0.5) * self.setup.until / steps
+        middles = self.setup.middles(per_sample)
         return np.hstack([tabulated(load.components, middles) for load in loads])
 
     def _run(self, model: Any, per_sample: int, control: Array | None) -> tuple[Array, float]:

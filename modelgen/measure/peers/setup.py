@@ -12,13 +12,14 @@ import numpy as np
 from modelgen.geometry.lower import lower
 from modelgen.measure.motion import Array
 from modelgen.scene.expression import Expression
+from modelgen.scene.turns import Quaternion, product, rows_of
 from modelgen.scene.types import Scene, Shape, SpringLoad
 
 if TYPE_CHECKING:
     from modelgen.measure.program import Bench
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Solid:
     """A body as it starts; its frame lies in the centre of mass, with the axes as written."""
 
@@ -33,9 +34,21 @@ class Solid:
     w: Array  # (3,) rad/s, world
     shapes: tuple[Shape, ...]
 
+    @property
+    def turned(self) -> Array:
+        """(3, 3): body axes to world, at the start."""
+        return rotation(self.quaternion)
+
     def at(self, shape: Shape) -> Array:
         """(3,) m: where a shape's frame lies, from the centre of mass."""
         return np.array(shape.pose.position) - self.centre
+
+    def placed(self, shape: Shape) -> tuple[Array, Quaternion]:
+        """Position (3,) m and quaternion of a shape's frame: in the body's, or if it is fixed in the world."""
+        if not self.fixed:
+            return self.at(shape), shape.pose.quaternion
+        w, x, y, z = (float(part) for part in self.quaternion)
+        return self.p + self.turned @ self.at(shape), product((w, x, y, z), shape.pose.quaternion)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +83,15 @@ class Setup:
         """(samples + 1,) s."""
         return np.linspace(0.0, self.until, self.samples + 1)
 
+    def middles(self, per_sample: int) -> Array:
+        """(samples per_sample,) s: the middles of as many steps an output interval."""
+        steps = per_sample * self.samples
+        return (np.arange(steps) + 0.5) * self.until / steps
+
+    def per_sample(self, step: float) -> int:
+        """How many steps, of about a size, fill an output interval."""
+        return max(1, round(self.until / self.samples / step))
+
     def solid(self, name: str) -> Solid:
         return next(solid for solid in self.solids if solid.name == name)
 
@@ -91,6 +113,12 @@ def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], *start: Array) -
 def numbers(shape: Shape) -> dict[str, float]:
     """The parameters of a shape by name."""
     return dict(shape.parameters)
+
+
+def rotation(quaternion: Array) -> Array:
+    """(3, 3) of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = (float(part) for part in quaternion)
+    return np.array(rows_of((w, x, y, z)))
 
 
 def driven(scene: Scene) -> list[str]:
