@@ -17,6 +17,7 @@ static int mg_finite(const mg_real *x, int n) {
 static int mg_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
   mg_real most = 6;
+  c->tried = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
     const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;

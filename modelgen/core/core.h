@@ -109,7 +109,9 @@ typedef struct {
   mg_real *lay;                             /* memory of the hull */
   mg_hull hull;
   int laid;                                 /* the patch whose hull that is, or -1 */
+  mg_real shelter, sheltered[2]; /* the most that a point was found inside the hull that is laid, m, and the point */
   mg_onset *onset;                          /* per contact */
+  mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
   int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */

@@ -109,6 +109,11 @@ class Session:
         }
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
 
+    def arrays(self) -> dict[int, Array]:
+        """All arrays that the records point into, by address."""
+        of_run = [getattr(self, name) for name in RUN_ARRAYS]
+        return {address(array): array for array in (*self._kept, *of_run, *self.event_arrays.values())}
+
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
         out = self._reals(12 * max(self.n_body, 1))
