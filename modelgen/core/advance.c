@@ -91,7 +91,8 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real reach = mg_reach(c);
-  const mg_real sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), longest = sight < reach ? sight : reach;
+  const mg_real sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c);
+  const mg_real longest = c->set->stride * (sight < reach ? sight : reach);
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
   c->left.count = 0;
   mg_mark_falling(c);

@@ -42,6 +42,10 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
+FINER = 10.0  # by which the tolerances of a companion run are finer
+COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
+TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
+
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
@@ -103,6 +107,8 @@ class Accuracy:
             until it leans so far (section 5.3), instead of rolling on the rim at once.
         shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
+        stride: no step is longer than this part of the longest in which nothing can pass unseen.
+        predictable: where the estimated error exceeds predictable L, or rad, nothing is predicted.
     """
 
     name: str = "balanced"
@@ -144,6 +150,8 @@ class Accuracy:
     imaginary_edge: float = 0.0
     shared: float = 1e-13
     border: float = 1e-9
+    stride: float = 1.0
+    predictable: float = 1e-2
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -212,3 +220,20 @@ class Accuracy:
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""
         return replace(self, name=f"rk4 {step:g} s", method="rk4", step=step)
+
+    def companion(self, epsilon: float) -> Accuracy:
+        """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
+
+        What decides when a contact rests, sticks or opens is finer too, so that its part in the error shows.
+        """
+        least = RESOLVED["tolerance"] * epsilon
+        tolerance = max(self.tolerance, least)
+        scaled = ("rest_speed", "slip_speed", "rest_acceleration", "event")
+        return replace(
+            self,
+            name=f"{self.name}, companion",
+            tolerance=tolerance / FINER if tolerance >= FINER * least else tolerance * COARSER,
+            step=self.step and self.step * TENTH,
+            stride=self.stride * TENTH,
+            **{key: getattr(self, key) / FINER for key in scaled},
+        )
