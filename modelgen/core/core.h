@@ -81,7 +81,7 @@ typedef struct {
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
-  int *list, *mask, *fired, *lcp_i;
+  int *list, *mask, *fired, *near, *lcp_i; /* near: per contact, it takes part in a step of time-stepping */
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped, *before, *bound_of, *gives; /* per grip: its event has fired; its mode before; what bounds it; it slips */

@@ -63,4 +63,6 @@ static void mg_correction(mg_context *c, const int *marked, const mg_real *value
 static void mg_push(mg_context *c);
 static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
 
+#include "timestep.h"
+
 #endif

@@ -41,9 +41,7 @@ def forces_between(a: Array, b: Array) -> float | None:
     return float(np.sqrt(((a - b).astype(float) ** 2).mean())) / size
 
 
-def events_between(
-    found: Sequence[Event] | None, true: Sequence[Event] | None, end: float
-) -> dict[str, Any]:
+def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
     """Largest difference of event times, each matched with its like in order, and how many have none."""
     if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
