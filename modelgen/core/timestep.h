@@ -31,10 +31,9 @@ static mg_real mg_next_step(const mg_context *c);
 static int mg_falls_back(mg_context *c, int outcome, mg_events *events);
 static int mg_take_up(mg_context *c, mg_events *events);
 
-/* what they take from begin.c, project.c, choice.c, walk.c */
+/* what they take from begin.c, project.c, walk.c */
 static void mg_leave(mg_context *c, mg_events *events, int contact);
 static void mg_open_leaving(mg_context *c);
 static void mg_move(mg_context *c);
-static void mg_put_cone(mg_context *c, int contact, mg_real part, mg_real *cone);
 
 #endif

@@ -81,7 +81,7 @@ static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       c->gives[g] = (c->marks[k] & (MG_SLIPS << c->sys->grip_aspect[g])) != 0;
   }
-  return mg_loosen_one(c);
+  return mg_loosen_giving(c);
 }
 
 /* The best impulses found count as solved if their residual is small enough. */
