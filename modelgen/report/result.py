@@ -73,7 +73,7 @@ _ESTIMATE = _object(
     {
         "status": _entry(
             "string",
-            "estimated; beyond predictable horizon; or uncertified: what a second run cannot show may be wrong",
+            "or uncertified: something may be wrong that a second run cannot show",
             enum=["estimated", "beyond predictable horizon", "uncertified"],
         ),
         "statement": _entry("string", "all of it in words"),
@@ -82,9 +82,7 @@ _ESTIMATE = _object(
         "gap": _entry(_NUMBER, "m"),
         "force": _entry(_NUMBER, "root mean square over that of the forces"),
         "events": _entry(_NUMBER, "of event times, s"),
-        "events_unmatched": _entry(
-            ["integer", "null"], "events that the second run has not, or that it alone has"
-        ),
+        "events_unmatched": _entry(["integer", "null"], "events that one of the two runs has alone"),
         "horizon": _entry(_NUMBER, "the last sample that is predicted, s; null: all are"),
         "uncertified": {
             "type": "array",

@@ -1,7 +1,7 @@
-"""The companion of a run: finer, and from a start a few roundings off. How far it goes from the run is the error.
+"""The companion of a run: finer, and from a start a few roundings off.
 
-Where steps decide, the companion's error is by far the smaller one; where rounding does, it is another one. So
-their difference is the error of the run, whatever caused it.
+Where steps decide, its error is by far the smaller one; where rounding does, it is another one. So how far it
+goes from the run is the error of the run, whatever caused it.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def _reasons(
 
 
 def _is_sampled(pair: Mapping[str, Any], sentence: Mapping[str, Any]) -> bool:
-    """Whether contacts of the pair may be overlooked: neither is there one alone, nor is each known at any time."""
+    """Whether contacts of the pair may be overlooked: there may be several, not all known at any time."""
     if pair["search"] == "never":
         return False
     contacts = sentence["contacts"][slice(*pair["contacts"])]

@@ -15,11 +15,11 @@ class Estimate:
     """The estimated global error of a run, from a companion run (`Accuracy.companion`).
 
     Attributes:
-        position: (n,) m, the largest error of a body's centre up to each sample; infinite where the companion
-            did not come.
+        position: (n,) m, the largest error of a body's centre up to each sample; infinite where the
+            companion did not come.
         rotation: (n,) rad, of a body's rotation.
-        gap, force, events: m; root mean square, relative; s, with `events_unmatched`, those without their like:
-            up to the last sample that is predicted. None where the run has none.
+        gap, force, events: m; root mean square, relative; s, with `events_unmatched`, those without their
+            like: up to the last sample that is predicted. None where the run has none.
         predicted: how many samples are predicted, at least one.
         horizon: s, the last of them, if there are others: later errors exceed `Accuracy.predictable`.
         uncertified: what the companion cannot show: reasons, each in words.
@@ -57,7 +57,7 @@ class Estimate:
         return "; ".join([*parts, *(f"uncertified: {reason}" for reason in self.uncertified)])
 
     def as_json(self) -> dict[str, Any]:
-        """The entry `estimate` of a run's summary; position and rotation at the last sample that is predicted."""
+        """The entry `estimate` of a summary; position and rotation at the last sample that is predicted."""
         last = self.predicted - 1
         return {
             "status": self.status,

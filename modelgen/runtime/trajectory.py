@@ -134,7 +134,7 @@ class Trajectory:
 
     @property
     def position_error(self) -> Array:
-        """(n,) m, the estimated error of a body's centre up to each sample; infinite where it is not known."""
+        """(n,) m, the estimated error of a body's centre up to each sample; infinite where unknown."""
         return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.position
 
     @property
