@@ -87,12 +87,26 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
   return MG_DONE;
 }
 
+/* A companion's step after an event is a part of what it would be: from one event to the next there may be one alone,
+   the same at any tolerance. */
+static int mg_differs(const mg_context *c) {
+  return c->set->stride < 1 && c->set->method == MG_DOP853 && c->run->t == c->run->t_event;
+}
+
+static int mg_step_part(mg_context *c, mg_real *h) {
+  *h *= c->set->stride;
+  mg_refresh(c);
+  const int outcome = mg_accurate_step(c, h);
+  if (!outcome) mg_finish_step(c, c->run->t, *h);
+  return outcome;
+}
+
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real reach = mg_reach(c);
   const mg_real sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c);
-  const mg_real longest = c->set->stride * (sight < reach ? sight : reach);
+  const mg_real longest = (mg_differs(c) ? 1 : c->set->stride) * (sight < reach ? sight : reach);
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
   c->left.count = 0;
   mg_mark_falling(c);
@@ -107,6 +121,10 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     const mg_real shorter = mg_locate(c, h, passed);
     event = shorter > 0;
     if (event) h = shorter;
+  }
+  if (mg_differs(c)) {
+    outcome = mg_step_part(c, &h), event = 0;
+    if (outcome) return outcome;
   }
   if (!mg_settle_end(c, h)) {
     run->h = h / 2;

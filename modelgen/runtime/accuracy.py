@@ -260,7 +260,7 @@ class Accuracy:
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
-        scaled = ("rest_speed", "slip_speed", "rest_acceleration", "event")
+        scaled = ("rest_speed", "slip_speed", "rest_acceleration", "event", "gap", "cone", "border")
         return replace(
             self,
             name=f"{self.name}, companion",
