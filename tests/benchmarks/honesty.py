@@ -1,8 +1,9 @@
 """What runs say of their own error, against the truth, over random cases of the shipped scenes.
 
-Run with `python -m tests.benchmarks.honesty [--cases 10000] [--jobs 16] [--seed 1] [--scenes a,b] [--number 7]`.
-Each scene is built twice, then its cases are runs of these two libraries (tests/measure/cases.py). A run that calls
-itself estimated must not underestimate its error by more than ten times, and may overestimate it so in 5 %.
+Run with `python -m tests.benchmarks.honesty [--cases 10000] [--jobs 16] [--seed 1] [--scenes a,b]`; one case
+again with `--scenes A --number 7`.
+Each scene is built twice, then its cases are runs of these two libraries (tests/measure/cases.py). A run that
+calls itself estimated must not underestimate its error by more than ten times, and may overestimate it so in 5 %.
 """
 
 from __future__ import annotations
@@ -51,21 +52,17 @@ def show(verdicts: Sequence[Verdict]) -> None:
         counts = Counter(v.status for v in group if v.status != "estimated")
         others = ", ".join(f"{count} {status}" for status, count in counts.items())
         middle = f"{median(v.ratio for v in sure):.2f}" if sure else "-"
-        line = f"{name:24}{len(group):7}{len(sure):11}{sum(v.under for v in sure):7}{sum(v.over for v in sure):7}"
-        print(f"{line}{middle:>14}   {others}")
+        under, over = sum(v.under for v in sure), sum(v.over for v in sure)
+        print(f"{name:24}{len(group):7}{len(sure):11}{under:7}{over:7}{middle:>14}   {others}")
     for status in sorted({v.status for v in verdicts} - {"refused"}):
         group = [v for v in verdicts if v.status == status]
         under, over = sum(v.under for v in group), sum(v.over for v in group)
-        share = over / len(group)
-        print(
-            f"{status}: {len(group)}, underestimated by more than ten times {under}, over {over} ({share:.1%})"
-        )
+        print(f"{status}: {len(group)}, ten times too low {under}, too high {over} ({over / len(group):.1%})")
     for v in verdicts:
         if v.under or v.over:
             kind = "under" if v.under else "over"
-            print(
-                f"{kind} {v.status} {v.scene} --number {v.number}: {v.ratio:.3g} of {v.true:.3g} ({v.settings})"
-            )
+            print(f"{kind} {v.status}: --scenes {v.scene} --number {v.number}", end=" ")
+            print(f"{v.ratio:.3g} of {v.true:.3g} ({v.settings})")
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 """Random runs over built scenes, each judged: what the run says of its error against what the error is.
 
-A case draws masses, friction, restitution, gravity, initial velocities, span, tolerance or step, and how closely
-contacts are followed. The truth is a run in long double, in another form of the contact equations where the scene
-has one, with every threshold a hundred times finer.
+A case draws masses, friction, restitution, gravity, initial velocities, span, tolerance or step, and how
+closely contacts are followed. The truth is a run in long double, in another form of the contact equations where
+the scene has one, its thresholds a thousand times finer.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from modelgen import Accuracy, read, simulate
 from modelgen.codegen.library import Library
 from modelgen.contact.kinds import regular_forms
 from modelgen.errors import SimulationError
-from modelgen.measure.reference import PREDICTABLE, ROUNDING, nudged
+from modelgen.measure.reference import PREDICTABLE, nudged
 from modelgen.require import require
 from modelgen.runtime.apart import angle_between, distance_between
 from modelgen.runtime.companion import ROUNDED
@@ -34,7 +34,7 @@ Array = np.ndarray[Any, Any]
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """One case: errors are the larger of position over the length and rotation, up to the last sample judged."""
+    """One case: errors are the largest of position over the length and of rotation, up to where it is judged."""
 
     scene: str
     number: int
