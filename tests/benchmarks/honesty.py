@@ -3,7 +3,8 @@
 Run with `python -m tests.benchmarks.honesty [--cases 10000] [--jobs 16] [--seed 1] [--scenes a,b]`; one case
 again with `--scenes A --number 7`.
 Each scene is built twice, then its cases are runs of these two libraries (tests/measure/cases.py). A run that
-calls itself estimated must not underestimate its error by more than ten times, and may overestimate it so in 5 %.
+calls itself estimated must not underestimate its error by more than ten times, and may overestimate it so in
+5 %.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Random runs over built scenes, each judged: what the run says of its error against what the error is.
 
 A case draws masses, friction, restitution, gravity, initial velocities, span, tolerance or step, and how
-closely contacts are followed. The truth is a run in long double, in another form of the contact equations where
-the scene has one, its thresholds a thousand times finer.
+closely contacts are followed. The truth is a run in long double, in another form of the contact equations
+where the scene has one, its thresholds a thousand times finer.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Array = np.ndarray[Any, Any]
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """One case: errors are the largest of position over the length and of rotation, up to where it is judged."""
+    """One case: its error is the larger of position over the length and of rotation, up to where judged."""
 
     scene: str
     number: int
