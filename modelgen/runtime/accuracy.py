@@ -181,8 +181,18 @@ class Accuracy:
 
     @classmethod
     def finest(cls) -> Accuracy:
-        """Close to the rounding of long double: for references, in that build."""
-        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+        """Close to the rounding of long double, thresholds of rest and slip included: for references."""
+        return cls(
+            name="finest",
+            tolerance=1e-17,
+            newton=2,
+            drift=1e-18,
+            rest_speed=1e-9,
+            slip_speed=1e-10,
+            rest_acceleration=1e-13,
+            event=1e-16,
+            residual=1e-16,
+        )
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:

@@ -25,7 +25,7 @@ from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import Scene
 from tests.running import SCENES
 
-TRUE = replace(Accuracy.finest(), tolerance=3e-15, rest_speed=1e-9, slip_speed=1e-10, rest_acceleration=1e-13)
+TRUE = replace(Accuracy.finest(), tolerance=3e-15)
 WIDE = 10.0  # an estimate is honest within this factor
 SPAN = (0.1, 0.6)  # of the scene's own
 SAMPLES = 40
