@@ -90,7 +90,7 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
 /* A companion's step after an event is a part of what it would be: from one event to the next there may be one alone,
    the same at any tolerance. */
 static int mg_differs(const mg_context *c) {
-  return c->set->stride < 1 && c->set->method == MG_DOP853 && c->run->t == c->run->t_event;
+  return c->set->stride < 1 && c->run->t == c->run->t_event;
 }
 
 static int mg_step_part(mg_context *c, mg_real *h) {

@@ -45,6 +45,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 )
 
 FINER = 10.0  # by which the tolerances of a companion run are finer
+SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
 COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
 TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
 
@@ -270,7 +271,10 @@ class Accuracy:
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
-        scaled = ("rest_speed", "slip_speed", "rest_acceleration", "event", "gap", "cone", "border")
+        finer = {
+            key: getattr(self, key) / FINER for key in ("rest_acceleration", "event", "gap", "cone", "border")
+        }
+        slower = {key: getattr(self, key) / SLOWER for key in ("rest_speed", "slip_speed")}
         return replace(
             self,
             name=f"{self.name}, companion",
@@ -278,5 +282,6 @@ class Accuracy:
             step=self.step and self.step * TENTH,
             fallback_step=self.fallback_step * TENTH,
             stride=self.stride * TENTH,
-            **{key: getattr(self, key) / FINER for key in scaled},
+            **finer,
+            **slower,
         )

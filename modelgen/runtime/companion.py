@@ -56,13 +56,18 @@ def estimate_of(
     if twin is not None:
         position[:n], rotation[:n] = _errors(path, twin, n, sentence)
     predicted = _predicted(position / length, rotation, n, accuracy.predictable)
+    rest = accuracy.rest_speed * length / sentence["scales"]["time"]
+    other = _other(path, twin, predicted, rest)
+    reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
+    if other["events_unmatched"]:
+        reasons.append(f"{other['events_unmatched']} events of the two runs are not the same")
     return Estimate(
         position=position,
         rotation=rotation,
-        **_other(path, twin, predicted),
+        **other,
         predicted=predicted,
         horizon=float(path.t[predicted - 1]) if predicted < n else None,
-        uncertified=tuple(_reasons(path, twin, accuracy, sentence, refused)),
+        uncertified=tuple(reasons),
         rhs_evals=0 if twin is None else twin.rhs_evals,
     )
 
@@ -89,13 +94,14 @@ def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> 
     return max(int(lost[0]) if lost.size else n, 1)
 
 
-def _other(path: Trajectory, twin: Trajectory | None, n: int) -> dict[str, Any]:
-    """Errors in gaps, forces and event times up to sample n."""
+def _other(path: Trajectory, twin: Trajectory | None, n: int, rest: float) -> dict[str, Any]:
+    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `rest`, m/s."""
     if twin is None:
         return {"gap": None, "force": None, "events": None, "events_unmatched": None}
     end = float(path.t[n - 1])
     gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
-    times = events_between(path.events, twin.events, end)
+    told = [[event for event in run.events if not 0 < event.speed < rest] for run in (path, twin)]
+    times = events_between(*told, end)
     return {
         "gap": None if gap is None else SAFE * gap,
         "force": None if force is None else SAFE * force,

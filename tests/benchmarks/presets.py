@@ -1,8 +1,8 @@
 """What `fast`, `balanced` and `tight` reach and cost in each shipped scene: the table of the README.
 
 Run with `python -m tests.benchmarks.presets [--jobs 16] [--scenes a,b] [--root FOLDER]`. Errors are those
-of `modelgen measure`, over the length and up to the horizon. Below the table stands what the tolerances were chosen
-by: the errors that one leaves in half, in nine tenths and in all of the scenes.
+of `modelgen measure`, over the length and up to the horizon. Below the table stands what the tolerances were
+chosen by: the errors that one leaves in half, in nine tenths and in all of the scenes.
 """
 
 from __future__ import annotations

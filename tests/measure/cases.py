@@ -94,7 +94,8 @@ def _judge(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library, u
         n = min(n, len(path.t) - 1)
     verdict = _compared(blank, path, real, truth, n)
     if verdict.under or verdict.over:
-        n = min(n, _predictable(real, truth, until))
+        real = simulate(truth, until=until, samples=SAMPLES, accuracy=Accuracy.finest(), estimate=False)
+        n = min(n, len(real.t), _predictable(real, truth, until))
         verdict = _compared(blank, path, real, truth, n)
     return verdict
 
@@ -126,7 +127,7 @@ def _compared(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library
 
 def _predictable(real: Trajectory, truth: Library, until: float) -> int:
     """How many samples there are before one rounding of gravity has grown to PREDICTABLE."""
-    twin = simulate(nudged(truth), until=until, samples=SAMPLES, accuracy=TRUE, estimate=False)
+    twin = simulate(nudged(truth), until=until, samples=SAMPLES, accuracy=Accuracy.finest(), estimate=False)
     sentence = truth.manifest.sentence
     moving = [k for k, body in enumerate(sentence["bodies"]) if body["motion"] in ("point", "free")]
     apart = distance_between(real, twin, moving) / sentence["scales"]["length"]
