@@ -26,6 +26,7 @@ from modelgen.runtime.trajectory import Trajectory
 
 SAFE = 2.0  # times the difference: for what the companion errs itself
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
+BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
 NUDGE = 4.0  # roundings by which each number of the start differs, at most
 
 
@@ -56,8 +57,8 @@ def estimate_of(
     if twin is not None:
         position[:n], rotation[:n] = _errors(path, twin, n, sentence)
     predicted = _predicted(position / length, rotation, n, accuracy.predictable)
-    rest = accuracy.rest_speed * length / sentence["scales"]["time"]
-    other = _other(path, twin, predicted, rest)
+    slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
+    other = _other(path, twin, predicted, slow)
     reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
     if other["events_unmatched"]:
         reasons.append(f"{other['events_unmatched']} events of the two runs are not the same")
@@ -94,14 +95,14 @@ def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> 
     return max(int(lost[0]) if lost.size else n, 1)
 
 
-def _other(path: Trajectory, twin: Trajectory | None, n: int, rest: float) -> dict[str, Any]:
-    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `rest`, m/s."""
+def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float) -> dict[str, Any]:
+    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s."""
     if twin is None:
         return {"gap": None, "force": None, "events": None, "events_unmatched": None}
     end = float(path.t[n - 1])
     gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
-    told = [[event for event in run.events if not 0 < event.speed < rest] for run in (path, twin)]
-    times = events_between(*told, end)
+    told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
+    times = events_between(told[0], told[1], end)
     return {
         "gap": None if gap is None else SAFE * gap,
         "force": None if force is None else SAFE * force,
