@@ -149,7 +149,8 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   }
   if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
   mg_ledger(c);
-  return outcome ? outcome : mg_check_margins(c, events);
+  if (!outcome) outcome = mg_check_margins(c, events);
+  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
 static mg_real mg_first_step(const mg_context *c) {

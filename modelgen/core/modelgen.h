@@ -86,6 +86,7 @@ typedef struct {
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
+  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -157,6 +158,7 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
+  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
@@ -167,6 +169,7 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
+  mg_real watch_t;        /* s, then */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */

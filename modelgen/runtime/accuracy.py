@@ -74,6 +74,7 @@ class Accuracy:
         theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
         loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
+        crawl: an adaptive run that gets on by less than crawl T in many tries, a third refused, cannot go on.
         fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
@@ -125,6 +126,7 @@ class Accuracy:
     loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
+    crawl: float = 1e-2
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True

@@ -46,6 +46,7 @@ SETTINGS_REALS = (
         "theta",
         "loose",
         "fallback_step",
+        "crawl",
         "tolerance",
         "gap",
         "start_gap",
@@ -70,14 +71,14 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("falls", "fall_left", "rough", "relaxed"),
+    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("fall_first", "fall_end", "fall_time"),
+    *("watch_t", "fall_first", "fall_end", "fall_time"),
     *("gain_max", "gain_t"),
 )
 RUN_INTEGERS = (
