@@ -14,6 +14,7 @@ from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
+    Estimated,
     Fallback,
     Form,
     Frames,
@@ -109,6 +110,7 @@ def simulate(
     scheme: Scheme = None,
     solver: Solver = None,
     fallback: Fallback = None,
+    estimate: Estimated = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -120,7 +122,7 @@ def simulate(
     check_outputs(out, plot)
     settings = run_settings(
         until, accuracy, tolerance, samples,
-        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback,
+        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
     )  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)

@@ -44,6 +44,11 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
+FINER = 10.0  # by which the tolerances of a companion run are finer
+SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
+COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
+TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
+
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
@@ -107,6 +112,8 @@ class Accuracy:
             until it leans so far (section 5.3), instead of rolling on the rim at once.
         shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
+        stride: no step is longer than this part of the longest in which nothing can pass unseen.
+        predictable: where the estimated error exceeds predictable L, or rad, nothing is predicted.
     """
 
     name: str = "balanced"
@@ -155,6 +162,8 @@ class Accuracy:
     imaginary_edge: float = 0.0
     shared: float = 1e-13
     border: float = 1e-9
+    stride: float = 1.0
+    predictable: float = 1e-2
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -175,8 +184,18 @@ class Accuracy:
 
     @classmethod
     def finest(cls) -> Accuracy:
-        """Close to the rounding of long double: for references, in that build."""
-        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+        """Close to the rounding of long double, thresholds of rest and slip included: for references."""
+        return cls(
+            name="finest",
+            tolerance=1e-17,
+            newton=2,
+            drift=1e-18,
+            rest_speed=1e-9,
+            slip_speed=1e-10,
+            rest_acceleration=1e-13,
+            event=1e-16,
+            residual=1e-16,
+        )
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
@@ -246,3 +265,25 @@ class Accuracy:
         """
         name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
         return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)
+
+    def companion(self, epsilon: float) -> Accuracy:
+        """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
+
+        What decides when a contact rests, sticks or opens is finer too, so that its part in the error shows.
+        """
+        least = RESOLVED["tolerance"] * epsilon
+        tolerance = max(self.tolerance, least)
+        finer = {
+            key: getattr(self, key) / FINER for key in ("rest_acceleration", "event", "gap", "cone", "border")
+        }
+        slower = {key: getattr(self, key) / SLOWER for key in ("rest_speed", "slip_speed")}
+        return replace(
+            self,
+            name=f"{self.name}, companion",
+            tolerance=tolerance / FINER if tolerance >= FINER * least else tolerance * COARSER,
+            step=self.step and self.step * TENTH,
+            fallback_step=self.fallback_step * TENTH,
+            stride=self.stride * TENTH,
+            **finer,
+            **slower,
+        )

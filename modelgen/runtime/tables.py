@@ -57,7 +57,7 @@ SETTINGS_REALS = (
     *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
-    *("flat", "imaginary_edge", "shared", "border"),
+    *("flat", "imaginary_edge", "shared", "border", "stride"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (
