@@ -78,6 +78,7 @@ typedef struct {
   mg_real *A, *b, *z, *lcp;                 /* complementarity problem and its scratch */
   mg_real *S, *s, *y;                       /* the same with the joints eliminated */
   mg_real *K, *x_next, *x_stage, *settled;  /* stages; states; the end of a step with eta corrected */
+  mg_real *scale;                           /* one a state: what its error is measured against */
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
@@ -135,9 +136,12 @@ typedef struct { /* their separation function along a normal */
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work, int *iwork);
 static void mg_set_fixed(mg_context *c);
 
+static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
+
 /* links.c */
 static int mg_present(const mg_context *c, int contact);
 static void mg_stand(mg_context *c, int contact, int link);
+static void mg_eta_scale(const mg_context *c, int link, mg_real *scale);
 static int mg_is_endless(const mg_context *c, int link);
 static int mg_first_contact(const mg_context *c, int pair);
 static int mg_has_own_links(const mg_context *c, int pair);
@@ -243,7 +247,8 @@ static int mg_is_small(const mg_couple *p, const mg_goal *goal, const mg_real *p
 static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *eta, mg_real *placed);
 static int mg_is_minimum(const mg_real *placed);
 static int mg_closest_convex(const mg_couple *p, const mg_goal *goal, int warm, mg_real *eta, mg_real *placed);
-static int mg_settle_safely(mg_context *c, int contact, mg_real *eta);
+static void mg_eta_reach(const mg_context *c, int link, mg_real *reach);
+static int mg_settle_safely(mg_context *c, int link, mg_real *eta);
 
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);

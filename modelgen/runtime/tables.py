@@ -94,7 +94,7 @@ RECORD_ARRAYS = (
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 PARAMETRISED = ("bodies", "links", "loads", "joints", "limits")
-ROOM, ROOM_PER_BODY = 64, 12
+ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
@@ -171,7 +171,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
         group: [append(parameters, entry["parameters"]) for entry in sentence[group]]
         for group in PARAMETRISED
     }
-    sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
+    sides = Sides(manifest, parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, sentence)
@@ -182,7 +182,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
+    rows = _room(manifest), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
     counts = *rows, *patches, grips.count, grips.rows
     system = tables.System(*_sizes(sentence, integers), *states, *counts)
@@ -242,11 +242,13 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
     }
 
 
-def _room(sentence: Mapping[str, Any]) -> int:
+def _room(manifest: Manifest) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
+    sentence = manifest.sentence
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
     many = len(sentence["contacts"]) + len(sentence["limits"]) + PADS * slot_count(sentence)
-    return min(many, max(ROOM, ROOM_PER_BODY * moving))
+    rows = max((kind.get("rows", 1) for kind in manifest.kinds["contact"]), default=1)
+    return min(many, max(ROOM // rows, ROOM_PER_BODY * moving))
 
 
 def _row_count(manifest: Manifest) -> int:
