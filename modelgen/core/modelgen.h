@@ -225,6 +225,18 @@ typedef struct {          /* two planar regions laid on each other: A on the fac
   mg_outline *outline, *hull; /* of A cap B, of its hull */
 } mg_region_query;
 
+typedef struct {          /* friction between two regions laid on each other (rubbing.h), for n loads and twists */
+  const mg_region_query *regions;
+  int n;
+  const mg_real *load;    /* 3 each: resultant force, N, and its centre, in the axes of o's face */
+  const mg_real *twist;   /* 3 each, of f past o there: velocity of the centre, m/s; spin about the outward normal, rad/s */
+  const mg_real *wrench;  /* 3 each: a force, N, through the centre and a torque, N m, that friction is to hold */
+  int *found;             /* 1: the centre is inside the hull and the pressure has been found */
+  mg_real *pressure;      /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
+  mg_real *friction;      /* 3: force and torque about the centre, for a coefficient of 1 */
+  mg_real *needed;        /* 1: the coefficient that it takes to hold the wrench */
+} mg_rub_query;
+
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
 MG_API int mg_real_size(void);
@@ -272,5 +284,9 @@ MG_API void mg_closest(const mg_queries *queries);
    point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
 MG_API long mg_region_size(int n_arc, int n_o);
 MG_API int mg_region(const mg_region_query *query, mg_real *work);
+
+/* The same numbers and memory; returns the number of the hull's sides, or -1. */
+MG_API long mg_rub_size(int n_arc, int n_o);
+MG_API int mg_rub_regions(const mg_rub_query *query, mg_real *work);
 
 #endif
