@@ -65,5 +65,5 @@ static int mg_list_stuck(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STUCK; k++) list[n++] = mg_grip_row(c, i, g) + k;
-  return n;
+  return mg_list_stuck_rubs(c, list, n);
 }

@@ -183,7 +183,8 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
     c->fired[pad] = 0;
-    if (!cause || patch < 0) continue;
+    if (cause >= MG_GIVES) c->rub[slot].fired = 1;
+    if (!cause || patch < 0 || cause >= MG_GIVES) continue;
     if (cause < MG_ROLLS_OFF) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);

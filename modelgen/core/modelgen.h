@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 4
+#define MG_ABI 5
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -62,6 +62,7 @@ typedef struct {
   const mg_real *numbers;      /* of sides and conditions */
   const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
   const mg_real *grip_direction; /* three a grip, axes of grip_body */
+  const mg_real *patch_friction; /* two a patch: static and kinetic coefficient, 0 without friction */
   const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
@@ -140,6 +141,8 @@ typedef struct {
   int *active;            /* per contact: closed and carrying force */
   int *grip;              /* per grip: MG_LOOSE .. */
   mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
+  int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
+  mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
   mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
@@ -171,6 +174,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   int *link;              /* per contact */
   int *patch;             /* per slot: what it holds, or -1 */
   mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
+  mg_real *rub;           /* 8 a slot: friction on f, world; its torque about N through the centre of pressure; slip of f
+                             past o there, world; spin past o about N */
   mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */

@@ -105,7 +105,9 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
 /* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0. */
 static int mg_slot_ends(mg_context *c, int slot) {
   mg_real margin;
-  return mg_patch_in(c, slot) < 0 ? 0 : mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+  if (mg_patch_in(c, slot) < 0) return 0;
+  const int cause = mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+  return cause ? cause : mg_rub_fires(c, slot);
 }
 
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
@@ -132,6 +134,7 @@ static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
+  if (cause >= MG_GIVES) return mg_rub_value(c, slot, cause);
   if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }
