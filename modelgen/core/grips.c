@@ -17,8 +17,8 @@ static int mg_grip_rows(const mg_context *c, int grip) { return c->sys->grip_asp
 
 /* The rows below stand on the bodies of the contact's link. */
 static void mg_take_rows(mg_context *c, int contact) {
-  const int first = c->below + c->sys->contact_below[contact];
-  for (int i = 0; i < mg_contact_kinds[c->kind[contact]].rows - 1; i++) {
+  const int *room = c->sys->contact_below + contact, first = c->below + room[0];
+  for (int i = 0; i < room[1] - room[0]; i++) {
     c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->column[first + i] = -1;
     for (int k = 0; k < 12; k++) c->J[12 * (first + i) + k] = c->MJ[12 * (first + i) + k] = 0;
     c->gamma[first + i] = c->d_dot[first + i] = c->force[first + i] = 0;

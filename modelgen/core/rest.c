@@ -122,6 +122,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
 /* Patches that lie flat rest, if the forces press them together within their hulls; what they cover gives way. */
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_try_flat(c, touching, 0)) return MG_DONE;
+  if (c->sys->n_grip) mg_refresh(c);
   do {
     mg_hide_covered(c);
     const int outcome = mg_choose_active(c, c->hidden);
