@@ -69,6 +69,7 @@ static void mg_grow_up(mg_context *c);
 static int mg_is_singular(const mg_context *c, int contact);
 
 /* lean.c */
+static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out);
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);

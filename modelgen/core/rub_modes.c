@@ -106,11 +106,7 @@ static void mg_try_way(mg_context *c, int slot, const mg_real *e, mg_real *rate)
 }
 
 static mg_real mg_dot_across(const mg_real *e, const mg_real *rate, mg_real across[2][3], mg_real *miss) {
-  const int least = fabs(e[0]) < fabs(e[1]) ? (fabs(e[0]) < fabs(e[2]) ? 0 : 2) : fabs(e[1]) < fabs(e[2]) ? 1 : 2;
-  for (int k = 0; k < 3; k++) across[0][k] = (k == least) - e[least] * e[k];
-  const mg_real size = sqrt(mg_dot3(across[0], across[0]));
-  for (int k = 0; k < 3; k++) across[0][k] /= size;
-  mg_cross(e, across[0], across[1]);
+  mg_across(e, across);
   for (int j = 0; j < 2; j++) miss[j] = mg_dot3(across[j], rate);
   return sqrt(miss[0] * miss[0] + miss[1] * miss[1]);
 }
@@ -175,8 +171,9 @@ static int mg_release_rubs(mg_context *c) {
     if (!reached && left >= -mg_weight_scale(c)) continue;
     mg_real e[3] = {twist[0], twist[1], twist[2] * mg_rub_radius(c, slot)};
     mg_set_rub_course(c, slot, twist);
-    c->run->rub[slot] = MG_STARTING, r->fired = 0;
-    if (!reached || mu[0] != mu[1]) mg_find_way(c, slot, e);
+    const int gently = reached && mu[0] == mu[1];
+    c->run->rub[slot] = gently ? MG_ONSET : MG_STARTING, r->fired = 0;
+    if (!gently) mg_find_way(c, slot, e);
     count++;
   }
   return count;

@@ -56,16 +56,37 @@ static void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist) {
   course[3] = turn / size;
 }
 
+/* Two directions across a unit vector. */
+static void mg_across(const mg_real *e, mg_real across[2][3]) {
+  const int least = fabs(e[0]) < fabs(e[1]) ? (fabs(e[0]) < fabs(e[2]) ? 0 : 2) : fabs(e[1]) < fabs(e[2]) ? 1 : 2;
+  for (int k = 0; k < 3; k++) across[0][k] = (k == least) - e[least] * e[k];
+  const mg_real size = sqrt(mg_dot3(across[0], across[0]));
+  for (int k = 0; k < 3; k++) across[0][k] /= size;
+  mg_cross(e, across[0], across[1]);
+}
+
+/* The course and two directions across it: along t1, t2, and spin in units of 1/radius. */
+static void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]) {
+  const mg_real *course = c->run->rub_course + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
+  e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
+  mg_across(e[0], e + 1);
+}
+
 /* The twist that tells friction: the slip, taken round where it points against its course; the course, where there is so
-   little of it that rounding would turn it. */
+   little of it that rounding would turn it; as steered, where it begins. */
 static void mg_rub_twist(const mg_context *c, int slot, mg_real *twist) {
-  const mg_real *slip = c->d_dot + mg_rub_row(c, slot), *course = c->run->rub_course + 4 * slot;
-  const mg_real *t = c->tangents + 6 * mg_pad_of(c, slot), radius = mg_rub_radius(c, slot), turn = slip[2] * radius;
+  const mg_real *slip = c->d_dot + mg_rub_row(c, slot), *steer = c->rub[slot].steer;
+  const mg_real radius = mg_rub_radius(c, slot), turn = slip[2] * radius;
   const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + turn * turn);
   const int small = size <= 2 * c->set->slip_speed * c->sys->length / c->sys->time;
   const mg_real sign = !small && mg_rub_along(c, slot) < 0 ? -1 : 1;
+  const int steered = c->steering && c->run->rub[slot] == MG_ONSET;
+  mg_real e[3][3];
   for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
-  if (small) twist[0] = mg_dot3(t, course), twist[1] = mg_dot3(t + 3, course), twist[2] = course[3] / radius;
+  if (!small && !steered) return;
+  mg_rub_basis(c, slot, e);
+  for (int k = 0; k < 3; k++) twist[k] = e[0][k] + (steered ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
+  twist[2] /= radius;
 }
 
 /* The pressure in a slot, of a resultant of 1 at its centre; of all of the face while that is not known. */

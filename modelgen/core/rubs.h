@@ -13,6 +13,7 @@ struct mg_rub_state { /* a patch with friction in a slot */
   mg_real lean[MG_RUB_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
   int fired, before, stopped; /* its event has fired; its mode before; slip has died */
   mg_real over;              /* s, slip that was stopped had left */
+  mg_real steer[2];          /* while slip begins: its direction is the course and so much of each across it */
 };
 
 typedef struct { /* rows and axes of a hull: t1, t2 and the pads in it, N along its z or against */
@@ -27,6 +28,8 @@ static int mg_rub_leans(const mg_context *c, int row);
 static mg_real mg_rub_radius(const mg_context *c, int slot);
 static void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at);
 static mg_real mg_rub_along(const mg_context *c, int slot);
+static void mg_across(const mg_real *e, mg_real across[2][3]);
+static void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]);
 static void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist);
 static void mg_begin_rubs(mg_context *c);
 static void mg_press_rub(mg_context *c, int slot);
