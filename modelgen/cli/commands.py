@@ -14,14 +14,19 @@ from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
+    Fallback,
     Form,
     Frames,
+    Method,
     OutPicture,
     OutRun,
     Quality,
     RealName,
     Samples,
     SceneFile,
+    Scheme,
+    Solver,
+    Step,
     Style,
     Tolerance,
     Until,
@@ -99,6 +104,11 @@ def simulate(
     accuracy: Quality = None,
     tolerance: Tolerance = None,
     samples: Samples = None,
+    method: Method = None,
+    step: Step = None,
+    scheme: Scheme = None,
+    solver: Solver = None,
+    fallback: Fallback = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -108,7 +118,10 @@ def simulate(
     from modelgen.report.summary import print_summary
 
     check_outputs(out, plot)
-    settings = run_settings(until, accuracy, tolerance, samples)
+    settings = run_settings(
+        until, accuracy, tolerance, samples,
+        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback,
+    )  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)
     summary = trajectory.summary() | written

@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.format import ACCURACIES, FORMS, REALS, RUN
 from modelgen.scene.place import Place
+from modelgen.scene.run import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
 from modelgen.scene.scalars import Choice, Real, Type, Whole
 
 STYLES = ("text", "latex", "html")
@@ -43,6 +43,17 @@ Quality = Annotated[str | None, typer.Option(help="default: the scene's own", me
 Tolerance = Annotated[
     str | None,
     typer.Option(help="local error of a step, relative; overrides --accuracy", metavar="NUMBER"),
+]
+Method = Annotated[
+    str | None, typer.Option(help="of integration; default: the scene's own", metavar=_among(METHODS))
+]
+Step = Annotated[str | None, typer.Option(help="fixed step of rk4 and time-stepping, s", metavar="NUMBER")]
+Scheme = Annotated[str | None, typer.Option(help="of time-stepping", metavar=_among(SCHEMES))]
+Solver = Annotated[
+    str | None, typer.Option(help="friction in time-stepping: exact or relaxed", metavar=_among(SOLVERS))
+]
+Fallback = Annotated[
+    bool | None, typer.Option(help="time-stepping for a while where an event-driven run would end")
 ]
 RealName = Annotated[
     str | None,

@@ -83,7 +83,11 @@ def _removed_if_refused(folder: Path) -> Iterator[Path]:
 
 
 def run_settings(
-    until: str | None, accuracy: str | None, tolerance: str | None, samples: str | None
+    until: str | None,
+    accuracy: str | None,
+    tolerance: str | None,
+    samples: str | None,
+    **stepping: str | bool | None,
 ) -> dict[str, Any]:
     """The options of a run as keywords of `simulate`."""
     name, own = read_option("accuracy", accuracy), read_option("tolerance", tolerance)
@@ -91,6 +95,10 @@ def run_settings(
         "until": read_option("until", until),
         "accuracy": name if own is None else modelgen.Accuracy.of(own),
         "samples": read_option("samples", samples),
+        **{
+            key: read_option(key, value) if isinstance(value, str) else value
+            for key, value in stepping.items()
+        },
     }
 
 

@@ -34,7 +34,7 @@ from modelgen.model import (
 from modelgen.notation import ETA_SIZE
 from modelgen.require import Q_SIZE, U_SIZE
 from modelgen.require.masses import pose_numbers
-from modelgen.scene.types import RunSettings, Shape
+from modelgen.scene.types import Shape
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {
@@ -208,13 +208,8 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
         "warnings": list(model.warnings),
-        "run": _run(scene.run),
+        "run": scene.run.said(),
     }
-
-
-def _run(run: RunSettings) -> dict[str, Any]:
-    """The settings of a run; of what may be left open, only what the scene says."""
-    return {key: value for key, value in asdict(run).items() if key == "tolerance" or value is not None}
 
 
 def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:

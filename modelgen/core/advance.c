@@ -122,7 +122,8 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   }
   if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
   mg_ledger(c);
-  return outcome ? outcome : mg_check_margins(c, events);
+  if (!outcome) outcome = mg_check_margins(c, events);
+  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
 static mg_real mg_first_step(const mg_context *c) {
@@ -130,20 +131,31 @@ static mg_real mg_first_step(const mg_context *c) {
   return c->sys->time * pow(c->set->tolerance, (mg_real)1 / 8) / 4;
 }
 
+/* A step of the method, or of time-stepping where it has to stand in for it. */
+static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  int outcome;
+  if (mg_steps_in_time(c)) {
+    outcome = mg_time_step(c, h, record, events);
+    if (!outcome) outcome = mg_take_up(c, events);
+  } else outcome = mg_step(c, h, record, events);
+  return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
+}
+
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
                       long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_open(&c, system, settings, run, work, iwork);
   mg_refresh(&c);
-  mg_record_now(&c, record);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
+  mg_preview(&c, record);
+  mg_record_now(&c, record);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
     const mg_real left = t_stop - run->t;
-    const int last = run->h >= left * (1 - 8 * MG_EPS);
-    const mg_real t_before = run->t;
-    const int outcome = mg_step(&c, last ? left : run->h, record, events);
+    const mg_real h = mg_next_step(&c), t_before = run->t;
+    const int last = h >= left * (1 - 8 * MG_EPS);
+    const int outcome = mg_step_on(&c, last ? left : h, record, events);
     if (outcome) return outcome;
     if (last && run->t - t_before >= left * (1 - 8 * MG_EPS)) run->t = t_stop;
     mg_record_now(&c, record);

@@ -39,7 +39,9 @@ static void mg_report_caught(mg_context *c, mg_events *events) {
 
 static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
-  run->redundant_max = 0;
+  run->redundant_max = run->falls = run->fall_left = run->rough = run->relaxed = 0;
+  run->watch_tries = run->watch_rejected = 0, run->watch_t = run->t;
+  run->fall_first = run->fall_end = run->fall_time = 0, run->fall_cause = run->fall_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
   run->gain_max = run->gain_t = 0, run->gain = -1, run->shared = 0;
@@ -47,6 +49,14 @@ static void mg_reset(mg_run *run) {
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;
   run->t_event = run->t;
+}
+
+/* Time-stepping needs no modes: its first step takes the first impacts. */
+static int mg_begin_in_time(mg_context *c) {
+  mg_rows_at(c, c->run->t, c->run->x);
+  for (int i = 0; i < c->n_all; i++) c->force[i] = 0;
+  mg_ledger(c);
+  return MG_DONE;
 }
 
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events,
@@ -69,10 +79,12 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);
   for (int i = 0; i < system->n_contact; i++) c.fired[i] = 0;
+  if (settings->method == MG_TIME_STEPPING) return mg_begin_in_time(&c);
   outcome = mg_impact(&c, events);
   mg_report_caught(&c, events);
   if (!outcome) outcome = mg_solve_modes(&c, events);
   if (!outcome && settings->project && !mg_project(&c)) outcome = MG_NO_EXTREMUM;
+  if (mg_falls_back(&c, outcome, events)) return mg_begin_in_time(&c);
   if (outcome) return outcome;
   if (!mg_place_all(&c, run->t, run->x)) return MG_NO_EXTREMUM;
   mg_refresh(&c);

@@ -2,8 +2,6 @@
    that is under way tells its force by itself; the others are bounded by static friction, or kinetic once they slip. */
 #include "core.h"
 
-enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
-
 /* The time in which slip, as it is going, is over; 0 if it is already. */
 static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
   const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
@@ -43,43 +41,6 @@ static void mg_arrest(mg_context *c) {
 static void mg_let_go(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
   mg_refresh(c);
-}
-
-static void mg_bound_all(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      int *mode = c->run->grip + g;
-      if (c->run->closed[i] && *mode == MG_LOOSE) *mode = MG_STUCK;
-      c->bound_of[g] = *mode >= MG_ONSET ? MG_KNOWN : MG_STATIC;
-    }
-}
-
-/* The bounds of one contact of the problem, times `part`. A stuck grip that has reached its own is tried with less. */
-static void mg_put_cone(mg_context *c, int contact, mg_real part, mg_real *cone) {
-  for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
-  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
-    const int aspect = c->sys->grip_aspect[g], at = aspect == MG_SLIP ? 0 : 1 + aspect;
-    const mg_real *mu = (c->bound_of[g] == MG_STATIC ? c->sys->grip_static : c->sys->grip_kinetic) + 2 * g;
-    const mg_real less = c->slipped[g] ? part * (1 - c->set->cone) : part;
-    if (c->bound_of[g] == MG_KNOWN) continue;
-    cone[at] = less * mu[0];
-    if (aspect == MG_SLIP) cone[1] = less * mu[1];
-  }
-}
-
-static int mg_is_open_question(const mg_context *c, int contact) {
-  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++)
-    if (c->bound_of[g] != MG_KNOWN) return 1;
-  return 0;
-}
-
-/* Appends the rows of a contact to c->list of `size`, as contact k of the problem; returns the new size. */
-static int mg_put_contact(mg_context *c, int contact, int k, int size) {
-  c->cone_contact[k] = contact, c->cone_first[k] = size;
-  c->cone_rows[k] = mg_is_open_question(c, contact) ? mg_contact_kinds[c->kind[contact]].rows : 1;
-  c->list[size++] = contact;
-  for (int r = 1; r < c->cone_rows[k]; r++) c->list[size++] = c->below + c->sys->contact_below[contact] + r - 1;
-  return size;
 }
 
 /* The leans of slips under way, of contacts that carry no force as yet. */
@@ -132,7 +93,7 @@ static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
 /* A grip of contact k of the problem is on its bound and moves off, against what its force at the bound does to it. */
 static int mg_gives_way(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
   const int first = p->first[k], row = first + 1 + c->sys->grip_row[grip], aspect = c->sys->grip_aspect[grip];
-  const mg_real *cone = p->cone + MG_CONE * k + (aspect == MG_SLIP ? 0 : 1 + aspect), N = c->z[first];
+  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_at(aspect), N = c->z[first];
   mg_real way = 0, own = 0, size = 0;
   if (!(c->marks[k] & MG_PRESSES)) return 0;
   for (int j = 0; j < mg_grip_rows(c, grip); j++) {
@@ -154,7 +115,7 @@ static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
 }
 
 /* Those that slip get their kinetic bounds; returns how many bounds that changes. */
-static int mg_loosen_one(mg_context *c) {
+static int mg_loosen_giving(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->sys->n_grip; g++) {
     const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
@@ -271,13 +232,14 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
     giving = mg_mark_giving(c, &p);
-  } while (mg_loosen_one(c));
+  } while (mg_loosen_giving(c));
   mg_note_report(c, &report);
   mg_take_modes(c, &p);
   c->run->shared = 0;
   if (redundant) mg_settle_shares(c, skip, &p, giving);
-  for (int g = 0; g < c->sys->n_grip; g++)
-    if (!c->run->active[mg_contact_of(c, g)]) c->run->grip[g] = MG_LOOSE;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    for (int g = c->sys->contact_grip[i]; !c->run->active[i] && g < c->sys->contact_grip[i + 1]; g++)
+      c->run->grip[g] = MG_LOOSE;
   mg_refresh(c);
   mg_arrest(c);
   return MG_DONE;

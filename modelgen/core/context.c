@@ -69,7 +69,7 @@ MG_API long mg_work_size(const mg_system *s) {
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 6 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+  return 7 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
          mg_grip_isize(s);
 }
 
@@ -137,6 +137,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
   c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
   c->falling = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
+  c->near = mg_take_int(&iwork, m);
   c->trying = mg_take_int(&iwork, s->n_slot), c->barred = mg_take_int(&iwork, s->n_slot);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);

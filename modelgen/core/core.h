@@ -86,7 +86,7 @@ typedef struct {
   mg_real *dense;                           /* interpolant, 8 rows */
   mg_real *place;                           /* scratch of the place kernel */
   mg_real numbers[MG_NUMBERS];              /* parameters of a pad's contact */
-  int *list, *mask, *fired, *lcp_i;
+  int *list, *mask, *fired, *near, *lcp_i; /* near: per contact, it takes part in a step of time-stepping */
   int *bound;                               /* mask of the rows of joints among those assembled */
   int *kept, *free;                         /* per row of a joint: independent after the step before; at any step */
   int *slipped, *before, *bound_of, *gives; /* per grip: its event has fired; its mode before; what bounds it; it slips */
@@ -182,6 +182,7 @@ static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts 
 /* search.c, walk.c */
 static int mg_probe(mg_context *c, int link);
 static int mg_has_signs(const mg_context *c, int link);
+static int mg_is_bare(const mg_context *c, int link);
 static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
 static void mg_note_place(const mg_context *c, mg_found *found);
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
@@ -195,6 +196,9 @@ static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
+
+static void mg_leave(mg_context *c, mg_events *events, int contact);
+static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which);
 
 /* bodies.c */
 static inline int mg_moves(const mg_context *c, int body);

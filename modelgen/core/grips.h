@@ -3,6 +3,7 @@
 #define MG_GRIPS_H
 
 #define MG_BELOW 5 /* most rows of a contact below its normal one */
+enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
 
 /* grips.c, slip.c, oblique.c */
 static int mg_grip_row(const mg_context *c, int contact, int grip);
@@ -23,12 +24,18 @@ static mg_real mg_slipping_power(const mg_context *c);
 static int mg_oblique_rank(mg_context *c, const int *list, int n);
 static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z);
 
+/* cones.c */
+static void mg_bound_all(mg_context *c);
+static int mg_cone_at(int aspect);
+static void mg_put_bound(const mg_context *c, int grip, const mg_real *mu, mg_real part, mg_real *cone);
+static void mg_put_cone(const mg_context *c, int contact, mg_real part, mg_real *cone);
+static int mg_put_contact(mg_context *c, int contact, int k, int size);
+
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
 static mg_real mg_grip_value(const mg_context *c, int contact, int grip);
 static int mg_aim(mg_context *c, int contact, int grip);
 static void mg_slip_lean(mg_context *c, int contact, int grip);
 static mg_real mg_stage_weight(int row, int column);
-static int mg_put_contact(mg_context *c, int contact, int k, int size);
 static int mg_grips_fired(mg_context *c);
 static int mg_first_slipped(const mg_context *c);
 static int mg_grips_suspect(const mg_context *c);
@@ -46,7 +53,6 @@ static void mg_note_gain(mg_context *c, int n);
 static void mg_forget_slip(mg_context *c);
 
 static int mg_activate_pads(mg_context *c);
-static int mg_list_bilateral(const mg_context *c, int *list, int n);
 
 /* what they take from impact.c, project.c, start_rolling.c, transitions.c */
 static mg_real mg_rebound(const mg_context *c, int contact);
@@ -56,5 +62,7 @@ static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind,
 static void mg_correction(mg_context *c, const int *marked, const mg_real *value);
 static void mg_push(mg_context *c);
 static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
+
+#include "timestep.h"
 
 #endif

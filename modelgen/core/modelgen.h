@@ -69,15 +69,25 @@ typedef struct {
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
 } mg_system;
 
-enum { MG_RK4 = 0, MG_DOP853 = 1 };
+enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
+
+/* Of time-stepping: gaps close within a step; what touches stops approaching; the same half a step ahead. */
+enum { MG_STEWART_TRINKLE = 0, MG_ANITESCU_POTRA = 1, MG_MOREAU = 2 };
 
 typedef struct {
-  int method;             /* MG_RK4 or MG_DOP853 */
+  int method;             /* MG_RK4, MG_DOP853 or MG_TIME_STEPPING */
+  int scheme;             /* of time-stepping: MG_STEWART_TRINKLE .. */
+  int law;                /* of time-stepping: MG_COULOMB or MG_RELAXED */
+  int fallback;           /* where events cannot be told, time-stepping goes on for a while */
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
   int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
-  mg_real step;           /* s: RK4's step; DOP853's first step (0: chosen) */
+  mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
+  mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
+  mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
+  mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
+  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -129,7 +139,8 @@ enum { MG_EVENT_IMPACT = 0, MG_EVENT_TOUCH_DOWN = 1, MG_EVENT_LIFT_OFF = 2, MG_E
        MG_EVENT_WALK = 4, MG_EVENT_APPEAR = 5, MG_EVENT_VANISH = 6,
        MG_EVENT_FLAT = 7, MG_EVENT_TIP = 8, /* of the first pad of a slot: its patch rests; turns over its edge */
        MG_EVENT_SLIP = 9, MG_EVENT_STICK = 10, MG_EVENT_REVERSAL = 11,
-       MG_EVENTS_A_GRIP = 3 }; /* of slip; those of spin and of rolling follow, in this order */
+       MG_EVENTS_A_GRIP = 3, /* of slip; those of spin and of rolling follow, in this order */
+       MG_EVENT_FALL_BACK = 18, MG_EVENT_TAKE_UP = 19 }; /* events are told no more; again */
 
 typedef struct {
   mg_real t, h;           /* time and the next step to try, s */
@@ -149,6 +160,10 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
+  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
+  long falls, fall_left;  /* back on time-stepping: how often; steps to go */
+  long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
+                             solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
@@ -156,6 +171,8 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
+  mg_real watch_t;        /* s, then */
+  mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
@@ -163,6 +180,7 @@ typedef struct {
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
   int gain;               /* the contact that made gain_max, or -1 */
+  int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;
 

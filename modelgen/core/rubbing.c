@@ -6,8 +6,8 @@
    region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few nodes. */
 #include "rubbing.h"
 
-#define MG_FAR 3       /* extents: from there on the centre of rotation is far */
-#define MG_VERY_FAR 40
+#define MG_AWAY 3       /* extents: from there on the centre of rotation is far */
+#define MG_FAR_AWAY 40
 
 typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
   mg_real centre[2], e[2], ed[3], r, rd[2];
@@ -121,8 +121,8 @@ static void mg_rub_far(const mg_press *p, const mg_real *twist, int n, mg_real G
 static void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
   const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->extent;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
-  if (away >= MG_FAR * turn) {
-    mg_rub_far(p, twist, away < MG_VERY_FAR * turn ? MG_NODES : MG_FEW, G);
+  if (away >= MG_AWAY * turn) {
+    mg_rub_far(p, twist, away < MG_FAR_AWAY * turn ? MG_NODES : MG_FEW, G);
     return;
   }
   const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};

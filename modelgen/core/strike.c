@@ -5,9 +5,7 @@
 static void mg_put_kinetic(mg_context *c, int contact, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
   for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
-    const int aspect = c->sys->grip_aspect[g], at = aspect == MG_SLIP ? 0 : 1 + aspect;
-    cone[at] = c->sys->grip_kinetic[2 * g];
-    if (aspect == MG_SLIP) cone[1] = c->sys->grip_kinetic[2 * g + 1];
+    mg_put_bound(c, g, c->sys->grip_kinetic, 1, cone);
     c->bound_of[g] = MG_KINETIC;
   }
 }

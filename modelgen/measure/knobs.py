@@ -1,6 +1,6 @@
 """What can be traded: one row a knob, with the values it takes and where it can make a difference.
 
-A further choice (a friction solver, a time-stepping method) is a further row, or a further value of one.
+A further choice is a further row, or a further value of one.
 """
 
 from __future__ import annotations
@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
+
+from modelgen.scene.run import SCHEMES, SOLVERS
 
 Value = str | int | float | bool
 Settings = Mapping[str, Value]
@@ -22,6 +24,7 @@ class Facts:
     forms: Mapping[str, int]  # entries of eta under each form of the contacts; the first is "auto"
     contacts: bool
     joints: bool
+    friction: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,11 @@ def _always(facts: Facts, settings: Settings) -> bool:
     return True
 
 
+def _accelerates(facts: Facts, settings: Settings) -> bool:
+    """Contacts act by forces, not by impulses."""
+    return settings["method"] != "time-stepping"
+
+
 def _steps(facts: Facts) -> list[float]:
     """1, 2, 5 times powers of ten, s: from a tenth of the run, or of T, down by five decades."""
     top = min(facts.time, facts.until) / 10
@@ -50,7 +58,12 @@ def _steps(facts: Facts) -> list[float]:
 
 
 KNOBS: tuple[Knob, ...] = (
-    Knob("method", "adaptive order 8, or order 4 with a fixed step", lambda f: ("dop853", "rk4"), _always),
+    Knob(
+        "method",
+        "event-driven: adaptive order 8, or order 4 with a fixed step; or time-stepping",
+        lambda f: ("dop853", "rk4", "time-stepping") if f.contacts else ("dop853", "rk4"),
+        _always,
+    ),
     Knob(
         "tolerance",
         "local error of a step",
@@ -58,13 +71,20 @@ KNOBS: tuple[Knob, ...] = (
         lambda f, s: s["method"] == "dop853",
         ladder=True,
     ),
-    Knob("step", "s, the fixed step", _steps, lambda f, s: s["method"] == "rk4", ladder=True),
+    Knob("step", "s, the fixed step", _steps, lambda f, s: s["method"] != "dop853", ladder=True),
+    Knob("scheme", "of time-stepping", lambda f: SCHEMES, lambda f, s: s["method"] == "time-stepping"),
+    Knob(
+        "solver",
+        "of time-stepping: Coulomb's law or its convex relaxation",
+        lambda f: SOLVERS,
+        lambda f, s: s["method"] == "time-stepping" and f.friction,
+    ),
     Knob("form", "form of the contact equations", lambda f: tuple(f.forms), lambda f, s: len(f.forms) > 1),
     Knob(
         "newton",
         "corrections of contact points: none, once a step, at every stage",
         lambda f: (1, 0, 2),
-        lambda f, s: f.forms[str(s.get("form", "auto"))] > 0,
+        lambda f, s: f.forms[str(s.get("form", "auto"))] > 0 and _accelerates(f, s),
     ),
     Knob(
         "project",
@@ -72,7 +92,12 @@ KNOBS: tuple[Knob, ...] = (
         lambda f: (1, 0, 10),
         lambda f, s: f.contacts or f.joints,
     ),
-    Knob("use_gamma", "Gamma2 kept or dropped", lambda f: (True, False), lambda f, s: f.contacts),
+    Knob(
+        "use_gamma",
+        "Gamma2 kept or dropped",
+        lambda f: (True, False),
+        lambda f, s: f.contacts and _accelerates(f, s),
+    ),
     Knob("real", "digits of the arithmetic", lambda f: ("double", "float", "long double"), _always),
     Knob("level", "optimisation by the compiler", lambda f: ("O2", "O3", "O1"), _always),
 )

@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from modelgen.measure.motion import Bodies
 from modelgen.model import Model
 from modelgen.require import require
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene.types import RunSettings, Scene
@@ -56,6 +57,7 @@ class Subject:
             forms=_forms(self, model),
             contacts=bool(model.contacts),
             joints=bool(model.joints),
+            friction=any(pair.friction for pair in self.scene.contacts),
         )
         return Space(KNOBS, facts, names)
 
@@ -81,7 +83,8 @@ class Subject:
         return self._built[form, real, level]
 
     def accuracy(self, settings: Settings) -> Accuracy:
-        return Accuracy.of_run(asdict(applied(self.scene.run, settings)))
+        run = applied(self.scene.run, settings).said()
+        return accuracy_of({"run": run, "source": self.scene.source}, None, {})
 
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""

@@ -96,9 +96,11 @@ def _pressure(record: Record, axes: Any, patch: int) -> None:
 
 
 def _contacts(record: Record) -> list[int]:
-    """The contacts that ever carried a force; all if none did."""
-    loaded: list[int] = np.flatnonzero(record.columns["force"].any(axis=0)).tolist()
-    return loaded or list(range(len(record.contact_names)))
+    """The contacts that ever carried a force or an impact; all if none did."""
+    loaded = np.atleast_1d(record.columns["force"].any(axis=0))
+    struck = {event["contact"] for event in record.summary["events"] if event["kind"] == "impact"}
+    found = [k for k, name in enumerate(record.contact_names) if loaded[k] or name in struck]
+    return found or list(range(len(record.contact_names)))
 
 
 def _finish(axes: Any) -> None:
@@ -142,6 +144,9 @@ def _force(record: Record, axes: Any) -> None:
     for patch in record.rested:
         values = np.where(record.columns["patch"] == patch, record.columns["patch_force"], 0.0).sum(axis=1)
         axes.plot(record.columns["t"], values, linewidth=1.0, label=record.patch_names[patch])
+    impacts = [event["t"] for event in record.summary["events"] if event["kind"] == "impact"]
+    if impacts:
+        axes.plot(impacts, np.zeros(len(impacts)), "|", color="tab:red", markersize=9, label="impacts")
 
 
 def _gap(record: Record, axes: Any) -> None:
@@ -191,7 +196,7 @@ def _coordinates(record: Record, axes: Any) -> None:
 
 def _energy(record: Record, axes: Any) -> None:
     t, energy, work = (record.columns[name] for name in ("t", "energy", "work"))
-    axes.set_title("energy, and what work does not explain")
+    axes.set_title("energy, and what work does not explain", loc="left")
     axes.set_ylabel("E [J]")
     axes.plot(t, energy, linewidth=1.0, label="E")
     axes.plot(t, work, linewidth=1.0, label="work")

@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 
 FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
+NOISE = 1e-13  # numbers below this part of the largest of their kind are printed as 0
 
 
 def print_summary(summary: dict[str, Any], console: Console) -> None:
@@ -29,17 +30,12 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     for warning in summary["warnings"]:
         console.print(f"warning: {warning}", markup=False)
     _print_events(summary["events"], console)
-    for name, state in summary["final"].items():
-        parts = (f"{key} ({_vector(state[key])})" for key in ("p", "quaternion", "v", "w"))
-        console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+    _print_bodies(summary["final"], console)
     for name, patch in summary["patches"].items():
         at = _vector(patch["centre_of_pressure"])
         line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
         console.print(line, markup=False, soft_wrap=True)
-    for name, joint in summary["joints"].items():
-        acting = [f"{key} ({_vector(joint[key])})" for key in ("force", "torque")]
-        standing = [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
-        console.print(f"{name}: {', '.join(acting + standing)}", markup=False, soft_wrap=True)
+    _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
     for key in ("out", "plot"):
         if summary[key] is not None:
             print_written(summary[key], console)
@@ -48,6 +44,29 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
 def print_written(file: object, console: Console) -> None:
     """The name of a file that was written."""
     console.print(f"written: {file}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _print_bodies(final: dict[str, Any], console: Console) -> None:
+    keys = ("p", "quaternion", "v", "w")
+    noise = {key: NOISE * _largest(final, key) for key in keys}
+    for name, state in final.items():
+        moves = any(state["v"]) or any(state["w"])
+        parts = [f"{key} ({_vector(state[key], noise[key])})" for key in (keys if moves else keys[:2])]
+        parts += [] if moves else ["at rest"]
+        console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+
+
+def _print_joints(joints: dict[str, Any], length: float, console: Console) -> None:
+    force = _largest(joints, "force")
+    noise = {"force": NOISE * force, "torque": NOISE * max(force * length, _largest(joints, "torque"))}
+    for name, joint in joints.items():
+        acting = [f"{key} ({_vector(joint[key], noise[key])})" for key in ("force", "torque")]
+        standing = [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
+        console.print(f"{name}: {', '.join(acting + standing)}", markup=False, soft_wrap=True)
+
+
+def _largest(named: dict[str, Any], key: str) -> float:
+    return max((abs(value) for each in named.values() for value in each[key]), default=0.0)
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:
@@ -66,5 +85,5 @@ def _contact(event: dict[str, Any]) -> str:
     return name if name.endswith(features) else f"{name} ({features})"
 
 
-def _vector(values: list[float]) -> str:
-    return " ".join(f"{value:.5g}" for value in values)
+def _vector(values: list[float], noise: float = 0.0) -> str:
+    return " ".join(f"{0.0 if abs(value) < noise else value:.5g}" for value in values)

@@ -14,7 +14,9 @@ from typing import Any, Literal
 
 from modelgen.errors import SimulationError, nearest
 
-Method = Literal["dop853", "rk4"]
+Method = Literal["dop853", "rk4", "time-stepping"]
+Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
+Solver = Literal["coulomb", "relaxation"]
 
 # What a real type resolves, in multiples of its epsilon: no run takes a finer tolerance. Only `float` is so
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
@@ -45,12 +47,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
-CHOICES = ("method", "step", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
-
-
-def _named(base: str, own: Mapping[str, Any]) -> str:
-    """`tolerance 1e-08, newton 2`."""
-    return ", ".join([base, *(f"{key} {value}" for key, value in own.items())])
+CHOICES = ("newton", "project", "use_gamma")  # that a scene's [run] may make by itself
 
 
 def is_number(value: object) -> bool:
@@ -65,8 +62,15 @@ class Accuracy:
     Attributes:
         name: what the record is called in results.
         tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
-        method: "dop853" (adaptive, order 8) or "rk4" (fixed step, order 4).
-        step: s; RK4's step. Adaptive runs choose their own first step when it is None.
+        method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (order 1).
+        step: s; the fixed step. Adaptive runs choose their own first step when it is None.
+        scheme: of time-stepping; see `time_stepping`.
+        solver: its law of friction, "coulomb" or "relaxation"; see `time_stepping`.
+        theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
+        loose: impulses of a step of time-stepping that are found to this residual only will do.
+        fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
+        crawl: an adaptive run that gets on by less than crawl T in many tries, a third refused, cannot go on.
+        fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
@@ -109,6 +113,13 @@ class Accuracy:
     tolerance: float = 2e-11
     method: Method = "dop853"
     step: float | None = None
+    scheme: Scheme = "stewart-trinkle"
+    solver: Solver = "coulomb"
+    theta: float = 0.5
+    loose: float = 1e-2
+    fallback: bool = True
+    fallback_step: float = 1e-4
+    crawl: float = 1e-2
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
@@ -190,14 +201,10 @@ class Accuracy:
 
     @classmethod
     def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
-        """The record that the settings of a run describe, as they stand in a manifest."""
+        """The record that a run's accuracy or tolerance names, as they stand in a manifest."""
         tolerance = run.get("tolerance")
         base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
-        base = replace(base, imaginary_edge=run["imaginary_edge"])
-        own = {key: run[key] for key in CHOICES if run.get(key) is not None}
-        if own.get("method") == "rk4" and "step" not in own:
-            raise SimulationError("method", "rk4 without a step", "step = SECONDS", "give the step beside it")
-        return replace(base, name=_named(base.name, own), **own) if own else base
+        return replace(base, imaginary_edge=run["imaginary_edge"])
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:
@@ -209,6 +216,33 @@ class Accuracy:
         allowed = "an Accuracy, or one of fast, balanced, tight"
         raise SimulationError("accuracy", repr(value), allowed, "write Accuracy.of(...) for a tolerance")
 
+    def choosing(self, run: Mapping[str, Any]) -> Accuracy:
+        """The same record with a run's own newton, project and use_gamma, and their names behind its own."""
+        own = {key: run[key] for key in CHOICES if run.get(key) is not None}
+        name = ", ".join([self.name, *(f"{key} {value}" for key, value in own.items())])
+        return replace(self, name=name, **own) if own else self
+
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""
         return replace(self, name=f"rk4 {step:g} s", method="rk4", step=step)
+
+    def time_stepping(
+        self, step: float, scheme: Scheme = "stewart-trinkle", solver: Solver = "coulomb"
+    ) -> Accuracy:
+        """The same record with time-stepping: one problem of impulses a step, no events located.
+
+        Of order 1, for scenes with so many impacts that to locate each costs more than it tells. Penetration
+        is pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
+
+        Args:
+            step: s.
+            scheme: "stewart-trinkle": a gap may close within a step, d + h d_dot >= 0 (Stewart and Trinkle,
+                1996); "anitescu-potra": what touches stops approaching, d_dot >= 0 where d <= 0 (Anitescu and
+                Potra, 1997), others penetrate for one step; "moreau": the same at positions half a step ahead
+                (Moreau, 1988).
+            solver: "coulomb": the exact law. "relaxation": its convex relaxation (Anitescu and Tasora, 2010),
+                always solvable, in which a contact that slips at v parts at mu v, or stays at a gap of h mu v
+                where "stewart-trinkle" lets the gap close. Slip that begins suddenly makes a body hop.
+        """
+        name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
+        return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)

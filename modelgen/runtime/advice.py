@@ -8,6 +8,7 @@ from typing import Any
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
+from modelgen.runtime.stepping import stepping_warnings
 
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
@@ -43,6 +44,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))
     found += _gains(session, accuracy)
+    found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
 
 

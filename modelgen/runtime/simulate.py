@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from modelgen.runtime.advice import warnings
 from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.settings import Stepping, accuracy_of
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
@@ -28,6 +29,7 @@ def simulate(
     accuracy: Accuracy | str | None = None,
     samples: int | None = None,
     on_progress: Callable[[float], None] | None = None,
+    **stepping: Unpack[Stepping],
 ) -> Trajectory:
     """Run the scene of a library.
 
@@ -37,6 +39,7 @@ def simulate(
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
         on_progress: called with the share of simulated time done, about five times a second.
+        stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
@@ -49,7 +52,7 @@ def simulate(
     expect("simulate", library, Library)
     sentence = library.manifest.sentence
     end, intervals = _extent(sentence, until, samples)
-    chosen = _accuracy_of(sentence) if accuracy is None else Accuracy.taken(accuracy)
+    chosen = accuracy_of(sentence, accuracy, stepping)
     started = time.perf_counter()
     session = Session(library, chosen)
     session.begin()
@@ -73,15 +76,6 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
         remedy = "give the number of output intervals"
         raise SimulationError(where, repr(intervals), "a whole number, at least 1", remedy)
     return float(end), int(intervals)
-
-
-def _accuracy_of(sentence: Mapping[str, Any]) -> Accuracy:
-    """The accuracy that the scene asks for."""
-    try:
-        return Accuracy.of_run(sentence["run"])
-    except SimulationError as error:
-        where = f"{sentence['source']}: run.{error.where}"
-        raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
 def _run(

@@ -39,9 +39,21 @@ SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
     *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "scale"),
 )
-SETTINGS_INTEGERS = ("method", "use_gamma", "newton", "project", "planar")
+SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
-    *("step", "tolerance", "gap", "start_gap", "start_joint", "drift", "rest_speed"),
+    *(
+        "step",
+        "theta",
+        "loose",
+        "fallback_step",
+        "crawl",
+        "tolerance",
+        "gap",
+        "start_gap",
+        "start_joint",
+        "drift",
+        "rest_speed",
+    ),
     *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
@@ -59,17 +71,20 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
+    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
+    *("watch_t", "fall_first", "fall_end", "fall_time"),
     *("gain_max", "gain_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre", "gain", "shared"),
+    *("dead_centres", "dead_centre", "gain"),
+    *("fall_cause", "fall_doublings", "shared"),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
@@ -80,7 +95,9 @@ QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 PARAMETRISED = ("bodies", "links", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 64, 12
-METHODS = {"rk4": 0, "dop853": 1}
+METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
+SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
+LAWS = {"coulomb": 0, "relaxation": 1}
 SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
 
 
@@ -242,11 +259,13 @@ def fill_settings(tables: Tables, accuracy: Any) -> Any:
     """The mg_settings of an Accuracy, no tolerance finer than the real type resolves."""
     settings = tables.Settings()
     epsilon = float(np.finfo(tables.dtype).eps)
-    for name in ("newton", "project", *SETTINGS_COUNTS):
+    for name in ("newton", "project", "fallback", *SETTINGS_COUNTS):
         setattr(settings, name, int(getattr(accuracy, name)))
     for name in SETTINGS_REALS[1:]:
         setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
-    settings.method = METHODS[accuracy.method]
-    settings.use_gamma, settings.planar = int(accuracy.use_gamma), int(accuracy.planar)
+    settings.method, settings.scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
+    settings.law = LAWS[accuracy.solver]
+    settings.use_gamma = int(accuracy.use_gamma)
+    settings.planar = int(accuracy.planar and accuracy.method != "time-stepping")
     settings.step = accuracy.step or 0.0
     return settings

@@ -53,6 +53,7 @@ EVENT_KINDS = (
     *("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip"),
     *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
     *("roll", "roll-stop", "roll-reversal"),
+    *("time-stepping", "event-driven"),
 )
 
 

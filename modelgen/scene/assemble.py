@@ -7,8 +7,9 @@ from typing import Any
 
 from modelgen.scene import joints, links
 from modelgen.scene.bodies import read_body, unique_names
-from modelgen.scene.format import RUN, SCENE
+from modelgen.scene.format import SCENE
 from modelgen.scene.place import Place
+from modelgen.scene.run import RUN
 from modelgen.scene.types import Body, RunSettings, Scene
 
 

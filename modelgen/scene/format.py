@@ -11,20 +11,11 @@ from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
+from modelgen.scene.run import FORMS, RUN
 from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 
-ACCURACIES = ("fast", "balanced", "tight")
-METHODS = ("dop853", "rk4")
-REALS = ("double", "float", "long double")
-LEVELS = ("O1", "O2", "O3")
-FORMS = (
-    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
-    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
-    *("curves_block", "curves_paper", "curves_differentiated"),
-    *("centre_surface", "centre_curve", "edge_edge"),
-)
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 
@@ -186,29 +177,6 @@ SPRING = Table(
         Field("rest_length", NOT_NEGATIVE, "m", default=0.0),
     )
 )  # fmt: skip
-
-RUN = Table(
-    (
-        Field("until", POSITIVE, "end of the run, s", default=1.0),
-        Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
-        Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
-        Field(
-            "imaginary_edge",
-            Real(0.0, 1.0),
-            "lean, rad, up to which a face turns on a tangent of its rim; 0: it rolls at once",
-            default=0.0,
-        ),
-        Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
-        Field("method", Choice(METHODS), "adaptive, or with a fixed step"),
-        Field("step", POSITIVE, "the fixed step, s"),
-        Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
-        Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
-        Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),
-        Field("form", Choice(FORMS), "form of contacts that name none, where it is regular"),
-        Field("real", Choice(REALS), "the real type of the library"),
-        Field("level", Choice(LEVELS), "how far the compiler optimises"),
-    )
-)
 
 SCENE = Table(
     (

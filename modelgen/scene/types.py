@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
 from modelgen.scene.splines import Spline
@@ -216,14 +216,21 @@ class RunSettings:
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     samples: int = 200  # output intervals between 0 and until
-    method: str | None = None  # dop853 | rk4
-    step: float | None = None  # s, of rk4
+    method: str | None = None  # dop853 | rk4 | time-stepping
+    step: float | None = None  # s, of rk4 and time-stepping
+    scheme: str | None = None  # of time-stepping: stewart-trinkle | anitescu-potra | moreau
+    solver: str | None = None  # of time-stepping: coulomb | relaxation
+    fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
     newton: int | None = None  # 0 | 1 | 2
     project: int | None = None  # every so many steps; 0 never
     use_gamma: bool | None = None
     form: str | None = None  # of the contacts that name none, where it is regular
     real: str | None = None  # double | float | long double
     level: str | None = None  # of the compiler: O1 | O2 | O3
+
+    def said(self) -> dict[str, Any]:
+        """The settings as a table; of what may be left open, only what the scene says."""
+        return {key: value for key, value in asdict(self).items() if key == "tolerance" or value is not None}
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,87 @@
+"""The Accuracy of a run from what the scene says and the caller wants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, TypedDict
+
+from modelgen.errors import SimulationError, nearest
+from modelgen.runtime.accuracy import Accuracy, is_number
+from modelgen.runtime.tables import LAWS, METHODS, SCHEMES
+
+
+class Stepping(TypedDict, total=False):
+    """What a caller says of the method; None leaves it to the accuracy or the scene."""
+
+    method: str | None
+    step: float | None
+    scheme: str | None
+    solver: str | None
+    fallback: bool | None
+
+
+STEPPING = ("method", "step", "scheme", "solver", "fallback")  # keys of [run] that say how time is integrated
+NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, "solver": LAWS}
+
+
+def accuracy_of(
+    sentence: Mapping[str, Any], accuracy: Accuracy | str | None, own: Mapping[str, Any]
+) -> Accuracy:
+    """The record of a run: the caller's or the scene's, with what the caller says of its own (STEPPING).
+
+    A whole Accuracy stands for itself; the scene's other settings go with named ones.
+    """
+    source, run = sentence["source"], {} if isinstance(accuracy, Accuracy) else sentence["run"]
+    said = {key: run[key] for key in STEPPING if run.get(key) is not None}
+    given = {key: value for key, value in own.items() if value is not None}
+    if "method" in given and given["method"] != said.get("method"):  # what goes with another one is not meant
+        said = {key: value for key, value in said.items() if key == "fallback"}
+    record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
+    places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
+    return _stepping(record, said | given, places).choosing(run)
+
+
+def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
+    try:
+        return Accuracy.of_run(run)
+    except SimulationError as error:
+        where = f"{source}: run.{error.where}"
+        raise SimulationError(where, error.found, error.allowed, error.remedy) from None
+
+
+def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str]) -> Accuracy:
+    for key, value in said.items():
+        _check(key, value, places.get(key, ""))
+    if "fallback" in said:
+        record = replace(record, fallback=said["fallback"])
+    method, step = said.get("method", record.method), said.get("step", record.step)
+    known = method == record.method
+    for key in ("scheme", "solver"):
+        if key in said and method != "time-stepping":
+            raise _unfit(places, key, said[key], 'method = "time-stepping" with it')
+    if method == "dop853":
+        if "step" in said:
+            raise _unfit(places, "step", step, 'method = "rk4" or "time-stepping" with it')
+        return record if known else replace(record, method="dop853", step=None)
+    if step is None:
+        raise _unfit(places, "method", method, "a fixed step with it, step = ... in s")
+    if method == "rk4":
+        return record if known and step == record.step else record.fixed_step(step)
+    scheme, solver = said.get("scheme", record.scheme), said.get("solver", record.solver)
+    return record.time_stepping(step, scheme, solver)
+
+
+def _unfit(places: Mapping[str, str], key: str, found: Any, allowed: str) -> SimulationError:
+    return SimulationError(f"{places.get(key, '')}{key}", repr(found), allowed, "give both, or neither")
+
+
+def _check(key: str, value: Any, place: str) -> None:
+    names = NAMES.get(key)
+    if names is not None and value not in names:
+        remedy = nearest(str(value), names) or "use one of these names"
+        raise SimulationError(f"{place}{key}", repr(value), ", ".join(names), remedy)
+    if key == "step" and not (is_number(value) and 0 < value < float("inf")):
+        raise SimulationError(f"{place}{key}", repr(value), "a positive time in s", "give the step")
+    if key == "fallback" and not isinstance(value, bool):
+        raise SimulationError(f"{place}{key}", repr(value), "True or False", "say whether it may")

@@ -1,0 +1,36 @@
+"""What the user should know of time-stepping in a run."""
+
+from __future__ import annotations
+
+from modelgen.runtime.session import Session
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
+
+CAUSES = {
+    Outcome.COMPLEMENTARITY: "no contact forces keep the bodies apart",
+    Outcome.NO_FRICTION: "no contact forces obey Coulomb's law: inconsistent (Painleve), or jammed",
+    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
+    Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
+}
+
+
+def stepping_warnings(session: Session) -> list[str]:
+    """Where the run fell back on time-stepping, and where the exact law of friction was replaced."""
+    run, found = session.run, []
+    if run.falls:
+        more = f" ({run.falls} times in all)" if run.falls > 1 else ""
+        found.append(
+            f"at t = {float(run.fall_first):.6g} s the event-driven run could not go on: "
+            f"{CAUSES[OUTCOME_OF_CODE[run.fall_cause]]}; it went on by time-stepping{more}, for "
+            f"{float(run.fall_time):.3g} s, which is of order 1: fallback = false ends it there instead"
+        )
+    if run.rough:
+        found.append(
+            f"in {run.rough} steps the impulses were found to a residual of up to "
+            f"{float(run.lcp_residual_max):.1e} only: so much of the largest velocity may be wrong in them"
+        )
+    if run.relaxed:
+        found.append(
+            f"in {run.relaxed} steps no solution of Coulomb's law was found and its convex relaxation was "
+            "taken, with which sliding contacts move off"
+        )
+    return found

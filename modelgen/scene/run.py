@@ -1,0 +1,45 @@
+"""The table [run] of a scene: how long, how accurately, by which method."""
+
+from __future__ import annotations
+
+from modelgen.scene.fields import Field, Table
+from modelgen.scene.scalars import POSITIVE, Choice, Real, Switch, Whole
+
+ACCURACIES = ("fast", "balanced", "tight")
+METHODS = ("dop853", "rk4", "time-stepping")
+SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
+SOLVERS = ("coulomb", "relaxation")
+REALS = ("double", "float", "long double")
+LEVELS = ("O1", "O2", "O3")
+FORMS = (
+    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
+    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
+    *("curves_block", "curves_paper", "curves_differentiated"),
+    *("centre_surface", "centre_curve", "edge_edge"),
+)
+
+RUN = Table(
+    (
+        Field("until", POSITIVE, "end of the run, s", default=1.0),
+        Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
+        Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
+        Field(
+            "imaginary_edge",
+            Real(0.0, 1.0),
+            "lean, rad, up to which a face turns on a tangent of its rim; 0: it rolls at once",
+            default=0.0,
+        ),
+        Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
+        Field("method", Choice(METHODS), "event-driven, adaptive or not, or time-stepping; else dop853"),
+        Field("step", POSITIVE, "fixed step of rk4 and time-stepping, s"),
+        Field("scheme", Choice(SCHEMES), "of time-stepping; else stewart-trinkle"),
+        Field("solver", Choice(SOLVERS), "friction in time-stepping: Coulomb's law or its convex relaxation"),
+        Field("fallback", Switch(), "time-stepping for a while where an event-driven run ends; else true"),
+        Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
+        Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
+        Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),
+        Field("form", Choice(FORMS), "form of contacts that name none, where it is regular"),
+        Field("real", Choice(REALS), "the real type of the library"),
+        Field("level", Choice(LEVELS), "how far the compiler optimises"),
+    )
+)

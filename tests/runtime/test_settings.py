@@ -1,0 +1,53 @@
+"""The method of a run: what a scene says, what a caller says of its own, and what does not go together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from modelgen import Accuracy
+from modelgen.errors import SimulationError
+from modelgen.runtime.settings import accuracy_of
+
+PLAIN = {"accuracy": "fast", "tolerance": None, "imaginary_edge": 0.0}
+STEPPED = {**PLAIN, "method": "time-stepping", "step": 1e-3, "scheme": "moreau"}
+
+
+def chosen(run: dict[str, Any], accuracy: Accuracy | str | None = None, **own: Any) -> Accuracy:
+    return accuracy_of({"run": run, "source": "s.toml"}, accuracy, own)
+
+
+def test_a_scene_that_says_nothing_is_run_event_driven_and_may_fall_back() -> None:
+    assert chosen(PLAIN) == Accuracy.fast()
+    assert chosen(PLAIN).fallback
+
+
+def test_the_method_of_the_scene_goes_with_any_named_accuracy_but_not_with_a_record() -> None:
+    assert chosen(STEPPED) == Accuracy.fast().time_stepping(1e-3, "moreau")
+    assert chosen(STEPPED, "tight") == Accuracy.tight().time_stepping(1e-3, "moreau")
+    assert chosen(STEPPED, Accuracy.tight()) == Accuracy.tight()
+
+
+def test_the_caller_has_the_last_word() -> None:
+    assert chosen(STEPPED, method="dop853") == Accuracy.fast()
+    assert chosen(STEPPED, method="rk4", step=0.1) == Accuracy.fast().fixed_step(0.1)
+    assert chosen(STEPPED, solver="relaxation").solver == "relaxation"
+    assert not chosen(PLAIN, fallback=False).fallback
+
+
+@pytest.mark.parametrize(
+    ("own", "where"),
+    [
+        ({"method": "time-stepping"}, "method"),
+        ({"method": "euler"}, "method"),
+        ({"step": 0.1}, "step"),
+        ({"scheme": "moreau"}, "scheme"),
+        ({"method": "rk4", "step": -1.0}, "step"),
+        ({"fallback": "no"}, "fallback"),
+    ],
+)
+def test_what_does_not_go_together_is_refused_where_it_stands(own: dict[str, Any], where: str) -> None:
+    with pytest.raises(SimulationError) as refused:
+        chosen(PLAIN, **own)
+    assert refused.value.where == where
