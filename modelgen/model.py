@@ -205,6 +205,8 @@ class PatchEntry:
     parameters: tuple[tuple[float, ...], ...]  # of each point's contact
     links: tuple[int, ...]  # that lie in it
     slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
+    rubbing: int = -1  # kind of the first point's contact where there is friction: with slip and spin
+    friction: tuple[float, float] = (0.0, 0.0)  # static and kinetic coefficient
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,7 +124,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   c->left.count = 0;
   mg_mark_falling(c);
   mg_mark_upright(c);
-  if (c->sys->n_grip) mg_aim_all(c);
+  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);

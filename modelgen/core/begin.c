@@ -66,6 +66,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_open(&c, system, settings, run, work, iwork);
   mg_reset(run);
   for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_LOOSE, c.slipped[i] = 0, c.before[i] = MG_LOOSE;
+  for (int i = 0; i < system->n_slot; i++) run->rub[i] = MG_LOOSE;
   run->x[c.work_index] = 0;
   mg_normalise(&c, run->x);
   mg_poses(&c, run->t, run->x);

@@ -6,7 +6,7 @@
 #include "kinds.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
-#include "region.h"
+#include "rubbing.h"
 
 #define MG_GRID 17      /* samples along each side of a chart at the start */
 #define MG_COARSE 9     /* and during a run */
@@ -22,10 +22,15 @@
 #define MG_SETTLES 8    /* the same: or to the face, which is flat again */
 #define MG_YIELDS 9     /* the same: a side of the hull that is held no longer presses at one of its ends */
 
+#define MG_GIVES 10     /* the same: friction does not hold the faces any longer */
+#define MG_CALMS 11     /* the same: slip between the faces dies */
+
 #define MG_NUMBERS 32 /* more than the parameters of a point on a plane */
 #define MG_RADAU 7   /* stages of collocation */
 #define MG_ETA 8     /* more than the entries of any contact's eta */
 #define MG_STAGES 17 /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
+
+typedef struct mg_rub_state mg_rub_state; /* of a slot (rubs.h) */
 
 typedef struct { /* a point of a shape: its chart coordinates, in the shape's axes, in the world */
   mg_real uv[2], local[3], point[3], direction[3];
@@ -111,6 +116,11 @@ typedef struct {
   mg_hull hull;
   int laid;                                 /* the patch whose hull that is, or -1 */
   mg_real shelter, sheltered[2]; /* the most that a point was found inside the hull that is laid, m, and the point */
+  mg_rub_state *rub;                        /* per slot, where there is friction */
+  mg_press press;                           /* of the slot last looked at */
+  mg_strip *strips;
+  long press_room;
+  int rub_rounds;                           /* pressures tried for the forces that are sought */
   mg_onset *onset;                          /* per contact */
   mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */
@@ -300,5 +310,6 @@ static void mg_record_now(mg_context *c, mg_record *record);
 
 #include "planar.h"
 #include "grips.h"
+#include "rubs.h"
 
 #endif

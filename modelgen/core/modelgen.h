@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 4
+#define MG_ABI 5
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -63,6 +63,7 @@ typedef struct {
   const mg_real *numbers;      /* of sides and conditions */
   const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
   const mg_real *grip_direction; /* three a grip, axes of grip_body */
+  const mg_real *patch_friction; /* two a patch: static and kinetic coefficient, 0 without friction */
   const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
@@ -153,6 +154,8 @@ typedef struct {
   int *active;            /* per contact: closed and carrying force */
   int *grip;              /* per grip: MG_LOOSE .. */
   mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
+  int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
+  mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
   mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
@@ -191,6 +194,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   int *link;              /* per contact */
   int *patch;             /* per slot: what it holds, or -1 */
   mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
+  mg_real *rub;           /* 8 a slot: friction on f, world; its torque about N through the centre of pressure; slip of f
+                             past o there, world; spin past o about N */
   mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
@@ -245,6 +250,18 @@ typedef struct {          /* two planar regions laid on each other: A on the fac
   mg_outline *outline, *hull; /* of A cap B, of its hull */
 } mg_region_query;
 
+typedef struct {          /* friction between two regions laid on each other (rubbing.h), for n loads and twists */
+  const mg_region_query *regions;
+  int n;
+  const mg_real *load;    /* 3 each: resultant force, N, and its centre, in the axes of o's face */
+  const mg_real *twist;   /* 3 each, of f past o there: velocity of the centre, m/s; spin about the outward normal, rad/s */
+  const mg_real *wrench;  /* 3 each: a force, N, through the centre and a torque, N m, that friction is to hold */
+  int *found;             /* 1: the centre is inside the hull and the pressure has been found */
+  mg_real *pressure;      /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
+  mg_real *friction;      /* 3: force and torque about the centre, for a coefficient of 1 */
+  mg_real *needed;        /* 1: the coefficient that it takes to hold the wrench */
+} mg_rub_query;
+
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
 MG_API int mg_real_size(void);
@@ -292,5 +309,9 @@ MG_API void mg_closest(const mg_queries *queries);
    point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
 MG_API long mg_region_size(int n_arc, int n_o);
 MG_API int mg_region(const mg_region_query *query, mg_real *work);
+
+/* The same numbers and memory; returns the number of the hull's sides, or -1. */
+MG_API long mg_rub_size(int n_arc, int n_o);
+MG_API int mg_rub_regions(const mg_rub_query *query, mg_real *work);
 
 #endif

@@ -37,7 +37,7 @@ SYSTEM_INDICES = (
 )
 SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
-    *("grip_static", "grip_kinetic", "grip_direction", "pair_normal", "scale"),
+    *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "scale"),
 )
 SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project", "planar")
 SETTINGS_REALS = (
@@ -61,7 +61,7 @@ SETTINGS_REALS = (
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (
-    *("x", "link", "point", "moved", "closed", "active", "grip", "course", "share"),
+    *("x", "link", "point", "moved", "closed", "active", "grip", "course", "rub", "rub_course", "share"),
     *("force", "margin", "fresh", "outward"),
 )
 RUN_COUNTS = (
@@ -88,7 +88,7 @@ RUN_INTEGERS = (
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
-    *("patch", "pressure", "friction", "torque", "slip"),
+    *("patch", "pressure", "rub", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work"),
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
@@ -175,7 +175,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, sentence)
-    grips = Grips(sentence, slot_count(sentence))
+    grips = Grips(sentence)
     integers |= grips.integers
     reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers} | grips.reals
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
