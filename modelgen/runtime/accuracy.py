@@ -87,6 +87,8 @@ class Accuracy:
         residual: the extremality residual reached at the start, against L and 1.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        leap: an adaptive step is shortened at whose end a contact in force parts or approaches faster than
+            leap times tolerance L/T: its points have leapt, as those of a rim do that passes flat.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
@@ -137,6 +139,7 @@ class Accuracy:
     margin_refuse: float = 1e-5
     margin_appear: float = 1e-4
     lean: float = 0.5
+    leap: float = 1e3
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10
