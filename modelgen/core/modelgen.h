@@ -24,7 +24,8 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+/* For more contacts of a pair, in a run: never, when it has moved, after each step, and steps no longer than sight. */
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 };
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
    body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */

@@ -97,7 +97,7 @@ ROOM, ROOM_PER_BODY = 64, 12
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
-SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
+SEARCHES = ("never", "moved", "always", "ahead")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
