@@ -146,7 +146,7 @@ static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *ev
   if (mg_steps_in_time(c)) {
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_take_up(c, events);
-  } else outcome = mg_step(c, h, record, events);
+  } else outcome = mg_note_progress(c, mg_step(c, h, record, events));
   return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
 }
 

@@ -2,7 +2,7 @@
    where no accelerations are admissible, as in Painleve's paradox, but impulses are. */
 #include "core.h"
 
-enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12 };
+enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_TRIES = 1000 };
 
 static int mg_steps_in_time(const mg_context *c) { return c->set->method == MG_TIME_STEPPING || c->run->fall_left > 0; }
 
@@ -13,7 +13,25 @@ static mg_real mg_next_step(const mg_context *c) {
 }
 
 static int mg_is_closed_to_events(int outcome) {
-  return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION;
+  return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
+         outcome == MG_STEP_TOO_SMALL;
+}
+
+static int mg_is_gripped(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact && c->sys->n_grip; i++)
+    if (c->run->closed[i] && c->sys->contact_grip[i + 1] > c->sys->contact_grip[i]) return 1;
+  return 0;
+}
+
+/* MG_STEP_TOO_SMALL where a step that went well was one of many that hardly got on, as they do where slip begins or ends
+   too slowly to be told. */
+static int mg_note_progress(mg_context *c, int outcome) {
+  mg_run *run = c->run;
+  const long tries = run->steps + run->rejected - run->tries_at_mark;
+  if (outcome || tries < MG_TRIES) return outcome;
+  const int crawls = run->t - run->t_mark < tries * c->set->crawl * c->sys->time;
+  run->tries_at_mark += tries, run->t_mark = run->t;
+  return crawls && c->set->fallback && mg_is_gripped(c) ? MG_STEP_TOO_SMALL : MG_DONE;
 }
 
 static int mg_first_closed(const mg_context *c) {

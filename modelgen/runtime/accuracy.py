@@ -85,6 +85,8 @@ class Accuracy:
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.
         residual: the extremality residual reached at the start, against L and 1.
+        crawl: an event-driven run with friction whose steps, tried and taken, are shorter than crawl T on the
+            mean of a thousand gets nowhere, and falls back.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
         leap: an adaptive step is shortened at whose end a contact in force parts or approaches faster than
@@ -134,6 +136,7 @@ class Accuracy:
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13
+    crawl: float = 1e-7
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
@@ -161,7 +164,13 @@ class Accuracy:
     def fast(cls) -> Accuracy:
         """Errors near 1e-4 of the motion: for looking at a scene."""
         return cls(
-            name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9
+            name="fast",
+            tolerance=1e-6,
+            drift=1e-12,
+            rest_speed=1e-5,
+            slip_speed=1e-5,
+            rest_acceleration=1e-7,
+            event=1e-9,
         )
 
     @classmethod
@@ -189,7 +198,8 @@ class Accuracy:
                 "a number from 1e-18 to 1e-2",
                 "choose one within these bounds",
             )
-        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance)
+        slip_speed = max(cls().slip_speed, 10 * tolerance)
+        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed)
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
