@@ -24,7 +24,8 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+/* For more contacts of a pair, in a run: never, when it has moved, after each step, and steps no longer than sight. */
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 };
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17, MG_SPAN = 20 }; /* of one side of a link:
    shape in body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its
@@ -88,7 +89,6 @@ typedef struct {
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
-  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -100,12 +100,14 @@ typedef struct {
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
+  mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * length / time */
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
   mg_real polish;         /* the interpolant finds an event to this part of the step */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
   mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
                              along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
+  mg_real crawl;          /* steps of less than crawl * time on the mean, while contacts have friction, get nowhere */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_warn;    /* a contact that starts where its margin is zero is excused from bounds on it up to here */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
@@ -162,8 +164,8 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
-  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
+  long tries_at_mark;     /* steps, rejected ones too, when the run was last seen to get on */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
@@ -173,7 +175,7 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real watch_t;        /* s, then */
+  mg_real t_mark;         /* when the run was last seen to get on */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */

@@ -46,7 +46,6 @@ SETTINGS_REALS = (
         "theta",
         "loose",
         "fallback_step",
-        "crawl",
         "tolerance",
         "gap",
         "start_gap",
@@ -55,7 +54,7 @@ SETTINGS_REALS = (
         "rest_speed",
     ),
     *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
+    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "crawl", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
     *("flat", "imaginary_edge", "shared", "border", "stride"),
 )
@@ -71,14 +70,14 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
+    *("falls", "fall_left", "tries_at_mark", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("watch_t", "fall_first", "fall_end", "fall_time"),
+    *("t_mark", "fall_first", "fall_end", "fall_time"),
     *("gain_max", "gain_t"),
 )
 RUN_INTEGERS = (
@@ -98,7 +97,7 @@ ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows 
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
-SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
+SEARCHES = ("never", "moved", "always", "ahead")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
