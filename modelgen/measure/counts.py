@@ -36,7 +36,17 @@ def instructions(library: Library, accuracy: Accuracy, until: float, level: str)
         source, program = Path(name) / "run.c", Path(name) / "run"
         source.write_text(driver_text(library, accuracy, until))
         include = f"-I{library.path.parent}"
-        command = [*compiler.command, *flags, CPU, '-DMG_HASH="counted"', include, "-o", program, source, *LIBRARIES]
+        command = [
+            *compiler.command,
+            *flags,
+            CPU,
+            '-DMG_HASH="counted"',
+            include,
+            "-o",
+            program,
+            source,
+            *LIBRARIES,
+        ]
         if subprocess.run(command, capture_output=True, check=False).returncode:
             return None
         return _counted(program)

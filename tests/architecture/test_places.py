@@ -17,6 +17,8 @@ IO_PLACES = (
     "codegen/compiler.py",
     "codegen/library.py",
     "report/",
+    "measure/counts.py",
+    "measure/peers/",
     "measure/store.py",
     "measure/table.py",
     "cli/",

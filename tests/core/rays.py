@@ -34,7 +34,10 @@ def _radii(loops: list[Array], centre: Array, way: Array) -> Array:
             across = way[0] * edge[1] - way[1] * edge[0]
             if across == 0:
                 continue
-            r, s = (arm[0] * edge[1] - arm[1] * edge[0]) / across, (arm[0] * way[1] - arm[1] * way[0]) / across
+            r, s = (
+                (arm[0] * edge[1] - arm[1] * edge[0]) / across,
+                (arm[0] * way[1] - arm[1] * way[0]) / across,
+            )
             if r > 0 and 0 <= s < 1:
                 found.append(r)
     return np.array(sorted(found))

@@ -14,10 +14,24 @@ from scipy.special import ellipe, ellipk
 from modelgen.runtime.regions import Arc, overlap
 from modelgen.runtime.rubbing import Rubbing, rubbing
 from tests.core.conftest import CoreBuild
-from tests.core.planar import FRAME, LETTER, Array, annulus, disc, ellipse, facing, polygon, rectangle, stadium
+from tests.core.planar import (
+    FRAME,
+    LETTER,
+    Array,
+    annulus,
+    disc,
+    ellipse,
+    facing,
+    polygon,
+    rectangle,
+    stadium,
+)
 from tests.core.rays import friction_along_rays
 
-HOLED = [np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]), np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]])]
+HOLED = [
+    np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]),
+    np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]]),
+]
 CORNERS = {
     "rectangle": [np.array([[-0.6, -0.3], [0.6, -0.3], [0.6, 0.3], [-0.6, 0.3]])],
     "letter": [np.array(LETTER, dtype=float)],
@@ -30,7 +44,12 @@ ARCS = {
     "frame": FRAME,
     "triangle": polygon(CORNERS["triangle"][0]),
 }
-ROUND = {"disc": disc(0.7), "ring": annulus(1.0, 0.4), "ellipse": ellipse(1.0, 0.5), "stadium": stadium(0.5, 0.4)}
+ROUND = {
+    "disc": disc(0.7),
+    "ring": annulus(1.0, 0.4),
+    "ellipse": ellipse(1.0, 0.5),
+    "stadium": stadium(0.5, 0.4),
+}
 unit, share = st.floats(-1, 1), st.floats(0.02, 0.98)
 
 
@@ -49,7 +68,15 @@ def rubbed(core: CoreBuild, arcs: list[Arc], at: Array, twist: Array, wrench: Ar
 
 
 @settings(max_examples=60)
-@given(st.sampled_from(sorted(CORNERS)), unit, unit, unit, unit, st.sampled_from([0.0, 0.3, 1.0, 4.0, 30.0, 300.0]), share)
+@given(
+    st.sampled_from(sorted(CORNERS)),
+    unit,
+    unit,
+    unit,
+    unit,
+    st.sampled_from([0.0, 0.3, 1.0, 4.0, 30.0, 300.0]),
+    share,
+)
 def test_friction_is_that_along_rays(
     plane_core: CoreBuild, name: str, x: float, y: float, cx: float, cy: float, far: float, w: float
 ) -> None:
@@ -62,7 +89,12 @@ def test_friction_is_that_along_rays(
 
 @pytest.mark.parametrize("where", ["inside", "on the edge", "at a corner", "far away"])
 def test_friction_is_that_of_direct_quadrature(plane_core: CoreBuild, where: str) -> None:
-    turning = {"inside": (0.2, 0.1), "on the edge": (0.6, 0.1), "at a corner": (0.6, 0.3), "far away": (7.0, 3.0)}[where]
+    turning = {
+        "inside": (0.2, 0.1),
+        "on the edge": (0.6, 0.1),
+        "at a corner": (0.6, 0.3),
+        "far away": (7.0, 3.0),
+    }[where]
     at = np.array([0.1, 0.05])
     twist = np.array([0.8 * (turning[1] - at[1]), -0.8 * (turning[0] - at[0]), 0.8])
     found = rubbed(plane_core, ARCS["rectangle"], at, twist)
@@ -74,7 +106,10 @@ def test_friction_is_that_of_direct_quadrature(plane_core: CoreBuild, where: str
         u = np.array(v) / max(np.hypot(*v), 1e-300)
         return float(-p * (u[0], u[1], d[0] * u[1] - d[1] * u[0])[row])
 
-    parts = [(-0.6, min(turning[0], 0.6)), (min(turning[0], 0.6), 0.6)], [(-0.3, min(turning[1], 0.3)), (min(turning[1], 0.3), 0.3)]
+    parts = (
+        [(-0.6, min(turning[0], 0.6)), (min(turning[0], 0.6), 0.6)],
+        [(-0.3, min(turning[1], 0.3)), (min(turning[1], 0.3), 0.3)],
+    )
     for row in range(3):
         total = sum(
             dblquad(density, *xs, *ys, args=(row,), epsabs=1e-9, epsrel=1e-9)[0]
@@ -123,7 +158,9 @@ def test_friction_lies_on_its_limit_surface(
     assume(np.linalg.norm(twist) > 0.1)
     at = centre_in(plane_core, arcs, x, y)
     force = rubbed(plane_core, arcs, at, np.array(twist)).friction[0]
-    assert rubbed(plane_core, arcs, at, np.array(twist), -0.3 * force).needed[0] == pytest.approx(0.3, abs=1e-9)
+    assert rubbed(plane_core, arcs, at, np.array(twist), -0.3 * force).needed[0] == pytest.approx(
+        0.3, abs=1e-9
+    )
 
 
 @settings(max_examples=40)
@@ -146,7 +183,9 @@ def test_friction_does_not_depend_on_whose_face_is_cut(plane_core: CoreBuild) ->
     turn = np.array([[1, 0], [0, -1.0]])
     at = turn @ (load[0, 1:] - [0.4, 0.1])
     v = turn @ twist[0, :2]
-    other = rubbing(plane_core, b, a, np.array([[2.0, *at]]), np.array([[*v, -1.5]]), pose=facing(-0.4, 0.1)).friction[0]
+    other = rubbing(
+        plane_core, b, a, np.array([[2.0, *at]]), np.array([[*v, -1.5]]), pose=facing(-0.4, 0.1)
+    ).friction[0]
     assert [*(turn @ other[:2]), -other[2]] == pytest.approx(list(one), abs=1e-13)
 
 

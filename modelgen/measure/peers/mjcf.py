@@ -35,7 +35,9 @@ class Mjcf:
 
     def text(self) -> str:
         scene = self.setup.scene
-        rings = {partner for pair in scene.contacts if is_ringed(self.setup, pair) for partner in pair.between}
+        rings = {
+            partner for pair in scene.contacts if is_ringed(self.setup, pair) for partner in pair.between
+        }
         bodies = "".join(self._body(solid, rings) for solid in self.setup.solids)
         pairs = "".join(self._pair(pair) for pair in scene.contacts if not is_ringed(self.setup, pair))
         meshes = "".join(_meshes(self.setup.solids))

@@ -65,4 +65,3 @@ def compiled(source: Path, flags: Sequence[str], folder: Path) -> Path | None:
         return None
     folder.mkdir(parents=True, exist_ok=True)
     return target if _runs([compiler, "-O2", str(source), "-o", str(target), *flags]) else None
-

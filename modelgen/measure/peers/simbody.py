@@ -17,7 +17,12 @@ from modelgen.scene.types import Scene, Shape
 KNOBS: tuple[Knob, ...] = (
     Knob("integrator", "of order 4 with error control", lambda f: ("RungeKuttaMerson",), lambda f, s: True),
     Knob("accuracy", "of a step", lambda f: [10.0**-k for k in range(2, 11)], lambda f, s: True, ladder=True),
-    Knob("sink", "depth under the weight over the length", lambda f: (1e-5, 1e-3, 1e-7, 1e-8), lambda f, s: f.contacts),
+    Knob(
+        "sink",
+        "depth under the weight over the length",
+        lambda f: (1e-5, 1e-3, 1e-7, 1e-8),
+        lambda f, s: f.contacts,
+    ),
     Knob("creep", "speed of friction's transition over L/T", lambda f: (1e-3, 1e-5), lambda f, s: f.contacts),
 )
 KINDS: Mapping[str, tuple[int, Callable[[dict[str, float]], tuple[float, float, float]]]] = {
@@ -72,7 +77,12 @@ class SimbodyScene:
 
     def _surfaces(self, solids: list[Solid]) -> Iterable[float]:
         """Those that touch something, in the axes of their body; of fixed bodies, in the world's."""
-        found = [(solid, shape) for solid in solids for shape in solid.shapes if self._slide(solid, shape) is not None]
+        found = [
+            (solid, shape)
+            for solid in solids
+            for shape in solid.shapes
+            if self._slide(solid, shape) is not None
+        ]
         yield len(found)
         for solid, shape in found:
             kind, axes = KINDS[shape.kind]
