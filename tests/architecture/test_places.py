@@ -20,6 +20,7 @@ IO_PLACES = (
     "measure/counts.py",
     "measure/peers/",
     "measure/store.py",
+    "measure/survey_table.py",
     "measure/table.py",
     "cli/",
 )

@@ -21,7 +21,7 @@ from tests.running import NAMES, SCENES, folder
 SMALL, LARGE = 2.0**-20, 2.0**20  # about 1e-6, 1e6
 EXACT = [Units(**{name: size}) for name in ("length", "mass", "time") for size in (SMALL, LARGE)]
 DECIMAL = [Units(**{name: 10.0**k}) for name in ("length", "mass", "time") for k in (-6, -3, 3, 6)]
-QUICK = ("box_dropped", "linked_rings", "peg_in_hole")
+QUICK = ("box_dropped", "peg_in_hole")
 ROUNDED = {
     "helix_on_cylinder",
     "peg_in_hole",
