@@ -128,7 +128,7 @@ static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real le
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;
+    if (mg_settle_safely(c, link, starts->eta[i]) < 0) continue;
     if (!mg_judge(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
     mg_keep(c, kept, &found);
   }

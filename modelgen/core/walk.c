@@ -219,14 +219,14 @@ static mg_real mg_pair_clearance(const mg_context *c, int pair) {
 }
 
 /* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
-   its own, those that are there do for the others. */
+   its own and one ends where the next begins, those that are there do for the others. */
 static mg_real mg_sight(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real sight = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     const int unwatched = mg_is_unwatched(c, pair);
-    if (mg_has_own_links(c, pair) && !unwatched) continue;
+    if (mg_has_own_links(c, pair) && !unwatched && s->pair_search[pair] != MG_SEARCH_AHEAD) continue;
     const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
