@@ -12,6 +12,7 @@ from modelgen.contact.kinds import contact_kernels, regular_forms
 from modelgen.derive import Derivation
 from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
+from modelgen.report.resting import patch_names, print_patches
 from modelgen.runtime.advice import hints
 
 SHOWN = 3  # contacts named in a row; the rest is counted
@@ -21,13 +22,15 @@ def check_facts(derivation: Derivation) -> dict[str, Any]:
     """The object that `check --json` prints."""
     model = derivation.model
     bodies, contacts, joints = _bodies(model), _contacts(model), _joints(model)
+    patches, level = patch_names(model)
     return {
         "scene": model.scene.name,
         "kinds": _kind_names(model),
         "instructions": {formula.name: formula.function.n_instructions() for formula in derivation.formulas},
         "bodies": bodies,
         "contacts": contacts,
-        "patches": [entry.name for entry in model.patches],
+        "patches": patches,
+        "patches_at_start": level,
         "joints": joints,
         "left_out": list(model.left_out),
         "scales": asdict(model.scales),
@@ -43,7 +46,7 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     console.print(f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s")
     _print_table(console, "bodies", ("name", "kind", "motion"), facts["bodies"])
     _print_table(console, "contacts", ("kind", "form", "contacts", "why"), _by_kind(facts["contacts"]))
-    _print_patches(console, facts["patches"])
+    print_patches(console, facts["patches"], facts["patches_at_start"])
     columns = ("name", "kind", "between", "rows", "coordinates", "limits")
     _print_table(console, "joints", columns, [_joined_up(joint) for joint in facts["joints"]])
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
@@ -52,18 +55,6 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
         console.print(f"left out: {sentence}", markup=False)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
-
-
-def _print_patches(console: Console, names: list[str]) -> None:
-    """The faces of each pair that rest as one, the first few by name."""
-    pairs: dict[str, list[str]] = {}
-    for name in names:
-        pair, _, face = name.rpartition(":")
-        pairs.setdefault(pair, []).append(face)
-    for name, faces in pairs.items():
-        more = f" and {len(faces) - SHOWN} more" if len(faces) > SHOWN else ""
-        text = f"{name} rests as one planar contact on: {', '.join(faces[:SHOWN])}{more}"
-        console.print(text, markup=False, soft_wrap=True)
 
 
 def _kind_names(model: Model) -> list[str]:
