@@ -144,7 +144,9 @@ def faults_of(path: Trajectory) -> list[str]:
 def run(seed: int, until: float, accuracy: str, folder: Path) -> str:
     """The line of one seed."""
     scene, label = scene_of(seed)
-    path = simulate(build(emit(derive(require(scene))), folder=folder), until=until, accuracy=accuracy)
+    path = simulate(
+        build(emit(derive(require(scene))), folder=folder), until=until, accuracy=accuracy, estimate=False
+    )
     kinds = ", ".join(f"{kind} {n}" for kind, n in Counter(event.kind for event in path.events).items())
     deepest = float(np.nanmin(path.gap)) if np.isfinite(path.gap).any() else 0.0
     faults = "".join(f" FAULT {fault}" for fault in faults_of(path))
