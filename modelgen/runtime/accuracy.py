@@ -167,19 +167,19 @@ class Accuracy:
 
     @classmethod
     def fast(cls) -> Accuracy:
-        """Errors near 1e-4 of the motion: for looking at a scene."""
+        """For looking at a scene: error below 3e-4 of the length in nine of ten shipped scenes, half 1e-5."""
         return cls(
             name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9
         )
 
     @classmethod
     def balanced(cls) -> Accuracy:
-        """The default: energy drift below 1e-7 over a thousand seconds of rocking."""
+        """The default: error below 1e-7 in nine of ten shipped scenes, half 3e-10."""
         return cls()
 
     @classmethod
     def tight(cls) -> Accuracy:
-        """Close to the rounding of double precision."""
+        """Close to the rounding of double precision: below 1e-9 in nine of ten shipped scenes, half 2e-12."""
         return cls(name="tight", tolerance=1e-13)
 
     @classmethod
