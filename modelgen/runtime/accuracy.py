@@ -46,7 +46,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 
 FINER = 10.0  # by which the tolerances of a companion run are finer
 SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
-COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
+COARSER = 1.5  # by which its tolerance is coarser where the real type resolves no finer one
 TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
 
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
