@@ -27,7 +27,7 @@ from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
 
-FORMAT = 1  # of what is remembered; another one makes the old unknown
+FORMAT = 2  # of what is remembered; another one makes the old unknown
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,7 +74,6 @@ class Accuracy:
         theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
         loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
-        crawl: an adaptive run that gets on by less than crawl T in many tries, a third refused, cannot go on.
         fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
@@ -91,8 +90,12 @@ class Accuracy:
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.
         residual: the extremality residual reached at the start, against L and 1.
+        crawl: an event-driven run with friction whose steps, tried and taken, are shorter than crawl T on the
+            mean of a thousand gets nowhere, and falls back.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        leap: an adaptive step is shortened at whose end a contact in force parts or approaches faster than
+            leap times tolerance L/T: its points have leapt, as those of a rim do that passes flat.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
@@ -126,7 +129,6 @@ class Accuracy:
     loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
-    crawl: float = 1e-2
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
@@ -141,11 +143,13 @@ class Accuracy:
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13
+    crawl: float = 2e-6
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
     margin_appear: float = 1e-4
     lean: float = 0.5
+    leap: float = 1e3
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10
@@ -169,7 +173,13 @@ class Accuracy:
     def fast(cls) -> Accuracy:
         """For looking at a scene: error below 3e-4 of the length in nine of ten shipped scenes, half 1e-5."""
         return cls(
-            name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9
+            name="fast",
+            tolerance=1e-6,
+            drift=1e-12,
+            rest_speed=1e-5,
+            slip_speed=1e-5,
+            rest_acceleration=1e-7,
+            event=1e-9,
         )
 
     @classmethod
@@ -207,7 +217,8 @@ class Accuracy:
                 "a number from 1e-18 to 1e-2",
                 "choose one within these bounds",
             )
-        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance)
+        slip_speed = max(cls().slip_speed, 10 * tolerance)
+        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed)
 
     @classmethod
     def named(cls, name: str) -> Accuracy:

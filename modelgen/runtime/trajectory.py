@@ -101,6 +101,10 @@ class Trajectory:
     patch: Array  # (n, n_slot) index into `patch_names` of a patch that rests, -1 none
     patch_force: Array  # (n, n_slot) N
     patch_point: Array  # (n, n_slot, 3) m, centre of pressure; NaN where none rests
+    patch_friction: Array  # (n, n_slot, 3) N, world, on the second face
+    patch_torque: Array  # (n, n_slot) N m, of friction on it about the normal through the centre of pressure
+    patch_slip: Array  # (n, n_slot, 3) m/s, world, of the second face past the first there
+    patch_spin: Array  # (n, n_slot) rad/s, about the normal from the first to the second
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
@@ -194,6 +198,10 @@ class Trajectory:
             self.patch_names[patch]: {
                 "force": float(self.patch_force[sample, slot]),
                 "centre_of_pressure": self.patch_point[sample, slot].tolist(),
+                "friction": self.patch_friction[sample, slot].tolist(),
+                "torque": float(self.patch_torque[sample, slot]),
+                "slip": self.patch_slip[sample, slot].tolist(),
+                "spin": float(self.patch_spin[sample, slot]),
             }
             for slot, patch in enumerate(self.patch[sample].tolist())
             if patch >= 0
