@@ -14,6 +14,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"slip": 4},
         apart=1e-9,
         single=1e-3,
+        reachable=3,
     ),
     "bouncing_ellipsoid": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
@@ -51,6 +52,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"impact": None, "touch-down": None, "lift-off": None},
         apart=1e-8,
         single=2e-4,
+        reachable=7,
     ),
     "gripper": Shipped(
         kinds=(

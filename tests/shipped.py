@@ -23,8 +23,8 @@ class Shipped:
         apart: bound on the difference of final positions between forms at `tight`, m.
         single: bound on the position error of half a second in float, m; more where friction is decided,
             which in float is known to a thousandth.
-        reachable: the last decade, 1e-reachable of the length, that `tune` can promise over the whole run;
-            0 where the run goes beyond what can be predicted.
+        reachable: the last decade, 1e-reachable of the length, that `tune` can promise over the run by its
+            tolerance; 0: not even 1e-3. Less than 10 where bounds of rest or slip decide what happens.
     """
 
     kinds: tuple[str, ...]

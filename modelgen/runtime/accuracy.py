@@ -46,7 +46,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 
 FINER = 10.0  # by which the tolerances of a companion run are finer
 SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
-COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
+COARSER = 1.5  # by which its tolerance is coarser where the real type resolves no finer one
 TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
 
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
@@ -171,7 +171,7 @@ class Accuracy:
 
     @classmethod
     def fast(cls) -> Accuracy:
-        """Errors near 1e-4 of the motion: for looking at a scene."""
+        """For looking at a scene: error below 3e-4 of the length in nine of ten shipped scenes, half 1e-5."""
         return cls(
             name="fast",
             tolerance=1e-6,
@@ -184,12 +184,12 @@ class Accuracy:
 
     @classmethod
     def balanced(cls) -> Accuracy:
-        """The default: energy drift below 1e-7 over a thousand seconds of rocking."""
+        """The default: error below 1e-7 in nine of ten shipped scenes, half 3e-10."""
         return cls()
 
     @classmethod
     def tight(cls) -> Accuracy:
-        """Close to the rounding of double precision."""
+        """Close to the rounding of double precision: below 1e-9 in nine of ten shipped scenes, half 2e-12."""
         return cls(name="tight", tolerance=1e-13)
 
     @classmethod

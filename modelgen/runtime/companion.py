@@ -27,7 +27,7 @@ from modelgen.runtime.trajectory import Trajectory
 SAFE = 2.0  # times the difference: for what the companion errs itself
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
-NUDGE = 4.0  # roundings by which each number of the start differs, at most
+NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
 def nudge(session: Session) -> None:

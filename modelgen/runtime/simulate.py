@@ -87,8 +87,10 @@ def _path(session: Session, end: float, times: Array, report: Report) -> Traject
 
 
 def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
-    """The error of a run, by its companion."""
+    """The error of a run, by its companion; a run that was interrupted has none."""
     sentence = library.manifest.sentence
+    if path.outcome is Outcome.INTERRUPTED:
+        return estimate_of(path, None, accuracy, sentence, "interrupted")
     twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
     nudge(twin)
     try:

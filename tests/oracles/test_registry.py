@@ -46,7 +46,7 @@ SEVERAL = [
 
 @cache
 def path_of(name: str, form: str, accuracy: str) -> Trajectory:
-    return simulate(forced(name, form), accuracy=Accuracy.named(accuracy))
+    return simulate(forced(name, form), accuracy=Accuracy.named(accuracy), estimate=False)
 
 
 def test_the_registry_lists_every_scene_file() -> None:
