@@ -25,7 +25,12 @@ Knobs = Annotated[
 Limit = Annotated[
     str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
 ]
-Against = Annotated[str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")]
+Against = Annotated[
+    str | None,
+    typer.Option(
+        help="other simulators beside it: mujoco, drake, siconos, exudyn, simbody", metavar="A,B,..."
+    ),
+]
 Fresh = Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")]
 AllowedError = Annotated[
     str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")

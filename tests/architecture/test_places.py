@@ -19,6 +19,9 @@ IO_PLACES = (
     "report/",
     "measure/store.py",
     "measure/table.py",
+    "measure/counts.py",
+    "measure/peers/program.py",
+    "measure/peers/programs/",
     "cli/",
 )
 IO_MODULES = {"subprocess", "shutil", "tempfile", "socket", "urllib", "http", "multiprocessing"}

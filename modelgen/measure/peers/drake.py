@@ -13,12 +13,17 @@ import numpy as np
 
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing, sampled
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.measure.peers.setup import Setup, Solid, driven, numbers
 from modelgen.scene.types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (
-    Knob("scheme", "discrete, or with error control", lambda f: ("sap", "lagged", "continuous"), lambda f, s: True),
+    Knob(
+        "scheme",
+        "discrete, or with error control",
+        lambda f: ("sap", "lagged", "continuous"),
+        lambda f, s: True,
+    ),
     Knob(
         "timestep",
         "s",
@@ -33,7 +38,12 @@ KNOBS: tuple[Knob, ...] = (
         lambda f, s: s["scheme"] == "continuous",
         ladder=True,
     ),
-    Knob("sink", "depth under the weight over the length", lambda f: (1e-5, 1e-3, 1e-7), lambda f, s: f.contacts),
+    Knob(
+        "sink",
+        "depth under the weight over the length",
+        lambda f: (1e-5, 1e-3, 1e-7),
+        lambda f, s: f.contacts,
+    ),
 )
 THIN = 1e-6  # half the thickness of a circle's cylinder over its radius
 SHAPES: Mapping[str, Callable[[Any, dict[str, float]], Any]] = {
@@ -89,7 +99,7 @@ class DrakeScene:
                 lambda: np.array([_sample(plant, body, context) for body in moving]),
             )
         except RuntimeError as refused:
-            raise PeerFailure(str(refused).splitlines()[0]) from None
+            raise PeerError(str(refused).splitlines()[0]) from None
 
     def _plant(self, builder: Any, settings: Settings) -> tuple[Any, dict[str, Any]]:
         """The plant, and its bodies by name."""
@@ -114,7 +124,9 @@ class DrakeScene:
         _filter(drake, graph, geometries, [pair.between for pair in setup.scene.contacts])
         return plant, bodies
 
-    def _geometry(self, plant: Any, partner: tuple[str, str], body: Any, stiffness: float, slide: float) -> Any:
+    def _geometry(
+        self, plant: Any, partner: tuple[str, str], body: Any, stiffness: float, slide: float
+    ) -> Any:
         drake, solid, shape = _module(), self.setup.solid(partner[0]), self.setup.shape(partner)
         properties = drake.ProximityProperties()
         drake.AddContactMaterial(
@@ -137,7 +149,9 @@ def unlike(scene: Scene) -> list[str]:
     shapes = {(body.name, shape.name): shape for body in scene.bodies for shape in body.shapes}
     for partner in dict.fromkeys(partner for pair in scene.contacts for partner in pair.between):
         found += _refused(partner, shapes[partner], partner[0] in fixed)
-        coefficients = {pair.friction and pair.friction.kinetic for pair in scene.contacts if partner in pair.between}
+        coefficients = {
+            pair.friction and pair.friction.kinetic for pair in scene.contacts if partner in pair.between
+        }
         if len(coefficients) > 1:
             found.append(f"shape {'/'.join(partner)} has a friction of its own in each contact")
     for k, pair in enumerate(scene.contacts):

@@ -1,4 +1,4 @@
-"""The same scene in Exudyn (`pip install exudyn`): rims that roll on planes, as joints; spheres by a penalty."""
+"""The same scene in Exudyn (`pip install exudyn`): rims on planes, as joints; spheres by a penalty."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing
 from modelgen.measure.peers.setup import Setup, Solid, driven, numbers, rotation, unsteady
 from modelgen.scene.types import ContactPair, Scene
 
@@ -25,7 +25,9 @@ KNOBS: tuple[Knob, ...] = (
         lambda f, s: True,
         ladder=True,
     ),
-    Knob("newton", "relative tolerance of Newton's method", lambda f: (1e-10, 1e-8, 1e-12), lambda f, s: True),
+    Knob(
+        "newton", "relative tolerance of Newton's method", lambda f: (1e-10, 1e-8, 1e-12), lambda f, s: True
+    ),
     Knob("sink", "depth under the weight over the length", lambda f: (1e-6, 1e-4), lambda f, s: f.contacts),
 )
 
@@ -44,7 +46,9 @@ class ExudynScene:
     def of(cls, setup: Setup) -> ExudynScene:
         _module()
         rolls = any(_rim(setup.scene, pair) for pair in setup.scene.contacts)
-        differs = ["a rim is held to its plane, and with friction to its place on it: it never lifts or slips"]
+        differs = [
+            "a rim is held to its plane, and with friction to its place on it: it never lifts or slips"
+        ]
         knobs = tuple(knob for knob in KNOBS if not (rolls and knob.name == "sink"))
         return cls(setup, unlike(setup.scene), differs if rolls else [], version("exudyn"), knobs)
 
@@ -65,7 +69,7 @@ class ExudynScene:
         try:
             system.SolveDynamic(options, solverType=getattr(exu.DynamicSolverType, str(settings["solver"])))
         except ValueError as refused:
-            raise PeerFailure(str(refused).splitlines()[0]) from None
+            raise PeerError(str(refused).splitlines()[0]) from None
         spent = time.process_time() - begun
         return np.stack([_track(system, each, setup.samples) for each in sensors], axis=1), spent
 
@@ -80,7 +84,9 @@ def unlike(scene: Scene) -> list[str]:
             found += [f"contact {k} has a restitution"] if pair.restitution else []
             found += [f"contact {k} resists rolling"] if pair.rolling_resistance else []
         elif kinds != ["sphere", "sphere"]:
-            found.append(f"contact {k} is of a {kinds[0]} with a {kinds[1]}: it has rims on planes and spheres")
+            found.append(
+                f"contact {k} is of a {kinds[0]} with a {kinds[1]}: it has rims on planes and spheres"
+            )
         elif pair.friction or pair.restitution:
             found.append(f"contact {k} has friction or a restitution")
     found += [f"joint {joint.name!r} is not exported" for joint in scene.joints]
@@ -153,7 +159,11 @@ def _marker(items: Any, system: Any, setup: Setup, partner: tuple[str, str], bod
 
 def _sensors(exu: Any, system: Any, body: Any) -> list[Any]:
     items = import_module("exudyn.itemInterface")
-    kinds = (exu.OutputVariableType.Position, exu.OutputVariableType.RotationMatrix, exu.OutputVariableType.Velocity)
+    kinds = (
+        exu.OutputVariableType.Position,
+        exu.OutputVariableType.RotationMatrix,
+        exu.OutputVariableType.Velocity,
+    )
     return [
         system.AddSensor(
             items.SensorBody(bodyNumber=body, storeInternal=True, writeToFile=False, outputVariableType=kind)
@@ -180,7 +190,7 @@ def _track(system: Any, sensors: list[Any], samples: int) -> Array:
 
     p, turned, v = (system.GetSensorStoredData(sensor)[:, 1:] for sensor in sensors)
     if len(p) != samples + 1:
-        raise PeerFailure(f"it came to {len(p) - 1} of {samples} samples")
+        raise PeerError(f"it came to {len(p) - 1} of {samples} samples")
     xyzw = Rotation.from_matrix(turned.reshape(-1, 3, 3)).as_quat()
     return np.hstack([p, xyzw[:, [3, 0, 1, 2]], v])
 

@@ -1,7 +1,7 @@
 """The same scene in Siconos (Debian: python3-siconos), in steps of Moreau and Jean.
 
-Its own collision by Bullet knows no smooth convex shape but spheres, and loses those that rest; so the closest points
-of spheres, ellipsoids and circles over planes are given to it as relations.
+Its own collision by Bullet knows no smooth convex shape but spheres, and loses those that rest, so that closest
+points of spheres, ellipsoids and circles over planes are given to it as relations.
 """
 
 from __future__ import annotations
@@ -23,7 +23,12 @@ from modelgen.measure.peers.setup import Setup, Solid, driven, numbers, rotation
 from modelgen.scene.types import ContactPair, ForceLoad, Scene, SpringLoad
 
 KNOBS: tuple[Knob, ...] = (
-    Knob("theta", "of the step: 1/2 is of order 2 where nothing strikes", lambda f: (0.5, 1.0), lambda f, s: True),
+    Knob(
+        "theta",
+        "of the step: 1/2 is of order 2 where nothing strikes",
+        lambda f: (0.5, 1.0),
+        lambda f, s: True,
+    ),
     Knob("timestep", "s", lambda f: [5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4], lambda f, s: True, ladder=True),
     Knob("tolerance", "of its solver", lambda f: (1e-10, 1e-6), lambda f, s: f.contacts),
 )
@@ -52,7 +57,10 @@ class SiconosScene:
         if python is None:
             raise missing("siconos", "install Debian's python3-siconos, or name nothing of it")
         version = output_of(["dpkg-query", "-W", "-f", "${Version}", "python3-siconos"]) or "unknown"
-        differs = ["contacts are impulses of a step; their points are given to it", "loads are held over each step"]
+        differs = [
+            "contacts are impulses of a step; their points are given to it",
+            "loads are held over each step",
+        ]
         return cls(setup, unlike(setup.scene), differs, version, python)
 
     def prepare(self, settings: Settings) -> Run:
@@ -89,7 +97,9 @@ def unlike(scene: Scene) -> list[str]:
         if pair.rolling_resistance or pair.spinning_resistance:
             found.append(f"contact {k} resists rolling or spinning")
     found += [f"joint {joint.name!r} is not exported" for joint in scene.joints]
-    return found + (["springs are not exported"] if any(isinstance(x, SpringLoad) for x in scene.loads) else [])
+    return found + (
+        ["springs are not exported"] if any(isinstance(x, SpringLoad) for x in scene.loads) else []
+    )
 
 
 def _stands(scene: Scene, pair: ContactPair) -> tuple[tuple[str, str], tuple[str, str]] | None:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.peers.peer import PATIENCE, Peer, Run, missing
 from modelgen.measure.peers.program import answer, compiled, output_of
@@ -17,7 +19,12 @@ from modelgen.scene.types import Scene, Shape
 KNOBS: tuple[Knob, ...] = (
     Knob("integrator", "of order 4 with error control", lambda f: ("RungeKuttaMerson",), lambda f, s: True),
     Knob("accuracy", "of a step", lambda f: [10.0**-k for k in range(2, 11)], lambda f, s: True, ladder=True),
-    Knob("sink", "depth under the weight over the length", lambda f: (1e-5, 1e-3, 1e-7, 1e-8), lambda f, s: f.contacts),
+    Knob(
+        "sink",
+        "depth under the weight over the length",
+        lambda f: (1e-5, 1e-3, 1e-7, 1e-8),
+        lambda f, s: f.contacts,
+    ),
     Knob("creep", "speed of friction's transition over L/T", lambda f: (1e-3, 1e-5), lambda f, s: f.contacts),
 )
 KINDS: Mapping[str, tuple[int, Callable[[dict[str, float]], tuple[float, float, float]]]] = {
@@ -65,14 +72,19 @@ class SimbodyScene:
         yield from self._surfaces([solid for solid in setup.solids if solid.fixed])
         yield len(setup.moving)
         for solid in setup.moving:
-            I = solid.inertia
-            yield from (solid.mass, I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+            moments = solid.inertia
+            yield from (solid.mass, *np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2])
             yield from (*solid.p, *solid.quaternion, *solid.v, *solid.w)
             yield from self._surfaces([solid])
 
     def _surfaces(self, solids: list[Solid]) -> Iterable[float]:
         """Those that touch something, in the axes of their body; of fixed bodies, in the world's."""
-        found = [(solid, shape) for solid in solids for shape in solid.shapes if self._slide(solid, shape) is not None]
+        found = [
+            (solid, shape)
+            for solid in solids
+            for shape in solid.shapes
+            if self._slide(solid, shape) is not None
+        ]
         yield len(found)
         for solid, shape in found:
             kind, axes = KINDS[shape.kind]
