@@ -58,9 +58,10 @@ static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   mg_activate_pads(c);
-  p.n = mg_list_bilateral(c, c->list, p.n);
+  p.n = mg_list_stuck_rubs(c, c->list, mg_list_bilateral(c, c->list, p.n));
   mg_assemble(c, c->list, p.n);
   for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->cone_contact[k]);
+  mg_begin_rubs(c);
   mg_lean_columns(c, c->list, p.n);
   for (int r = 0; r < p.n; r++) c->b[r] = mg_separation(c, c->list[r]);
   return p;
@@ -164,7 +165,7 @@ static void mg_take_shares(mg_context *c, const mg_friction_problem *p) {
 }
 
 static int mg_is_admissible(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) {
+  for (int i = 0; i < c->first_pad; i++) {
     if (!c->run->active[i]) continue;
     if (!(c->force[i] > 0)) return 0;
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)

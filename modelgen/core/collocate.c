@@ -52,7 +52,7 @@ static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, 
       mg_real sum = 0;
       for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[stage][k] * mg_stage_slope(c, k)[i];
       mg_real *value = mg_stage_state(c, stage) + i;
-      const mg_real next = x[i] + h * sum, size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+      const mg_real next = x[i] + h * sum, size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
       const mg_real change = fabs(next - *value) / size;
       if (!(change <= most)) most = change;
       *value = next;

@@ -102,7 +102,8 @@ static int mg_impact(mg_context *c, mg_events *events) {
   const mg_real floor = c->set->rest_speed * c->sys->mass * c->sys->length / c->sys->time;
   int n;
   for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;
-  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1)) mg_refresh(c);
+  const int changed = mg_stand_on_points(c);
+  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1) || changed) mg_refresh(c);
   if (!mg_is_struck(c)) {
     mg_drop_tried(c);
     return MG_DONE;

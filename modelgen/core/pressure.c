@@ -122,8 +122,10 @@ static int mg_slot_ends(mg_context *c, int slot) {
   const mg_real floor = -mg_weight_scale(c);
   mg_real margin, centre[3];
   if (patch < 0) return 0;
-  if (!mg_pivots(c, slot) && mg_resultant(c, slot, c->force, centre) > floor && mg_is_sheltered(c, patch, centre)) return 0;
-  return mg_ends_with(c, slot, c->force, floor, &margin);
+  const int within =
+    !mg_pivots(c, slot) && mg_resultant(c, slot, c->force, centre) > floor && mg_is_sheltered(c, patch, centre);
+  const int cause = within ? 0 : mg_ends_with(c, slot, c->force, floor, &margin);
+  return cause ? cause : mg_rub_fires(c, slot);
 }
 
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
@@ -150,6 +152,7 @@ static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
+  if (cause >= MG_GIVES) return mg_rub_value(c, slot, cause);
   if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }

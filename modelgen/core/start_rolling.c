@@ -251,7 +251,7 @@ static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_rea
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->x_stage);
   for (int i = 0; i < c->n_x; i++) {
-    const mg_real size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
     const mg_real error = (c->x_stage[i] - half[i]) / (c->set->tolerance * size);
     sum += error * error;
   }

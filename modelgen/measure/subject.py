@@ -88,7 +88,7 @@ class Subject:
 
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""
-        path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy)
+        path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy, estimate=False)
         if path.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return path

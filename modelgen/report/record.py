@@ -19,7 +19,7 @@ COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
-    *("patch", "patch_force", "patch_point"),
+    *("patch", "patch_force", "patch_point", "position_error", "rotation_error"),
 )
 
 

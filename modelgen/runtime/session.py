@@ -37,7 +37,7 @@ class Session:
         self.n_shown, self.n_slot = len(self.contacts), slot_count(sentence)
         n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
-        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales(library))
+        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales())
         self.settings = fill_settings(self.tables, accuracy)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]
@@ -46,6 +46,7 @@ class Session:
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
         grips = int(self.system.n_grip)
         self.grip, self.course = np.zeros(grips + 1, dtype=np.intc), self._reals(3 * grips + 1)
+        self.rub, self.rub_course = np.zeros(self.n_slot + 1, dtype=np.intc), self._reals(4 * self.n_slot + 1)
         self.share = self._reals(n_contact + int(self.system.n_below) + 1)
         self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
@@ -68,8 +69,8 @@ class Session:
     def _reals(self, n: int) -> Array:
         return np.zeros(n, dtype=self.tables.dtype)
 
-    def _scales(self, library: Library) -> Array:
-        """The size of each state against which its local error is measured."""
+    def _scales(self) -> Array:
+        """The size of each state against which its local error is measured; of eta the core knows it."""
         sentence, scales = self.sentence, self.sentence["scales"]
         length, time = scales["length"], scales["time"]
         sizes = np.ones(sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1, dtype=self.tables.dtype)
@@ -80,15 +81,6 @@ class Session:
                 sizes[u : u + 3] = length / time
             if body["motion"] == "free":
                 sizes[u + 3 : u + 6] = 1.0 / time
-        start = sentence["n_q"] + sentence["n_u"]
-        for contact in sentence["contacts"]:
-            at = start + contact["eta"]
-            link = sentence["links"][max(contact["link"], sentence["pairs"][contact["pair"]]["links"][0])]
-            for layout in library.manifest.kinds["contact"][link["kind"]]["eta"]:
-                n = ETA_SIZE[layout]
-                if layout == "point":
-                    sizes[at : at + n] = length
-                at += n
         sizes[-1] = scales["mass"] * (length / time) ** 2
         return sizes
 

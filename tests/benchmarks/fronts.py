@@ -1,6 +1,6 @@
 """Work and precision of five scenes, here and in other simulators, in one table.
 
-    python -m tests.benchmarks.fronts [--against mujoco,drake,...] [--knobs A,B,...] [--limit SECONDS] [SCENE...]
+    python -m tests.benchmarks.fronts [--against A,B,..] [--knobs A,B,..] [--limit SECONDS] [SCENE..]
 
 Runs `modelgen measure` on each scene and prints, beside the best error that each simulator reaches within 1 s
 of CPU time per simulated second, how many times cheaper the scene runs here at no more error, and the digits

@@ -1,7 +1,7 @@
 """A scene run by Siconos, in a Python that knows it: `python siconos_run.py < SCENE.json > TRACK.json`.
 
-Reads bodies, contacts, loads and settings as JSON, and writes {rows, seconds}: position, quaternion and velocity
-of each moving body at the samples, and CPU seconds.
+Reads bodies, contacts, loads and settings as JSON, and writes {rows, seconds}: position, quaternion and
+velocity of each moving body at the samples, and CPU seconds.
 """
 
 from __future__ import annotations
