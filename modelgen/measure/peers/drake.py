@@ -13,7 +13,7 @@ import numpy as np
 
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing, sampled
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.measure.peers.setup import Setup, Solid, driven, numbers
 from modelgen.scene.types import Scene, Shape
 
@@ -99,7 +99,7 @@ class DrakeScene:
                 lambda: np.array([_sample(plant, body, context) for body in moving]),
             )
         except RuntimeError as refused:
-            raise PeerFailure(str(refused).splitlines()[0]) from None
+            raise PeerError(str(refused).splitlines()[0]) from None
 
     def _plant(self, builder: Any, settings: Settings) -> tuple[Any, dict[str, Any]]:
         """The plant, and its bodies by name."""

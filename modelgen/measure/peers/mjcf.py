@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, log, pi, sin, sqrt
 
 import numpy as np
@@ -88,7 +89,7 @@ class Mjcf:
         frame = f'pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
         sides = f'contype="{bit if first else 0}" conaffinity="{0 if first else bit}"'
         yield f"<frame {frame}>"
-        for a, b in zip(points, points[1:], strict=False):
+        for a, b in pairwise(points):
             yield (
                 f'<geom type="capsule" fromto="{_words([*a, *b])}" size="{tube!r}" {sides} '
                 f"{self._touch(pair)}/>"

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.peers.peer import PATIENCE, Peer, Run, missing
 from modelgen.measure.peers.program import answer, compiled, output_of
@@ -70,8 +72,8 @@ class SimbodyScene:
         yield from self._surfaces([solid for solid in setup.solids if solid.fixed])
         yield len(setup.moving)
         for solid in setup.moving:
-            I = solid.inertia
-            yield from (solid.mass, I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+            moments = solid.inertia
+            yield from (solid.mass, *np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2])
             yield from (*solid.p, *solid.quaternion, *solid.v, *solid.w)
             yield from self._surfaces([solid])
 
