@@ -56,7 +56,14 @@ JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where ther
 
 GRIPPING = ("grips.c", "oblique.c", "slip.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and with friction
 
-RUBBING = ("limit_surface.c", "margin.c", "pressing.c", "rubbing.c", "rubs.c", "tracks.c")  # also between faces
+RUBBING = (
+    "limit_surface.c",
+    "margin.c",
+    "pressing.c",
+    "rubbing.c",
+    "rubs.c",
+    "tracks.c",
+)  # also between faces
 
 PER_STEP = (
     *("conditions.c", "sample.c", "starts.c"),

@@ -118,6 +118,7 @@ typedef struct {
   mg_press press;                           /* of the slot last looked at */
   mg_strip *strips;
   long press_room;
+  mg_real *reduced;                         /* a problem of friction without what holds both ways */
   int rub_rounds;                           /* pressures tried for the forces that are sought */
   mg_onset *onset;                          /* per contact */
   mg_real pace;                             /* what an explicit step after collocation can follow, s */

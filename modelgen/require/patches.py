@@ -86,7 +86,9 @@ def patches_of(
         kind, rubbing, parameters = _pads(order, pair, where, faces.shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
         numbers = tuple(faces.index(half.whole, half.region) for half in order)
-        entry = PatchEntry(f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered)
+        entry = PatchEntry(
+            f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
+        )
         if pair.friction is not None:
             friction = pair.friction.static[0], pair.friction.kinetic[0]
             entry = replace(entry, rubbing=rubbing, friction=friction)

@@ -23,7 +23,11 @@ class Recording:
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
             **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
-            **{"patch": (n, session.n_slot), "pressure": (n, session.n_slot, 4), "rub": (n, session.n_slot, 8)},
+            **{
+                "patch": (n, session.n_slot),
+                "pressure": (n, session.n_slot, 4),
+                "rub": (n, session.n_slot, 8),
+            },
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
