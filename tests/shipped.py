@@ -23,6 +23,8 @@ class Shipped:
         apart: bound on the difference of final positions between forms at `tight`, m.
         single: bound on the position error of half a second in float, m; more where friction is decided,
             which in float is known to a thousandth.
+        reachable: the last decade, 1e-reachable of the length, that `tune` can promise over the whole run;
+            0 where the run goes beyond what can be predicted.
     """
 
     kinds: tuple[str, ...]
@@ -33,3 +35,4 @@ class Shipped:
     margin: float = 1e-3
     apart: float = 1e-12
     single: float = 2e-5
+    reachable: int = 10

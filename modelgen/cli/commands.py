@@ -14,6 +14,7 @@ from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
+    Estimated,
     Fallback,
     Form,
     Frames,
@@ -109,6 +110,7 @@ def simulate(
     scheme: Scheme = None,
     solver: Solver = None,
     fallback: Fallback = None,
+    estimate: Estimated = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -120,7 +122,7 @@ def simulate(
     check_outputs(out, plot)
     settings = run_settings(
         until, accuracy, tolerance, samples,
-        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback,
+        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
     )  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)
@@ -202,11 +204,12 @@ def inspect(
 def schema(as_json: AsJson = False) -> None:
     """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
     from modelgen.measure.result import measured_schema, tuned_schema
+    from modelgen.measure.survey_result import surveyed_schema
     from modelgen.report.result import linearised_schema, result_schema
     from modelgen.scene.schema import scene_schema
 
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema()}
-    results |= {"measured": measured_schema(), "tuned": tuned_schema()}
+    results |= {"measured": measured_schema(), "surveyed": surveyed_schema(), "tuned": tuned_schema()}
     document["$defs"] = {**document.get("$defs", {}), **results}
     typer.echo(json.dumps(document, indent=None if as_json else 2, allow_nan=False))

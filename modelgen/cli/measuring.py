@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -14,8 +14,11 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 import modelgen
 from modelgen.cli import INTERRUPTED
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
-from modelgen.cli.output import check_outputs, guarded, print_facts
+from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
 from modelgen.errors import ModelgenError
+
+if TYPE_CHECKING:
+    from modelgen.measure import Measurement
 
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "ms": 1e6, "s": 1e9}  # of a budget, in ns
 
@@ -26,6 +29,14 @@ Limit = Annotated[
     str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
 ]
 Against = Annotated[str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")]
+SceneOrNone = Annotated[Path | None, typer.Argument(metavar="SCENE", help="scene file, TOML")]
+Extremes = Annotated[
+    bool,
+    typer.Option(
+        "--extremes", help="instead: gaps, curvatures, masses, units .. by decades, without a scene"
+    ),
+]
+Only = Annotated[str | None, typer.Option(help="only these extremes, by name", metavar="A,B,...")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")]
 AllowedError = Annotated[
     str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
@@ -42,7 +53,7 @@ InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE
 
 @guarded
 def measure(
-    scene: SceneFile,
+    scene: SceneOrNone = None,
     until: Until = None,
     samples: Samples = None,
     knobs: Knobs = None,
@@ -50,13 +61,17 @@ def measure(
     limit: Limit = None,
     fresh: Fresh = False,
     plot: OutPicture = None,
+    extremes: Extremes = False,
+    only: Only = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure error and cost of every setting that matters for a scene. Ctrl-C keeps what was measured."""
+    """Measure error and cost of every setting that matters for a scene, or with --extremes and no scene what
+    happens at the ends of double precision. Ctrl-C keeps what was measured."""
     from modelgen.measure import measure as measured
-    from modelgen.measure.picture import draw_measurement
-    from modelgen.measure.table import print_measurement
 
+    if extremes or scene is None:
+        _survey(scene, extremes, only, as_json)
+        return
     check_outputs(None, plot)
     what = modelgen.read(scene)
     with _told() as report:
@@ -70,12 +85,36 @@ def measure(
             fresh=fresh,
             on_progress=report,
         )
+    _show(found, plot, as_json)
+
+
+def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
+    from modelgen.measure.picture import draw_measurement
+    from modelgen.measure.table import print_measurement
+
     if plot is not None:
         draw_measurement(found, plot)
     facts = found.as_json() | {"plot": None if plot is None else str(plot)}
     print_facts(facts, as_json, lambda: print_measurement(found, Console()))
     if found.interrupted.startswith("interrupted"):
         raise typer.Exit(INTERRUPTED)
+
+
+def _survey(scene: Path | None, extremes: bool, only: str | None, as_json: bool) -> None:
+    from modelgen.measure.survey import survey
+    from modelgen.measure.survey_table import print_survey
+
+    if not extremes:
+        raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")
+    if scene is not None:
+        raise ModelgenError("--extremes", f"with the scene {scene}", "no scene", "leave one of them out")
+    with _told() as report:
+        found = survey(_names(only), on_progress=report)
+    print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
+    if found.interrupted:
+        raise typer.Exit(INTERRUPTED)
+    if not found.holds:
+        raise typer.Exit(FAILED)
 
 
 @guarded

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.kernels import Foot, Placement, Rates
-from modelgen.contact.margin import FLOOR, NO_LENGTH, margin
+from modelgen.contact.margin import FLOOR, NO_LENGTH, singular_values
 from modelgen.contact.points import implicit_point
 from modelgen.contact.sides import Pair
 from modelgen.geometry.catalogue import exterior_sign, surface_of
@@ -96,14 +96,16 @@ def _foot_of_plane(arm: ca.SX, above: ca.SX, past: ca.SX, normal: ca.SX) -> Foot
 
 
 def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:
-    """As in the other forms; of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane."""
+    """(1, sigma_min(K_f)), or (0, 0) where f is flat: nothing is solved for, so that curvatures of very
+    different size cost no digits. Of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane."""
     if is_point(pair.f.shape):
         return ca.SX([1, NO_LENGTH])
     T = tangent_frame(at.n)
     if is_curve(pair.f.shape):
         radius = at.support.form(T[:, 0]) + at.support.form(T[:, 1])
         return ca.vertcat(1, 1 / ca.fmax(radius, FLOOR))
-    return margin(zeros(2, 2), implicit_point(pair.f, x_f).curvature(T), at.d)
+    sigma = singular_values(implicit_point(pair.f, x_f).curvature(T))[1]
+    return ca.vertcat(sigma / (sigma + FLOOR), sigma)
 
 
 def support_place(pair: Pair) -> Placement:

@@ -1,8 +1,6 @@
 /* How far a contact is from leaving its link: inequalities of its points, its normal and its eta. */
 #include "core.h"
 
-static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
-
 static const mg_real *mg_side(const mg_context *c, int link, int side) {
   return c->sys->numbers + c->sys->side_numbers[2 * link + side];
 }
@@ -79,7 +77,7 @@ static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real 
   mg_coordinates(c, link, side, eta, x, uv);
   switch (s->condition_kind[k]) {
     case MG_QUADRIC: return mg_quadric(a, x) / s->length;
-    case MG_PARAMETER: return a[1] * (uv[(int)a[0]] - a[2]);
+    case MG_PARAMETER: return a[1] * (uv[(int)a[0]] - a[2]) / mg_side(c, link, side)[MG_SPAN + (int)a[0]];
     case MG_DISC: return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
     case MG_WING: return mg_wing(c, link, side, a, uv, N);
     case MG_TILT: return a[3] * (mg_sine(a, N) - c->set->flat);

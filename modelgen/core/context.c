@@ -64,7 +64,7 @@ static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sam
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
-         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 11) * x + 32 + 2 * s->n_eta + mg_sample_size() +
+         mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
          m * mg_onset_size() + mg_grip_size(s);
 }
 
@@ -126,7 +126,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->lcp = mg_take(&work, mg_lcp_work_size((int)n));
   c->S = mg_take(&work, k * k), c->s = mg_take(&work, k), c->y = mg_take(&work, n);
   c->K = mg_take(&work, MG_STAGES * x), c->x_next = mg_take(&work, x), c->x_stage = mg_take(&work, x);
-  c->settled = mg_take(&work, x);
+  c->settled = mg_take(&work, x), c->scale = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
   c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
@@ -157,6 +157,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
   c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = c->steering = 0;
   mg_carve(c, work, iwork);
+  for (int i = 0; i < c->n_x; i++) c->scale[i] = sys->scale[i];
   mg_zero(c->pose, 30L * sys->n_body);
   mg_zero(c->J, 24L * c->n_all); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero(c->force, c->n_all);

@@ -29,7 +29,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
       const mg_real slope = c->K[j * n + i];
       e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
     }
-    const mg_real size = fabs(x[i]) > c->sys->scale[i] ? fabs(x[i]) : c->sys->scale[i];
+    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
     const mg_real weight = 1 / (c->set->tolerance * size);
     fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }

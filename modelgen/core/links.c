@@ -41,6 +41,16 @@ static int mg_has_own_links(const mg_context *c, int pair) {
   return c->sys->contact_link[mg_first_contact(c, pair)] >= 0;
 }
 
+/* What each entry of eta on a link is measured against. */
+static void mg_eta_scale(const mg_context *c, int link, mg_real *scale) {
+  for (int side = 0; side < 2; side++) {
+    const int carrier = mg_carrier(c, link, side), n = mg_carried[carrier];
+    const int charted = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+    for (int k = 0; k < n; k++)
+      *scale++ = k < charted ? mg_side(c, link, side)[MG_SPAN + k] : carrier == MG_LOCAL ? c->sys->length : 1;
+  }
+}
+
 /* A contact on no link is infinitely far away, so that no loop over contacts needs to ask. */
 static void mg_take_link(mg_context *c, int contact) {
   const mg_system *s = c->sys;
@@ -49,6 +59,7 @@ static void mg_take_link(mg_context *c, int contact) {
   c->n_live -= c->n_eta[contact];
   c->n_eta[contact] = held < 0 ? 0 : mg_contact_kinds[c->kind[contact]].n_eta;
   c->n_live += c->n_eta[contact];
+  if (c->n_eta[contact]) mg_eta_scale(c, link, mg_eta_of(c, c->scale, contact));
   for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
   c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;

@@ -24,10 +24,12 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+/* For more contacts of a pair, in a run: never, when it has moved, after each step, and steps no longer than sight. */
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 };
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
-enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
-   body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */
+enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17, MG_SPAN = 20 }; /* of one side of a link:
+   shape in body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its
+   axes, what u and v are measured against */
 
 typedef struct {
   int n_body, n_contact, n_load, n_pair, n_link;
@@ -87,7 +89,6 @@ typedef struct {
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
-  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -99,12 +100,14 @@ typedef struct {
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
+  mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * length / time */
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
   mg_real polish;         /* the interpolant finds an event to this part of the step */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
   mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
                              along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
+  mg_real crawl;          /* steps of less than crawl * time on the mean, while contacts have friction, get nowhere */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_warn;    /* a contact that starts where its margin is zero is excused from bounds on it up to here */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
@@ -118,6 +121,7 @@ typedef struct {
   mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
+  mg_real stride;         /* part of the longest step allowed; < 1: none leads from event to event */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
@@ -160,8 +164,8 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
-  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
+  long tries_at_mark;     /* steps, rejected ones too, when the run was last seen to get on */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
@@ -171,7 +175,7 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real watch_t;        /* s, then */
+  mg_real t_mark;         /* when the run was last seen to get on */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
@@ -224,42 +228,6 @@ typedef struct {          /* n pairs of poses of one contact kind; caller's arra
   int *outcome;           /* 1: MG_NOWHERE .. MG_CLOSEST */
 } mg_queries;
 
-typedef struct {          /* points in order, loop after loop; count goes on beyond capacity */
-  int capacity, count, n_loop;
-  mg_real *point;         /* 2 each */
-  int *loop;              /* 1 each */
-} mg_outline;
-
-typedef struct {          /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
-  int n_arc, n_o;         /* the first n_o arcs bound A, the others B */
-  int fine;               /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
-  int n_point;
-  const int *shape, *loop, *first; /* per arc: shape kind, loop, offset of its curve's parameters */
-  const mg_real *parameters;
-  const mg_real *numbers; /* 14 an arc: placement of the curve in the axes of its face (12), first and last parameter */
-  const mg_real *pose;    /* 12, of f's face in the axes of o's */
-  mg_real shared;         /* m: points of the two boundaries nearer than this are one */
-  const mg_real *x;       /* 2 a point, in the axes of o's face */
-  mg_real *margin;        /* 1 a point: signed distance to the boundary of the hull of A cap B, m, > 0 inside */
-  mg_real *normal;        /* 2: outward, of the hull where it is nearest */
-  int *supports;          /* 1: 1 the nearest is a point, 2 a straight side, 0 there is no hull */
-  int *identity;          /* 2 x 3: per support its side (0: o, 1: f), arc, arc of the other side that passes or -1 */
-  mg_real *where;         /* 2 x 4: per support t on each of those arcs, then the point */
-  mg_outline *outline, *hull; /* of A cap B, of its hull */
-} mg_region_query;
-
-typedef struct {          /* friction between two regions laid on each other (rubbing.h), for n loads and twists */
-  const mg_region_query *regions;
-  int n;
-  const mg_real *load;    /* 3 each: resultant force, N, and its centre, in the axes of o's face */
-  const mg_real *twist;   /* 3 each, of f past o there: velocity of the centre, m/s; spin about the outward normal, rad/s */
-  const mg_real *wrench;  /* 3 each: a force, N, through the centre and a torque, N m, that friction is to hold */
-  int *found;             /* 1: the centre is inside the hull and the pressure has been found */
-  mg_real *pressure;      /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
-  mg_real *friction;      /* 3: force and torque about the centre, for a coefficient of 1 */
-  mg_real *needed;        /* 1: the coefficient that it takes to hold the wrench */
-} mg_rub_query;
-
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
 MG_API int mg_real_size(void);
@@ -303,13 +271,6 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 /* The closest points of n pairs of poses, one contact kind. */
 MG_API void mg_closest(const mg_queries *queries);
 
-/* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
-   point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
-MG_API long mg_region_size(int n_arc, int n_o);
-MG_API int mg_region(const mg_region_query *query, mg_real *work);
-
-/* The same numbers and memory; returns the number of the hull's sides, or -1. */
-MG_API long mg_rub_size(int n_arc, int n_o);
-MG_API int mg_rub_regions(const mg_rub_query *query, mg_real *work);
+#include "planar_queries.h"
 
 #endif

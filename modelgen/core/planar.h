@@ -74,6 +74,8 @@ static void mg_grow_up(mg_context *c);
 /* corners.c, folds.c */
 static int mg_is_pointed(const mg_context *c, int link);
 static void mg_look_ahead(mg_context *c);
+static int mg_goes_off(mg_context *c, const mg_found *found);
+static int mg_touches_there(mg_context *c, const mg_found *found);
 static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found);
 static int mg_crosses(const mg_context *c, int link);
 static int mg_is_singular(const mg_context *c, int contact);

@@ -58,18 +58,14 @@ static int mg_newton_safely(const mg_couple *p, const mg_goal *goal, mg_real *et
 /* The distance is least there, not only stationary: the sign of the margin. */
 static int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
-/* How far each entry of a contact's eta may go in one step. */
-static void mg_eta_reach(const mg_context *c, int contact, mg_real *reach) {
-  const mg_contact_kind *kind = &mg_contact_kinds[c->kind[contact]];
-  const int carriers[2] = {kind->carrier_o, kind->carrier_f};
-  for (int side = 0, at = 0; side < 2; side++) {
-    const int carrier = carriers[side], points = carrier == MG_LOCAL ? 3 : 0;
-    const int free = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
-    const int turns = carrier == MG_TURN, signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
-    for (int k = 0; k < points; k++) reach[at++] = c->sys->length / 2;
-    for (int k = 0; k < free; k++) reach[at++] = (mg_real)0.25;
-    for (int k = 0; k < turns; k++) reach[at++] = 4;
-    for (int k = 0; k < signs; k++) reach[at++] = MG_MAX;
+/* How far each entry of eta on a link may go in one step. */
+static void mg_eta_reach(const mg_context *c, int link, mg_real *reach) {
+  mg_eta_scale(c, link, reach);
+  for (int side = 0; side < 2; side++) {
+    const int carrier = mg_carrier(c, link, side), n = mg_carried[carrier];
+    const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
+    for (int k = 0; k < n; k++, reach++)
+      *reach = k >= n - signs ? MG_MAX : *reach * (carrier == MG_LOCAL ? 2 : carrier == MG_TURN ? 16 : 1) / 4;
   }
 }
 
@@ -80,11 +76,11 @@ static mg_couple mg_couple_of(const mg_context *c, int contact) {
 }
 
 /* As mg_settle_in, from anywhere; convex shapes from nothing. c->place says whether it is a minimum. */
-static int mg_settle_safely(mg_context *c, int contact, mg_real *eta) {
-  const mg_couple p = mg_couple_of(c, contact);
+static int mg_settle_safely(mg_context *c, int link, mg_real *eta) {
+  const mg_couple p = mg_couple_of(c, mg_probe(c, link));
   mg_real reach[MG_ETA];
   const mg_goal goal = {c->sys->length, c->set->residual, reach};
-  mg_eta_reach(c, contact, reach);
+  mg_eta_reach(c, link, reach);
   if (mg_contact_kinds[p.kind].seeks) return mg_closest_convex(&p, &goal, 0, eta, c->place) == MG_NOWHERE ? -1 : 0;
   return mg_newton_safely(&p, &goal, eta, c->place);
 }

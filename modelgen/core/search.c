@@ -108,14 +108,11 @@ static mg_real mg_parting(mg_context *c, int pair) {
   return parting;
 }
 
-/* It was left in this step, the same place in the same coordinates: a closed curve comes back at its other end. */
-static int mg_was_left(const mg_context *c, const mg_found *found) {
-  const int n = mg_contact_kinds[c->sys->link_kind[found->link]].n_eta;
+/* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
+static int mg_was_left(mg_context *c, const mg_found *found) {
   for (int k = 0; k < c->left.count; k++) {
     const mg_found *left = c->left.list + k;
-    mg_real moved = 0;
-    for (int i = 0; i < n; i++) moved += fabs(left->eta[i] - found->eta[i]);
-    if (left->link == found->link && mg_same_contact(c, left, found) && moved < c->set->search) return 1;
+    if (left->link == found->link && mg_same_contact(c, left, found) && mg_goes_off(c, found)) return 1;
   }
   return 0;
 }
@@ -131,7 +128,7 @@ static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real le
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_safely(c, mg_probe(c, link), starts->eta[i]) < 0) continue;
+    if (mg_settle_safely(c, link, starts->eta[i]) < 0) continue;
     if (!mg_judge(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
     mg_keep(c, kept, &found);
   }

@@ -108,6 +108,7 @@ def _measurement(
     bench: Bench, reference: dict[str, Any], points: list[Point], peers: list[PeerPoints], stopped: str
 ) -> Measurement:
     space = bench.space
+    _share_speed(points, peers)
     turned = [knob for knob in space.knobs if _turns(bench, knob.name)]
     return Measurement(
         subject=bench.subject,
@@ -115,11 +116,19 @@ def _measurement(
         left_out={knob.name: knob.trades for knob in KNOBS if knob not in turned},
         reference=reference,
         length=bench.plain.manifest.sentence["scales"]["length"],
-        points=scaled(points),
+        points=points,
         peers=peers,
         interrupted=stopped,
         reused=bench.reused,
     )
+
+
+def _share_speed(points: list[Point], peers: list[PeerPoints]) -> None:
+    """All costs as of the fastest moment of the machine, those of the peers too."""
+    lists = [points, *(peer.points for peer in peers)]
+    at_speed = iter(scaled([point for each in lists for point in each]))
+    for each in lists:
+        each[:] = [next(at_speed) for _ in each]
 
 
 def bench_of(

@@ -25,6 +25,8 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}",
         soft_wrap=True,
     )
+    if summary["estimate"]:
+        console.print(summary["estimate"]["statement"], markup=False, highlight=False, soft_wrap=True)
     if summary["joints"]:
         console.print(f"joints hold within {summary['joint_error_max']:.2e} m")
     for warning in summary["warnings"]:

@@ -60,7 +60,11 @@ def _from_density(body: Body, density: float, where: str) -> Mass:
         arm = part_centre - centre
         inertia += part_inertia + part_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     x, y, z = (float(value) for value in centre)
-    return Mass(float(mass), (x, y, z), _clean(inertia))
+    inertia = _clean(inertia)
+    if not np.linalg.eigvalsh(inertia)[0] > 0:
+        found = "moments of inertia that double precision cannot tell from zero"
+        raise SceneError(where, found, "a body that can turn about any axis", "make it thicker")
+    return Mass(float(mass), (x, y, z), inertia)
 
 
 def _snap(centre: Array, parts: list[tuple[float, Array, Array]], body: Body) -> Array:
@@ -85,7 +89,7 @@ def _clean(inertia: Array) -> Array:
     """The symmetric matrix with zeros and equal moments that differ by rounding alone made exact."""
     inertia = (inertia + inertia.T) / 2
     limit = ROUNDING * float(np.abs(inertia).max())
-    inertia = np.where(np.abs(inertia) < limit, 0.0, inertia)
+    inertia = np.where((np.abs(inertia) < limit) & ~np.eye(3, dtype=bool), 0.0, inertia)
     for i, j in ((0, 1), (0, 2), (1, 2)):
         if abs(inertia[i, i] - inertia[j, j]) < limit:
             inertia[j, j] = inertia[i, i]

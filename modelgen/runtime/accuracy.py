@@ -44,6 +44,11 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
+FINER = 10.0  # by which the tolerances of a companion run are finer
+SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
+COARSER = 3.0  # by which its tolerance is coarser where the real type resolves no finer one
+TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
+
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
@@ -69,7 +74,6 @@ class Accuracy:
         theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
         loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
-        crawl: an adaptive run that gets on by less than crawl T in many tries, a third refused, cannot go on.
         fallback_step: steps of fallback_step T are taken then.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
@@ -86,8 +90,12 @@ class Accuracy:
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.
         residual: the extremality residual reached at the start, against L and 1.
+        crawl: an event-driven run with friction whose steps, tried and taken, are shorter than crawl T on the
+            mean of a thousand gets nowhere, and falls back.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        leap: an adaptive step is shortened at whose end a contact in force parts or approaches faster than
+            leap times tolerance L/T: its points have leapt, as those of a rim do that passes flat.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
@@ -107,6 +115,8 @@ class Accuracy:
             until it leans so far (section 5.3), instead of rolling on the rim at once.
         shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
+        stride: no step is longer than this part of the longest in which nothing can pass unseen.
+        predictable: where the estimated error exceeds predictable L, or rad, nothing is predicted.
     """
 
     name: str = "balanced"
@@ -119,7 +129,6 @@ class Accuracy:
     loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
-    crawl: float = 1e-2
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
@@ -134,11 +143,13 @@ class Accuracy:
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13
+    crawl: float = 2e-6
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
     margin_appear: float = 1e-4
     lean: float = 0.5
+    leap: float = 1e3
     leave: float = 100.0
     polish: float = 1e-3
     dependent: float = 2e-10
@@ -155,12 +166,20 @@ class Accuracy:
     imaginary_edge: float = 0.0
     shared: float = 1e-13
     border: float = 1e-9
+    stride: float = 1.0
+    predictable: float = 1e-2
 
     @classmethod
     def fast(cls) -> Accuracy:
         """Errors near 1e-4 of the motion: for looking at a scene."""
         return cls(
-            name="fast", tolerance=1e-6, drift=1e-12, rest_speed=1e-5, rest_acceleration=1e-7, event=1e-9
+            name="fast",
+            tolerance=1e-6,
+            drift=1e-12,
+            rest_speed=1e-5,
+            slip_speed=1e-5,
+            rest_acceleration=1e-7,
+            event=1e-9,
         )
 
     @classmethod
@@ -175,8 +194,18 @@ class Accuracy:
 
     @classmethod
     def finest(cls) -> Accuracy:
-        """Close to the rounding of long double: for references, in that build."""
-        return cls(name="finest", tolerance=1e-17, drift=1e-18, residual=1e-16, event=1e-16, newton=2)
+        """Close to the rounding of long double, thresholds of rest and slip included: for references."""
+        return cls(
+            name="finest",
+            tolerance=1e-17,
+            newton=2,
+            drift=1e-18,
+            rest_speed=1e-9,
+            slip_speed=1e-10,
+            rest_acceleration=1e-13,
+            event=1e-16,
+            residual=1e-16,
+        )
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
@@ -188,7 +217,8 @@ class Accuracy:
                 "a number from 1e-18 to 1e-2",
                 "choose one within these bounds",
             )
-        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance)
+        slip_speed = max(cls().slip_speed, 10 * tolerance)
+        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed)
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
@@ -246,3 +276,25 @@ class Accuracy:
         """
         name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
         return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)
+
+    def companion(self, epsilon: float) -> Accuracy:
+        """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
+
+        What decides when a contact rests, sticks or opens is finer too, so that its part in the error shows.
+        """
+        least = RESOLVED["tolerance"] * epsilon
+        tolerance = max(self.tolerance, least)
+        finer = {
+            key: getattr(self, key) / FINER for key in ("rest_acceleration", "event", "gap", "cone", "border")
+        }
+        slower = {key: getattr(self, key) / SLOWER for key in ("rest_speed", "slip_speed")}
+        return replace(
+            self,
+            name=f"{self.name}, companion",
+            tolerance=tolerance / FINER if tolerance >= FINER * least else tolerance * COARSER,
+            step=self.step and self.step * TENTH,
+            fallback_step=self.fallback_step * TENTH,
+            stride=self.stride * TENTH,
+            **finer,
+            **slower,
+        )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
@@ -43,6 +45,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))
+    found += _far(session, accuracy)
     found += _gains(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
@@ -68,4 +71,19 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
     return [
         f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
         f"{session.contacts[run.gain]}: Newton's restitution with friction does not exclude it"
+    ]
+
+
+def _far(session: Session, accuracy: Accuracy) -> list[str]:
+    """Far from the origin positions are rounded more coarsely than gaps are told apart."""
+    bodies = [body for body in session.sentence["bodies"] if body["motion"] in ("point", "free")]
+    starts = (session.sentence["initial_q"], session.x)
+    far = max((abs(float(q[b["q"] + k])) for q in starts for b in bodies for k in range(3)), default=0.0)
+    length = session.sentence["scales"]["length"]
+    known = far * float(np.finfo(session.tables.dtype).eps) / length
+    if not known > float(session.settings.gap):
+        return []
+    return [
+        f"bodies are {far:.1e} m from the origin, where positions are rounded to {known:.1e} of the "
+        f"characteristic length {length:.3g} m: put the origin near them"
     ]

@@ -37,7 +37,7 @@ class Session:
         self.n_shown, self.n_slot = len(self.contacts), slot_count(sentence)
         n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
-        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales(library))
+        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales())
         self.settings = fill_settings(self.tables, accuracy)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]
@@ -69,8 +69,8 @@ class Session:
     def _reals(self, n: int) -> Array:
         return np.zeros(n, dtype=self.tables.dtype)
 
-    def _scales(self, library: Library) -> Array:
-        """The size of each state against which its local error is measured."""
+    def _scales(self) -> Array:
+        """The size of each state against which its local error is measured; of eta the core knows it."""
         sentence, scales = self.sentence, self.sentence["scales"]
         length, time = scales["length"], scales["time"]
         sizes = np.ones(sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1, dtype=self.tables.dtype)
@@ -81,15 +81,6 @@ class Session:
                 sizes[u : u + 3] = length / time
             if body["motion"] == "free":
                 sizes[u + 3 : u + 6] = 1.0 / time
-        start = sentence["n_q"] + sentence["n_u"]
-        for contact in sentence["contacts"]:
-            at = start + contact["eta"]
-            link = sentence["links"][max(contact["link"], sentence["pairs"][contact["pair"]]["links"][0])]
-            for layout in library.manifest.kinds["contact"][link["kind"]]["eta"]:
-                n = ETA_SIZE[layout]
-                if layout == "point":
-                    sizes[at : at + n] = length
-                at += n
         sizes[-1] = scales["mass"] * (length / time) ** 2
         return sizes
 
@@ -109,6 +100,11 @@ class Session:
             "speed": self._reals(capacity),
         }
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
+
+    def arrays(self) -> dict[int, Array]:
+        """All arrays that the records point into, by address."""
+        of_run = [getattr(self, name) for name in RUN_ARRAYS]
+        return {address(array): array for array in (*self._kept, *of_run, *self.event_arrays.values())}
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import hypot, pi
 from typing import Any
+
+from modelgen.codegen.manifest import Manifest
 
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_QUADRIC ..
 
@@ -11,8 +14,10 @@ CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG
 class Sides:
     """`integers`: arrays of mg_system; `numbers`: its pool; the lengths of shapes join `parameters`."""
 
-    def __init__(self, links: Sequence[Mapping[str, Any]], parameters: list[float], endless: float) -> None:
+    def __init__(self, manifest: Manifest, parameters: list[float], endless: float) -> None:
         self.numbers: list[float] = []
+        links, length = manifest.sentence["links"], manifest.sentence["scales"]["length"]
+        kinds = manifest.kinds["shape"]
         sides = [link[side] for link in links for side in ("shape_o", "shape_f")]
         conditions = [condition for link in links for condition in link["conditions"]]
         first = [0]
@@ -22,7 +27,10 @@ class Sides:
             "link_condition": first,
             "side_shape": [side["kind"] for side in sides],
             "side_parameters": [append(parameters, side["parameters"]) for side in sides],
-            "side_numbers": [append(self.numbers, _side_numbers(side, endless)) for side in sides],
+            "side_numbers": [
+                append(self.numbers, _side_numbers(side, endless, spans(side, kinds, length)))
+                for side in sides
+            ],
             "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
             "condition_side": [each["side"] for each in conditions],
             "condition_next": [each["next"] for each in conditions],
@@ -37,8 +45,17 @@ def append(pool: list[float], values: Sequence[float]) -> int:
     return start
 
 
-def _side_numbers(side: Mapping[str, Any], endless: float) -> list[float]:
-    """Placement (12), bounds of u and v (4), radius about the shape's origin."""
+def spans(side: Mapping[str, Any], kinds: Sequence[Mapping[str, Any]], length: float) -> list[float]:
+    """What each coordinate of a shape is measured against: its range over 2 pi; the characteristic length,
+    or what it turns by along that, where it has no end."""
+    turning = kinds[side["kind"]]["kind"] == "helix"
+    endless = length / hypot(*side["parameters"]) if turning else length
+    return [endless if None in ends else (ends[1] - ends[0]) / (2 * pi) for ends in side["domain"]]
+
+
+def _side_numbers(side: Mapping[str, Any], endless: float, spanned: Sequence[float]) -> list[float]:
+    """Placement (12), bounds of u and v (4), radius and centre of a ball (4), what u and v are measured
+    against (2)."""
     bounds = [*side["domain"], [0.0, 0.0], [0.0, 0.0]][:2]
     low_high = [
         end if bound is None else bound
@@ -46,4 +63,4 @@ def _side_numbers(side: Mapping[str, Any], endless: float) -> list[float]:
         for bound, end in zip(interval, (-endless, endless), strict=True)
     ]
     radius = endless if side["bounding"] is None else side["bounding"]
-    return [*side["placement"], *low_high, radius, *side["centre"]]
+    return [*side["placement"], *low_high, radius, *side["centre"], *[*spanned, 1.0, 1.0][:2]]

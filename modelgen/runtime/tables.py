@@ -46,7 +46,6 @@ SETTINGS_REALS = (
         "theta",
         "loose",
         "fallback_step",
-        "crawl",
         "tolerance",
         "gap",
         "start_gap",
@@ -55,9 +54,9 @@ SETTINGS_REALS = (
         "rest_speed",
     ),
     *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "leave", "polish", "dependent", "singular", "depth", "step_min"),
+    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "crawl", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
-    *("flat", "imaginary_edge", "shared", "border"),
+    *("flat", "imaginary_edge", "shared", "border", "stride"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (
@@ -71,14 +70,14 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
+    *("falls", "fall_left", "tries_at_mark", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("watch_t", "fall_first", "fall_end", "fall_time"),
+    *("t_mark", "fall_first", "fall_end", "fall_time"),
     *("gain_max", "gain_t"),
 )
 RUN_INTEGERS = (
@@ -94,11 +93,11 @@ RECORD_ARRAYS = (
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 PARAMETRISED = ("bodies", "links", "loads", "joints", "limits")
-ROOM, ROOM_PER_BODY = 64, 12
+ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
-SEARCHES = ("never", "moved", "always")  # MG_SEARCH_NEVER ..
+SEARCHES = ("never", "moved", "always", "ahead")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
@@ -171,7 +170,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
         group: [append(parameters, entry["parameters"]) for entry in sentence[group]]
         for group in PARAMETRISED
     }
-    sides = Sides(sentence["links"], parameters, float(np.finfo(tables.dtype).max))
+    sides = Sides(manifest, parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
     add_limits(integers, sentence["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, sentence)
@@ -182,7 +181,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    rows = _room(sentence), len(sentence["joints"]), _row_count(manifest)
+    rows = _room(manifest), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
     counts = *rows, *patches, grips.count, grips.rows
     system = tables.System(*_sizes(sentence, integers), *states, *counts)
@@ -242,11 +241,13 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
     }
 
 
-def _room(sentence: Mapping[str, Any]) -> int:
+def _room(manifest: Manifest) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
+    sentence = manifest.sentence
     moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
     many = len(sentence["contacts"]) + len(sentence["limits"]) + PADS * slot_count(sentence)
-    return min(many, max(ROOM, ROOM_PER_BODY * moving))
+    rows = max((kind.get("rows", 1) for kind in manifest.kinds["contact"]), default=1)
+    return min(many, max(ROOM // rows, ROOM_PER_BODY * moving))
 
 
 def _row_count(manifest: Manifest) -> int:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.estimate import Estimate
+
 Array = np.ndarray[Any, Any]
 
 
@@ -132,6 +134,17 @@ class Trajectory:
     instructions: dict[str, int]
     accuracy: str
     warnings: tuple[str, ...] = ()
+    estimate: Estimate | None = None  # of the run's own error; None where none was asked for
+
+    @property
+    def position_error(self) -> Array:
+        """(n,) m, the estimated error of a body's centre up to each sample; infinite where unknown."""
+        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.position
+
+    @property
+    def rotation_error(self) -> Array:
+        """(n,) rad, the same of a body's rotation."""
+        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
 
     @property
     def reaches_its_end(self) -> bool:
@@ -154,6 +167,7 @@ class Trajectory:
             "outcome_contact": self.outcome_contact,
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
+            "estimate": self.estimate and self.estimate.as_json(),
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,

@@ -38,6 +38,7 @@ RUN = Table(
         Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
         Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
         Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),
+        Field("estimate", Switch(), "a second, finer run tells the error of the first; else true"),
         Field("form", Choice(FORMS), "form of contacts that name none, where it is regular"),
         Field("real", Choice(REALS), "the real type of the library"),
         Field("level", Choice(LEVELS), "how far the compiler optimises"),

@@ -224,6 +224,7 @@ class RunSettings:
     newton: int | None = None  # 0 | 1 | 2
     project: int | None = None  # every so many steps; 0 never
     use_gamma: bool | None = None
+    estimate: bool | None = None  # by a companion run, of the error
     form: str | None = None  # of the contacts that name none, where it is regular
     real: str | None = None  # double | float | long double
     level: str | None = None  # of the compiler: O1 | O2 | O3

@@ -17,7 +17,10 @@ IO_PLACES = (
     "codegen/compiler.py",
     "codegen/library.py",
     "report/",
+    "measure/counts.py",
+    "measure/peers/",
     "measure/store.py",
+    "measure/survey_table.py",
     "measure/table.py",
     "cli/",
 )

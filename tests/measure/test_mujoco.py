@@ -8,7 +8,7 @@ import pytest
 
 from modelgen import measure, read
 from modelgen.measure.front import is_measured, place
-from modelgen.measure.mujoco import unlike
+from modelgen.measure.peers.mjcf import unlike
 from modelgen.scene.read import read_text
 from tests.running import SCENES
 

@@ -31,6 +31,21 @@ def test_the_front_answers_to_its_schema_and_falls(modelgen: Modelgen, tmp_path:
     assert (tmp_path / "front.svg").is_file()
 
 
+def test_extremes_answer_to_their_schema_and_hold(modelgen: Modelgen) -> None:
+    answer = modelgen("measure", "--extremes", "--only", "gap,penetration", "--json")
+    Draft202012Validator(modelgen("schema").json["$defs"]["surveyed"]).validate(answer.json)
+    assert answer.json["holds"]
+    assert [each["name"] for each in answer.json["extremes"]] == ["gap", "penetration"]
+    assert "penetration" in modelgen("measure", "--extremes", "--only", "penetration").out
+
+
+@pytest.mark.parametrize("wrong", [(), (EGG, "--extremes"), ("--extremes", "--only", "gaps")])
+def test_measure_wants_a_scene_or_extremes_by_name(modelgen: Modelgen, wrong: tuple[str, ...]) -> None:
+    answer = modelgen("measure", *wrong)
+    assert answer.code == 2
+    assert answer.err
+
+
 def test_tighter_tolerances_never_raise_the_error_above_its_floor(modelgen: Modelgen) -> None:
     points = modelgen("measure", EGG, *FEW, "--json").json["points"]
     plain = {
