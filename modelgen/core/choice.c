@@ -72,7 +72,7 @@ static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real par
   c->run->lcp_solves++;
   for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->cone_contact[k], part, c->cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
-  return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i) == MG_FRICTION_SOLVED;
+  return mg_friction_held(c, p, z, report) == MG_FRICTION_SOLVED;
 }
 
 /* How fast a row gets away under the forces z. */
