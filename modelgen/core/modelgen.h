@@ -56,9 +56,10 @@ typedef struct {
   const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
       the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
   const int *contact_below, *contact_grip; /* first of its rows below the normal one; first grip (n_contact + 1) */
+  const int *impact_law;       /* one a contact: MG_NEWTON .. */
   const int *grip_aspect, *grip_row, *grip_body; /* MG_SLIP ..; first row of its contact's; axes of its direction, or -1 */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
-  const mg_real *restitution;  /* one a contact, 0..1 */
+  const mg_real *restitution;  /* one a contact, 0..1, in the law of its impact */
   const mg_real *parameters;
   const mg_real *numbers;      /* of sides and conditions */
   const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
@@ -68,6 +69,9 @@ typedef struct {
   mg_real gravity[3];
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
 } mg_system;
+
+/* What restitution gives back: speed, impulse or energy of the approach. */
+enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 };
 
 enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
 
@@ -82,6 +86,7 @@ typedef struct {
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
+  int sequential;         /* contacts are struck one after another; 0: all at once where all follow Newton's law */
   int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
   mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
@@ -173,12 +178,14 @@ typedef struct {
   mg_real t_mark;         /* when the run was last seen to get on */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
+  mg_real chain_t, paradox_t; /* s: when a blow first reached a contact at rest; forces were first indeterminate */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
   int gain;               /* the contact that made gain_max, or -1 */
+  int chain, paradox;     /* the contacts of chain_t and of paradox_t, or -1 */
   int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;

@@ -188,7 +188,9 @@ def unlike(scene: Scene) -> list[str]:
         for shape in body.shapes:
             if (body.name, shape.name) in touching:
                 found += _refused(f"shape {body.name}/{shape.name}", shape, body.motion == "fixed")
-    found += [f"contact {k} has a restitution" for k, pair in enumerate(scene.contacts) if pair.restitution]
+    found += [
+        f"contact {k} has a restitution" for k, pair in enumerate(scene.contacts) if pair.restitution.value
+    ]
     found += [f"joint {joint.name!r} is not exported" for joint in scene.joints]
     return [*found, *(["loads are not exported"] if scene.loads else [])]
 

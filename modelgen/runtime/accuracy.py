@@ -17,6 +17,7 @@ from modelgen.errors import SimulationError, nearest
 Method = Literal["dop853", "rk4", "time-stepping"]
 Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
 Solver = Literal["coulomb", "relaxation"]
+Impacts = Literal["simultaneous", "sequential"]
 
 # What a real type resolves, in multiples of its epsilon: no run takes a finer tolerance. Only `float` is so
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
@@ -47,7 +48,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 
-CHOICES = ("newton", "project", "use_gamma")  # that a scene's [run] may make by itself
+CHOICES = ("impacts", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
 
 
 def is_number(value: object) -> bool:
@@ -70,6 +71,8 @@ class Accuracy:
         loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
         fallback_step: steps of fallback_step T are taken then.
+        impacts: "simultaneous": blows at several contacts fall at once, as one problem; "sequential": one
+            after another, at the contact that approaches fastest first, until none does.
         newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
             1 once per accepted step, 2 at every stage as well.
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
@@ -122,6 +125,7 @@ class Accuracy:
     loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
+    impacts: Impacts = "simultaneous"
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
