@@ -199,11 +199,11 @@ class PatchEntry:
     """Two faces that may rest on each other, held by three points of f's on o's plane."""
 
     name: str  # "glass-table:bottom"
-    pair: int
+    pair: int  # the first, where it is of several
     kind: int  # of contact, of its points
     faces: tuple[int, int]  # of o and f
     parameters: tuple[tuple[float, ...], ...]  # of each point's contact
-    links: tuple[int, ...]  # of the pair, that lie in it
+    links: tuple[int, ...]  # that lie in it
     slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
 
 

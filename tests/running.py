@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from atexit import register
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from shutil import rmtree
 from tempfile import mkdtemp
 
 from modelgen import Accuracy, build, derive, emit, read, require, simulate
@@ -19,7 +21,9 @@ NAMES = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
 @cache
 def folder() -> Path:
     """One folder of built libraries for the whole session."""
-    return Path(mkdtemp(prefix="modelgen-tests-"))
+    made = Path(mkdtemp(prefix="modelgen-tests-"))
+    register(rmtree, made, ignore_errors=True)
+    return made
 
 
 def library_of(scene: Scene, real: str = "double") -> Library:

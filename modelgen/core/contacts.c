@@ -5,8 +5,8 @@
    roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
-  const int patch = mg_patch_flat_on(c, contact);
-  if (!c->begins || c->run->fresh[contact] != MG_FRESH || patch < 0) return 0;
+  const int patch = c->begins && c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact) : -1;
+  if (patch < 0) return 0;
   const int link = c->first_pad_link + 3 * patch, kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
   mg_real none[1];

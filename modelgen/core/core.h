@@ -172,6 +172,7 @@ static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts 
 /* search.c, walk.c */
 static int mg_probe(mg_context *c, int link);
 static int mg_has_signs(const mg_context *c, int link);
+static int mg_is_bare(const mg_context *c, int link);
 static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
 static void mg_note_place(const mg_context *c, mg_found *found);
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
@@ -185,6 +186,9 @@ static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
+
+static void mg_leave(mg_context *c, mg_events *events, int contact);
+static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which);
 
 /* bodies.c */
 static inline int mg_moves(const mg_context *c, int body);

@@ -4,12 +4,12 @@
 /* Follows again what a patch covered: contacts that are found on its links stand open at their places. */
 static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
   const mg_system *s = c->sys;
-  const int pair = s->patch_pair[patch];
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
     if (!mg_is_for_flat(c, s->covered[k])) mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_found *each = found->list + k;
+    const int pair = s->link_pair[each->link];
     if (!mg_is_taken_up(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
@@ -18,12 +18,12 @@ static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
   }
 }
 
-/* The contact of a pair at a point of the world, or -1. */
-static int mg_contact_at(mg_context *c, int pair, const mg_real *world) {
+/* The contact of what a patch covers at a point of the world, or -1. */
+static int mg_contact_at(mg_context *c, int patch, const mg_real *world) {
   mg_real least = c->set->apart * c->sys->length, next[6];
   int nearest = -1;
-  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
-    if (!mg_present(c, i)) continue;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!mg_present(c, i) || !mg_patch_concerns(c, patch, c->sys->contact_pair[i])) continue;
     mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
     const mg_real arm[3] = {c->place[11] - world[0], c->place[12] - world[1], c->place[13] - world[2]};
     const mg_real away = sqrt(mg_dot3(arm, arm));
@@ -64,7 +64,7 @@ static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const m
     found.link = s->covered[k];
     const int as_laid = mg_is_rim(c, found.link, at->t, world, found.eta);
     if (!as_laid && !mg_is_rim(c, found.link, -at->t, world, found.eta)) continue; /* or the other way round */
-    contact = mg_slot_for(c, s->patch_pair[patch], &found);
+    contact = mg_slot_for(c, s->link_pair[found.link], &found);
   }
   if (contact < 0) return;
   mg_set_link(c, contact, found.link, found.eta);
@@ -131,7 +131,7 @@ static int mg_turns_on_curve(mg_context *c, int slot) {
   mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
   int curved = 0;
   for (int k = 0; k < brink.n; k++) curved |= mg_is_curved(c, brink.at + k);
-  return curved && !mg_pair_starts(c, c->sys->patch_pair[mg_patch_in(c, slot)]);
+  return curved && !mg_patch_starts(c, mg_patch_in(c, slot));
 }
 
 static void mg_turn_over(mg_context *c, int slot) {
@@ -150,7 +150,7 @@ static void mg_turn_over(mg_context *c, int slot) {
   mg_uncover(c, patch, &found);
   for (int k = 0; k < brink.n; k++) {
     const int smooth = mg_is_smooth(c, patch, brink.at + k);
-    const int contact = smooth ? -1 : mg_contact_at(c, c->sys->patch_pair[patch], world[k]);
+    const int contact = smooth ? -1 : mg_contact_at(c, patch, world[k]);
     if (contact >= 0) mg_close(c, contact);
     else mg_start_rim(c, patch, brink.at + k, world[k], outward);
   }
@@ -163,12 +163,12 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
   mg_real margin, centre[3];
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    const int patch = mg_patch_in(c, slot), pair = patch < 0 ? -1 : c->sys->patch_pair[patch];
+    const int patch = mg_patch_in(c, slot);
     if (patch < 0 || c->trying[slot] || fabs(mg_resultant(c, slot, impulse, centre)) <= floor) continue;
     if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
     mg_drop_patch(c, slot);
     mg_uncover(c, patch, &found);
-    for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
+    for (int i = 0; i < c->first_pad; i++)
       if (mg_present(c, i) && mg_patch_covers(c, patch, c->run->link[i])) mg_close(c, i);
     mg_refresh(c);
     count++;
@@ -189,7 +189,7 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     if (cause == MG_TURNS) mg_turn_over(c, slot);
     else if (cause == MG_ROLLS_OFF || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
     else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
-    c->run->moved[c->sys->patch_pair[patch]] = MG_MAX / 2;
+    mg_search_around(c, patch);
     count++;
   }
   return count;

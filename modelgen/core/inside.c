@@ -1,7 +1,7 @@
 /* Whether a point is in a region: the chords' parity, corrected by what lies between each chord and its curve. */
 #include "region.h"
 
-/* Whether p is between the chord of a span and its curve; -1: on the curve. */
+/* 1: p is between the chord of a span and its curve, -1: on the curve, 0: neither. */
 static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, mg_real cross, mg_real shared) {
   const mg_track *k = h->track + s->track;
   const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, arm[2] = {p[0] - s->P[0], p[1] - s->P[1]};
@@ -17,13 +17,17 @@ static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, m
   return (side > 0) != (cross > 0);
 }
 
-/* 1: p is inside o's (side 0) or f's region, 2: on its boundary, 0: outside. */
+/* Arc i bounds another part of a region than the one before it. */
+static int mg_is_next_part(const mg_regions *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
+
+/* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
 static int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
   const mg_regions *r = h->regions;
   const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;
   const mg_real shared = r->shared * MG_SHARES / (side ? 1 : 2);
-  int inside = first == end;
-  for (int i = first; i < end; i++)
+  int inside = first == end, before = 0;
+  for (int i = first; i < end; i++) {
+    if (i > first && mg_is_next_part(r, i)) before |= inside, inside = 0;
     for (int j = h->track[i].span; j < h->track[i].span + h->track[i].n_span; j++) {
       const mg_span *s = h->span + j;
       const mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]}, arm[2] = {p[0] - s->P[0], p[1] - s->P[1]};
@@ -33,5 +37,6 @@ static int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
       const int up = s->Q[1] > p[1], was_up = s->P[1] > p[1];
       inside ^= between ^ (up != was_up && (cross > 0) == up);
     }
-  return inside;
+  }
+  return inside | before;
 }

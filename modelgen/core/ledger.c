@@ -35,6 +35,7 @@ static void mg_ledger(mg_context *c) {
     if (!mg_is_pad(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
     mg_raise(&run->gap_max, fabs(c->d[i]));
-    if (!run->fresh[i] && run->margin[i] < run->margin_min) run->margin_min = run->margin[i];
+    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_crosses(c, run->link[i])) continue;
+    run->margin_min = run->margin[i];
   }
 }

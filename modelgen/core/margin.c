@@ -81,15 +81,28 @@ static void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
+/* The normal of a side: across the tangent T where it is curved; at a spot the way to it from x, unless x is there. */
+static void mg_normal_there(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, const mg_real *T,
+                            mg_brink *brink) {
+  const mg_edge *e = h->edge + near->edge;
+  const mg_real *p = brink->at[0].point, size = sqrt(mg_dot2(T, T)), sign = brink->margin > 0 ? 1 : -1;
+  const int there = !(near->distance > h->regions->shared);
+  for (int k = 0; k < 2; k++) {
+    const mg_real across = e->way ? e->way * (k ? -T[0] : T[1]) / size : e->normal[k];
+    brink->normal[k] = near->spot < 0 || there ? across : sign * (p[k] - x[k]) / near->distance;
+  }
+}
+
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
 static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_brink *brink) {
   const mg_edge *e = h->edge + near->edge;
+  const mg_real *own = h->spot[near->spot >= 0 ? near->spot : e->u].tangent;
+  mg_real T[2] = {own[0], own[1]};
   brink->n = 1;
   if (near->spot >= 0) {
     mg_support_at(h, near->spot, brink->at);
   } else if (near->curve) {
     mg_support *at = brink->at;
-    mg_real T[2];
     mg_support_at(h, e->u, at);
     at->arc = h->spot[e->u].track, at->side = h->track[at->arc].side, at->t = near->t, at->crossing_arc = -1;
     mg_on(h->track + at->arc, near->t, at->point, T);
@@ -97,9 +110,7 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const m
     brink->n = 2;
     mg_support_at(h, e->u, brink->at), mg_support_at(h, e->v, brink->at + 1);
   }
-  const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
-  for (int k = 0; k < 2; k++)
-    brink->normal[k] = brink->n == 2 || !(near->distance > 0) ? e->normal[k] : sign * (p[k] - x[k]) / near->distance;
+  mg_normal_there(h, near, x, T, brink);
 }
 
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {

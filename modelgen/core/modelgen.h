@@ -92,6 +92,7 @@ typedef struct {
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
+  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -110,7 +111,6 @@ typedef struct {
   mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
                              along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
-  mg_real crawl;          /* steps of less than crawl * time on the mean, while contacts have friction, get nowhere */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_warn;    /* a contact that starts where its margin is zero is excused from bounds on it up to here */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
@@ -164,8 +164,8 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
+  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
-  long tries_at_mark;     /* steps, rejected ones too, when the run was last seen to get on */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
@@ -175,7 +175,7 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real t_mark;         /* when the run was last seen to get on */
+  mg_real watch_t;        /* s, then */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
   mg_real chain_t, paradox_t; /* s: when a blow first reached a contact at rest; forces were first indeterminate */

@@ -119,24 +119,22 @@ static int mg_has_room(const mg_context *c) {
   return n <= c->sys->n_closed;
 }
 
-/* A closed contact that has walked to where its gap is wide. */
+/* A closed contact that has walked to where its gap is wide, or widens. */
 static void mg_open_far(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && c->d[i] > c->set->start_gap * c->sys->length) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
+  const mg_real far = c->set->start_gap * c->sys->length, rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && (c->d[i] > far || c->d_dot[i] > rest)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
 }
 
 /* The contact is at a border of its link and about to pass it: there it does not strike. Which border is in c->way. Needs
    the slope in K[0]. */
 static int mg_is_passing(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
   const int link = c->run->link[contact];
-  const mg_real moment = sqrt(c->set->event) * s->time, near = c->set->apart;
   mg_real *x = c->x_stage, next[6];
   if (mg_is_endless(c, link)) return 0;
   mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
-  if (mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact) > near) return 0;
-  for (int i = 0; i < c->n_x; i++) x[i] = c->run->x[i] + moment * c->K[i];
-  mg_poses(c, c->run->t + moment, x);
+  if (mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact) > c->set->apart) return 0;
+  mg_look_ahead(c);
   mg_place(c, contact, mg_eta_of(c, x, contact), next);
   const int passing = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->way + contact) < -c->set->border;
   mg_poses(c, c->run->t, c->run->x);

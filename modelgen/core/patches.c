@@ -37,7 +37,7 @@ static int mg_patch_flat_on(const mg_context *c, int contact) {
   const int link = c->run->link[contact];
   mg_real o[12], f[12];
   for (int patch = 0; patch < c->sys->n_patch; patch++) {
-    if (c->sys->patch_pair[patch] != c->sys->link_pair[link] || !mg_patch_covers(c, patch, link)) continue;
+    if (!mg_patch_covers(c, patch, link)) continue;
     mg_face_pose(c, patch, 0, o);
     mg_face_pose(c, patch, 1, f);
     if (mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat) return patch;
@@ -58,20 +58,30 @@ static int mg_is_flat_far(const mg_context *c, int contact) {
   return c->d[contact] > c->set->reach * c->sys->length && mg_is_for_flat(c, c->run->link[contact]);
 }
 
-/* A rim of the pair has just begun to roll. */
-static int mg_pair_starts(const mg_context *c, int pair) {
-  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
-    if (c->run->fresh[i]) return 1;
+/* A rim of the patch has just begun to roll. */
+static int mg_patch_starts(const mg_context *c, int patch) {
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->fresh[i] && mg_patch_covers(c, patch, c->run->link[i])) return 1;
   return 0;
 }
 
 /* True if the link lies in a patch that is held, or in one that just turns over a rim. */
 static int mg_is_covered(const mg_context *c, int link) {
-  if (c->sys->n_slot && mg_pair_starts(c, c->sys->link_pair[link]) && mg_is_for_flat(c, link)) return 1;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
-    if (patch >= 0 && c->sys->patch_pair[patch] == c->sys->link_pair[link] && mg_patch_covers(c, patch, link)) return 1;
+    if (patch >= 0 && mg_patch_covers(c, patch, link)) return 1;
   }
+  if (!c->sys->n_slot || !mg_is_for_flat(c, link)) return 0;
+  for (int patch = 0; patch < c->sys->n_patch; patch++)
+    if (mg_patch_covers(c, patch, link) && mg_patch_starts(c, patch)) return 1;
+  return 0;
+}
+
+/* Faces of the pair's shapes may lie in the patch. */
+static int mg_patch_concerns(const mg_context *c, int patch, int pair) {
+  if (c->sys->patch_pair[patch] == pair) return 1;
+  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
+    if (c->sys->link_pair[c->sys->covered[k]] == pair) return 1;
   return 0;
 }
 
@@ -79,9 +89,15 @@ static int mg_is_covered(const mg_context *c, int link) {
 static int mg_pair_rests(const mg_context *c, int pair) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
-    if (patch >= 0 && c->sys->patch_pair[patch] == pair) return 1;
+    if (patch >= 0 && mg_patch_concerns(c, patch, pair)) return 1;
   }
   return 0;
+}
+
+/* The pairs of a patch are searched at once. */
+static void mg_search_around(mg_context *c, int patch) {
+  for (int pair = 0; pair < c->sys->n_pair; pair++)
+    if (mg_patch_concerns(c, patch, pair)) c->run->moved[pair] = MG_MAX / 2;
 }
 
 /* The bodies of a patch: 0 for o, 1 for f. */
@@ -90,12 +106,15 @@ static int mg_patch_body(const mg_context *c, int patch, int side) {
   return side ? c->sys->link_f[link] : c->sys->link_o[link];
 }
 
-static void mg_pad_on(mg_context *c, int pad, int link) {
+/* The point of f that a pad's link is of, in the axes of its body. */
+static const mg_real *mg_point_of_link(const mg_context *c, int link) {
   const mg_system *s = c->sys;
-  const mg_contact_kind *kind = mg_contact_kinds + s->link_kind[link];
-  const mg_real *last = s->parameters + s->link_parameters[link] + kind->n_parameters - 3;
+  return s->parameters + s->link_parameters[link] + mg_contact_kinds[s->link_kind[link]].n_parameters - 3;
+}
+
+static void mg_pad_on(mg_context *c, int pad, int link) {
   mg_set_link(c, pad, link, 0);
-  for (int k = 0; k < 3; k++) c->run->point[3 * pad + k] = last[k];
+  for (int k = 0; k < 3; k++) c->run->point[3 * pad + k] = mg_point_of_link(c, link)[k];
   c->run->closed[pad] = c->run->active[pad] = 1;
 }
 

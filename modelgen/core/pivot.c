@@ -69,8 +69,8 @@ static void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_r
 }
 
 /* What touches at a point of the world takes over from the edge. */
-static void mg_take_over(mg_context *c, int pair, const mg_real *world, mg_events *events) {
-  const int contact = mg_contact_at(c, pair, world);
+static void mg_take_over(mg_context *c, int patch, const mg_real *world, mg_events *events) {
+  const int contact = mg_contact_at(c, patch, world);
   if (contact < 0) return;
   mg_close(c, contact);
   c->run->fresh[contact] = MG_YOUNG;
@@ -86,5 +86,5 @@ static void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
   for (int end = 0; end < 1 + hinged; end++)
-    mg_take_over(c, c->sys->patch_pair[patch], hinged ? ends[end] : middle, events);
+    mg_take_over(c, patch, hinged ? ends[end] : middle, events);
 }

@@ -15,7 +15,10 @@ static int mg_is_flat_on(mg_context *c, int contact);
 static int mg_is_flat_far(const mg_context *c, int contact);
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
-static int mg_pair_starts(const mg_context *c, int pair);
+static int mg_patch_starts(const mg_context *c, int patch);
+static int mg_patch_concerns(const mg_context *c, int patch, int pair);
+static void mg_search_around(mg_context *c, int patch);
+static const mg_real *mg_point_of_link(const mg_context *c, int link);
 static int mg_pair_rests(const mg_context *c, int pair);
 static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
 static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
@@ -45,7 +48,7 @@ static mg_real mg_edge_value(const mg_context *c, int slot, int cause);
 static void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward);
 static void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward);
 static void mg_leave_edge(mg_context *c, int slot, mg_events *events);
-static int mg_contact_at(mg_context *c, int pair, const mg_real *world);
+static int mg_contact_at(mg_context *c, int patch, const mg_real *world);
 static void mg_close(mg_context *c, int contact);
 static void mg_pad_point(const mg_context *c, int pad, mg_real *world);
 static int mg_slot_of(const mg_context *c, int patch);
@@ -66,7 +69,14 @@ static mg_real mg_twice(int row, int column);
 static int mg_starts_rolling(const mg_context *c);
 static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static void mg_grow_up(mg_context *c);
+
+/* corners.c, folds.c */
+static int mg_is_pointed(const mg_context *c, int link);
+static void mg_look_ahead(mg_context *c);
+static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found);
+static int mg_crosses(const mg_context *c, int link);
 static int mg_is_singular(const mg_context *c, int contact);
+static int mg_leave_folds(mg_context *c, mg_events *events);
 
 /* lean.c */
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);

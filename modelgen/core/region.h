@@ -11,7 +11,8 @@
 #include "kinds.h"
 #include "modelgen.h"
 
-typedef struct { /* a piece of a region's boundary; arcs of one loop are consecutive and run end to start */
+typedef struct { /* a piece of a region's boundary; arcs of one loop are consecutive and run end to start; a number
+                    of loops left out begins a part of the region that may overlap those before */
   int shape, loop;
   const mg_real *parameters, *place; /* of the curve; p and R (12) in the axes of its face */
   mg_real t0, t1;

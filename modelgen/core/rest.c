@@ -22,8 +22,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
   for (int k = 0; k < 3; k++) {
     const int link = c->first_pad_link + 3 * patch + k, body = s->link_f[link];
-    const mg_real *pad = s->parameters + s->link_parameters[link] + mg_contact_kinds[s->link_kind[link]].n_parameters - 3;
-    mg_out(c->pose + 12 * body, pad, 1, at);
+    mg_out(c->pose + 12 * body, mg_point_of_link(c, link), 1, at);
     mg_into(o, at, x);
     if (fabs(x[2]) > touching) return 0;
     const mg_real speed = mg_speed_along(c, body, at, o + 9) - mg_speed_along(c, s->link_o[link], at, o + 9);
@@ -34,12 +33,8 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
 
 /* The contact is of a patch whose faces lie on each other. */
 static int mg_is_flat_on(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
-  for (int patch = 0; patch < s->n_patch; patch++)
-    if (s->patch_pair[patch] == s->contact_pair[contact] && mg_patch_covers(c, patch, c->run->link[contact]) &&
-        mg_lies_flat(c, patch, c->set->start_gap * s->length, 1))
-      return 1;
-  return 0;
+  const int patch = mg_patch_flat_on(c, contact);
+  return patch >= 0 && mg_lies_flat(c, patch, c->set->start_gap * c->sys->length, 1);
 }
 
 /* Contacts that a held patch covers are hidden. */
@@ -75,7 +70,7 @@ static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor) {
   mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     if (!c->trying[slot]) continue;
-    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > 0) continue;
+    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > c->set->border * c->sys->length) continue;
     c->trying[slot] = 0;
     mg_drop_patch(c, slot);
     count++;
@@ -109,7 +104,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
   mg_real margin;
   if (slot < 0) return 0;
   const int cause = mg_ends_with(c, slot, c->force, mg_weight_scale(c), &margin);
-  if (cause == MG_PARTS || margin > 0 || !mg_turns_on_curve(c, slot)) return 0;
+  if (cause == MG_PARTS || margin > c->set->border * c->sys->length || !mg_turns_on_curve(c, slot)) return 0;
   mg_give_way(c);
   c->trying[slot] = 0, c->barred[slot] = mg_patch_in(c, slot);
   mg_befalls(c, events, pad, MG_RESTS, c->run->t, 0);

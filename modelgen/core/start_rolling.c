@@ -39,11 +39,6 @@ static void mg_grow_up(mg_context *c) {
   }
 }
 
-/* A closed contact too near to where its extremum is lost, unless it has just come from there. */
-static int mg_is_singular(const mg_context *c, int contact) {
-  return c->run->closed[contact] && !c->run->fresh[contact] && !(c->run->margin[contact] >= c->set->margin_refuse);
-}
-
 /* Brings eta of a contact to the extremum at the present poses, as near as rounding lets it. */
 static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
   if (!c->n_eta[contact]) return 1;

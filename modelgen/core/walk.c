@@ -86,6 +86,10 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
   for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
     const int to = c->sys->condition_next[way];
     if (to < 0 || mg_is_covered(c, to)) break;
+    if (mg_is_pointed(c, to) && fabs(at[0]) < c->set->apart * c->sys->length && mg_pass_corner(c, link, to, at, &found)) {
+      best = 0;
+      break;
+    }
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
     if (worst > best) {
@@ -134,19 +138,6 @@ static void mg_leave_far(mg_context *c) {
     mg_set_link(c, i, -1, none);
     c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
   }
-}
-
-/* Where a local minimum of the distance meets a saddle, both end: the contact is left, its pair searched at once. */
-static int mg_leave_folds(mg_context *c, mg_events *events) {
-  int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    const int pair = c->sys->contact_pair[i];
-    if (!mg_present(c, i) || c->run->closed[i] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    if (c->run->margin[i] >= c->set->margin_refuse) continue;
-    mg_leave(c, events, i);
-    count++;
-  }
-  return count;
 }
 
 /* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */

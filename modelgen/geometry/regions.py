@@ -128,13 +128,15 @@ def _coplanar(flat: Sequence[Feature]) -> list[list[Feature]]:
 
 
 def _in_one_plane(a: Feature, b: Feature) -> bool:
-    first, second = _outward(a), _outward(b)
-    level = to_inner(first, second.position)
-    across = rotation_of(first.quaternion).T @ rotation_of(second.quaternion)[:, 2]
-    turned = across[2] > 0 or b.shape.chart is not None  # a chart's normal depends on the order of u and v
-    return bool(
-        turned and np.hypot(*across[:2]) < LEVEL and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2]))
-    )
+    turned = b.shape.chart is not None  # a chart's normal depends on the order of u and v
+    return in_one_plane(_outward(a), _outward(b), turned)
+
+
+def in_one_plane(a: Pose, b: Pose, turned: bool = False) -> bool:
+    """Whether frames have their first two axes in one plane and, unless they may be turned, z on one side."""
+    level, across = to_inner(a, b.position), rotation_of(a.quaternion).T @ rotation_of(b.quaternion)[:, 2]
+    aligned = (turned or across[2] > 0) and np.hypot(*across[:2]) < LEVEL
+    return bool(aligned and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2])))
 
 
 def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:
@@ -167,7 +169,7 @@ def _boundary(
     face: Feature, pose: Pose, edges: dict[str, Feature], members: frozenset[str]
 ) -> list[_Run] | None:
     """The boundary curves of a face that are not joins with other members; None where one is not known."""
-    mine = _to_axes(pose, face.shape.pose)
+    mine = to_axes(pose, face.shape.pose)
     if all(_is_linear(condition) for condition in face.conditions):
         return _polygon(face.conditions, mine, members)
     runs = []
@@ -177,13 +179,13 @@ def _boundary(
         edge = edges.get(condition.next or "")
         if edge is None:
             return None
-        curve = replace(edge.shape, pose=_to_axes(pose, edge.shape.pose))
+        curve = replace(edge.shape, pose=to_axes(pose, edge.shape.pose))
         runs.append(_Run(curve, _range(edge)))
     return runs
 
 
-def _to_axes(outer: Pose, inner: Pose) -> Pose:
-    """`inner` in the axes of `outer`, both in one frame."""
+def to_axes(outer: Pose, inner: Pose) -> Pose:
+    """The pose of `inner` in the axes of `outer`, both given in one frame."""
     w, x, y, z = outer.quaternion
     back = Pose(quaternion=(w, -x, -y, -z))
     return compose(replace(back, position=_vector(to_outer(back, [-c for c in outer.position]))), inner)

@@ -97,7 +97,7 @@ def _pressure(record: Record, axes: Any, patch: int) -> None:
 
 def _contacts(record: Record) -> list[int]:
     """The contacts that ever carried a force or an impact; all if none did."""
-    loaded = record.columns["force"].any(axis=0)
+    loaded = np.atleast_1d(record.columns["force"].any(axis=0))
     struck = {event["contact"] for event in record.summary["events"] if event["kind"] == "impact"}
     found = [k for k, name in enumerate(record.contact_names) if loaded[k] or name in struck]
     return found or list(range(len(record.contact_names)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
@@ -38,10 +38,11 @@ from modelgen.require.masses import (
     pose_numbers,
 )
 from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
-from modelgen.require.patches import Faces, patches_of, slots_for
+from modelgen.require.patches import Faces, patches_of
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
 from modelgen.require.scales import scales_of
 from modelgen.require.soundness import soundness
+from modelgen.require.unions import Shown, Unions
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.require.weights import load_kind, load_parameters
 from modelgen.scene.poses import rotation_of
@@ -177,7 +178,7 @@ def _touching(
     kinds: Vocabulary[ContactKind],
 ) -> Touching:
     """The pairs that may touch, their links, and the contacts that follow them."""
-    touching, faces = Touching((), (), ()), Faces(shapes)
+    touching, faces, shown = Touching((), (), ()), Faces(shapes), []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
@@ -192,21 +193,12 @@ def _touching(
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
         grips = grips_of(pair, a.owner.body)
         entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips)
-        patches = patches_of(a, b, pair, name, where, links, first, faces, kinds)
+        shown.append(Shown((a, b), pair, patches_of(a, b, pair, name, where, links, first, faces, kinds)))
         touching = Touching(
-            (*touching.pairs, entry),
-            (*touching.links, *links),
-            (*touching.contacts, *contacts),
-            tuple(faces.entries),
-            (*touching.patches, *_with_slots(patches, slots_for(a.shape, b.shape, len(patches)), touching)),
+            (*touching.pairs, entry), (*touching.links, *links), (*touching.contacts, *contacts)
         )
-    return touching
-
-
-def _with_slots(patches: Sequence[PatchEntry], count: int, before: Touching) -> Iterator[PatchEntry]:
-    """The patches of one pair with the places that they share."""
-    first = before.patches[-1].slots[1] if before.patches else 0
-    return (replace(patch, slots=(first, first + count)) for patch in patches)
+    unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
+    return replace(touching, patches=unions.patches(shown), faces=tuple(unions.faces))
 
 
 def _search(way: Following, links: Sequence[LinkEntry]) -> Search:

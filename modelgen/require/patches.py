@@ -7,18 +7,14 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import cos, pi, sin
 
-from modelgen.geometry.features import is_convex
 from modelgen.geometry.regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
 from modelgen.require.links import Whole
-from modelgen.require.pads import bearer_of
+from modelgen.require.pads import PADS, bearer_of
 from modelgen.require.pairing import Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.poses import compose, to_outer
 from modelgen.scene.types import ContactPair, Pose, Shape
-
-PADS = 3
-SLOTS = 3  # patches that a pair may rest on at a time where one of its shapes is not convex
 
 
 class Faces:
@@ -93,11 +89,6 @@ def patches_of(
             PatchEntry(f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered)
         )
     return tuple(found)
-
-
-def slots_for(a: Shape, b: Shape, patches: int) -> int:
-    """How many patches of a pair of shapes may rest at a time."""
-    return min(patches, 1 if is_convex(a) and is_convex(b) else SLOTS)
 
 
 def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:

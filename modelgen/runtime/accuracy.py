@@ -70,6 +70,8 @@ class Accuracy:
         theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
         loose: impulses of a step of time-stepping that are found to this residual only will do.
         fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
+        crawl: an adaptive run that gets on by less than crawl T in many tries, a third refused, cannot go on;
+            nor one whose contacts have friction by less than a tenth of that.
         fallback_step: steps of fallback_step T are taken then.
         impacts: "simultaneous": blows at several contacts fall at once, as one problem; "sequential": one
             after another, at the contact that approaches fastest first, until none does.
@@ -88,8 +90,6 @@ class Accuracy:
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
         event: an event is located to event T.
         residual: the extremality residual reached at the start, against L and 1.
-        crawl: an event-driven run with friction whose steps, tried and taken, are shorter than crawl T on the
-            mean of a thousand gets nowhere, and falls back.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
         leap: an adaptive step is shortened at whose end a contact in force parts or approaches faster than
@@ -125,6 +125,7 @@ class Accuracy:
     loose: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
+    crawl: float = 1e-2
     impacts: Impacts = "simultaneous"
     newton: Literal[0, 1, 2] = 1
     project: int = 1
@@ -140,7 +141,6 @@ class Accuracy:
     rest_acceleration: float = 1e-10
     event: float = 1e-13
     residual: float = 1e-13
-    crawl: float = 1e-7
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5

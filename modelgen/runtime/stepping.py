@@ -8,8 +8,8 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 CAUSES = {
     Outcome.COMPLEMENTARITY: "no contact forces keep the bodies apart",
     Outcome.NO_FRICTION: "no contact forces obey Coulomb's law: inconsistent (Painleve), or jammed",
+    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
     Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
-    Outcome.STEP_TOO_SMALL: "its steps got nowhere, as where slip begins or ends too slowly to be told",
 }
 
 

@@ -49,6 +49,7 @@ SETTINGS_REALS = (
         "theta",
         "loose",
         "fallback_step",
+        "crawl",
         "tolerance",
         "gap",
         "start_gap",
@@ -57,7 +58,7 @@ SETTINGS_REALS = (
         "rest_speed",
     ),
     *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "crawl", "step_min"),
+    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
     *("flat", "imaginary_edge", "shared", "border"),
 )
@@ -73,14 +74,14 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("falls", "fall_left", "tries_at_mark", "rough", "relaxed"),
+    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("t_mark", "fall_first", "fall_end", "fall_time"),
+    *("watch_t", "fall_first", "fall_end", "fall_time"),
     *("gain_max", "gain_t", "chain_t", "paradox_t"),
 )
 RUN_INTEGERS = (

@@ -46,7 +46,7 @@ def test_in_a_disc_or_ring_the_margin_is_radius_less_distance(
 
 
 @settings(deadline=None)
-@given(angle=st.floats(-pi, pi), depth=st.floats(0, 0.249))
+@given(angle=st.floats(-pi, pi), depth=st.one_of(st.floats(0, 0.249), st.floats(0, 1e-13)))
 def test_in_an_ellipse_the_margin_is_the_depth_along_its_normal(
     plane_core: CoreBuild, angle: float, depth: float
 ) -> None:
@@ -58,6 +58,7 @@ def test_in_an_ellipse_the_margin_is_the_depth_along_its_normal(
     both = np.stack([foot - depth * normal, foot + 4 * depth * normal])
     found = overlap(plane_core, [], ellipse(a, b), points=both)
     assert found.margin == pytest.approx([depth, -4 * depth], rel=0, abs=8 * CLOSE)
+    assert found.normal == pytest.approx(np.array([normal, normal]), abs=1e-6)
 
 
 @settings(deadline=None)

@@ -18,7 +18,30 @@ from tests.running import SCENES
 TESTS = Path(__file__).parents[1]
 ACCURACIES = ("fast", "balanced", "tight")
 COMPLEMENTARITY = dict(zip(ACCURACIES, (1e-7, 1e-10, 1e-10), strict=True))
-FORCED = [(name, form) for name, shipped in REGISTRY.items() for form in shipped.forms or ("auto",)]
+
+
+def all_forms_at_least_once() -> set[str]:
+    """Scenes that show all forms between them, those with the most new ones first."""
+    left = {form for shipped in REGISTRY.values() for form in shipped.forms}
+    chosen = set()
+    while left:
+        best = max(REGISTRY, key=lambda name: len(left & set(REGISTRY[name].forms)))
+        chosen.add(best)
+        left -= set(REGISTRY[best].forms)
+    return chosen
+
+
+IN_ALL_FORMS = all_forms_at_least_once()
+FORCED = [
+    pytest.param(name, form, marks=() if k == 0 or name in IN_ALL_FORMS else pytest.mark.slow)
+    for name, shipped in REGISTRY.items()
+    for k, form in enumerate(shipped.forms or ("auto",))
+]
+SEVERAL = [
+    pytest.param(name, marks=() if name in IN_ALL_FORMS else pytest.mark.slow)
+    for name, shipped in REGISTRY.items()
+    if len(shipped.forms) > 1
+]
 
 
 @cache
@@ -73,7 +96,7 @@ def test_events_are_those_of_the_registry(name: str, form: str, accuracy: str) -
     assert {kind: found[kind] for kind in counts} == counts
 
 
-@pytest.mark.parametrize("name", [name for name, shipped in REGISTRY.items() if len(shipped.forms) > 1])
+@pytest.mark.parametrize("name", SEVERAL)
 def test_all_forms_end_in_the_same_state(name: str) -> None:
     first, *others = (path_of(name, form, "tight") for form in REGISTRY[name].forms)
     for other in others:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy
+from modelgen.runtime.trajectory import Outcome
 from tests.oracles.friction.disc import Disc
 from tests.oracles.friction.extrapolation import Array, Real
 from tests.oracles.pieces import imbalance, rotations
@@ -37,3 +38,14 @@ def test_its_tilt_falls_as_the_square_of_the_time_that_is_left() -> None:
     tilt = np.arccos(rotations(path, 1)[:, 2, 2])
     left = 1 - path.t / float(DISC.settles_after(Real(TILT)))
     assert np.sqrt(tilt / TILT) == pytest.approx(left, abs=0.02)
+
+
+@pytest.mark.slow
+def test_it_lies_flat_in_the_end_by_time_stepping_where_steps_shrink() -> None:
+    path = run("coin", Accuracy.balanced(), until=5.0, samples=50)
+    tilt = np.arccos(np.minimum(rotations(path, 1)[:, 2, 2], 1))
+    assert path.outcome is Outcome.MARGIN
+    assert tilt[-1] < 1e-4
+    assert path.t_end == pytest.approx(float(DISC.settles_after(Real(TILT))), abs=0.1)
+    assert any("its steps shrink without getting on" in warning for warning in path.warnings)
+    assert imbalance(path) < 1e-5

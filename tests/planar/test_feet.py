@@ -1,0 +1,155 @@
+"""Bodies on several feet, and on several supports: one planar contact, whose hull is that of all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from modelgen import simulate
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import build as make
+from modelgen.scene.types import Body, Shape
+from tests.oracles.pieces import rotations
+from tests.planar.scenes import TIGHT, G, events, table
+from tests.planar.test_pressure import reach_of_hull
+from tests.running import library_of
+
+MASS, INERTIA, HEIGHT = 1.0, [4e-3, 4e-3, 6e-3], 0.125  # of a stool; its centre of mass over its feet, m
+RATE, ARM, SIDE = 10.0, 0.1, 0.04  # N/s; m above the centre of mass; of a square foot, m
+
+Places = Sequence[tuple[float, float]]
+
+
+def feet(places: Places, radius: float = 0.0) -> list[Shape]:
+    """Square feet, or round ones of a radius."""
+    foot = make.cylinder if radius else make.box
+    size = (radius, 0.05) if radius else (SIDE, SIDE, 0.05)
+    return [foot(*size, name=f"foot{k}", position=[x, y, -0.1]) for k, (x, y) in enumerate(places)]
+
+
+def stool(shapes: Sequence[Shape], **keys: object) -> Body:
+    return make.dynamic(
+        "stool", *shapes, **{"mass": MASS, "inertia": INERTIA, "position": [0, 0, HEIGHT], **keys}
+    )
+
+
+def pushed(shapes: Sequence[Shape], angle: float, until: float) -> Trajectory:
+    force = [f"{RATE * cos(angle)!r}*t", f"{RATE * sin(angle)!r}*t", "0"]
+    scene = make.scene(
+        "stool", [table(), stool(shapes)],
+        contact=[{"between": [f"stool/{shape.name}", "table"]} for shape in shapes],
+        force=[{"body": "stool", "force": force, "point": [0, 0, ARM]}],
+    )  # fmt: skip
+    return simulate(library_of(scene), until=until, samples=40, accuracy=TIGHT)
+
+
+def outer(places: Places) -> np.ndarray:
+    half = SIDE / 2
+    return np.array([(x + a, y + b) for x, y in places for a in (-half, half) for b in (-half, half)])
+
+
+def time_of(reach: float) -> float:
+    """When the centre of pressure F h/(m g) has come as far."""
+    return reach * MASS * G / (RATE * ARM)
+
+
+def leans(reach: float, start: float, t: np.ndarray) -> np.ndarray:
+    """Of a body that turns about a line at `reach` under its base, the line sliding freely, rad."""
+
+    def slope(now: float, state: np.ndarray) -> list[float]:
+        theta, rate = state
+        once = reach * cos(theta) - HEIGHT * sin(theta)
+        twice = -reach * sin(theta) - HEIGHT * cos(theta)
+        moment = RATE * now * ARM * cos(theta) - MASS * (G + twice * rate * rate) * once
+        return [rate, moment / (INERTIA[1] + MASS * once * once)]
+
+    done = solve_ivp(slope, (start, t[-1]), [0.0, 0.0], "DOP853", t, rtol=1e-13, atol=1e-17)
+    return np.asarray(done.y[0])
+
+
+TWO, THREE = ((-0.1, 0.0), (0.1, 0.0)), ((-0.1, -0.06), (0.1, -0.06), (0.0, 0.12))
+FOUR = ((-0.1, -0.08), (0.1, -0.08), (0.1, 0.08), (-0.1, 0.08))
+OVERLAPPING = ((-0.01, 0.0), (0.02, 0.0), (0.02, 0.01))
+
+
+@pytest.mark.parametrize("places", [TWO, THREE, FOUR, OVERLAPPING])
+@pytest.mark.parametrize("angle", [0.0, 0.9, 4.0])
+def test_a_body_on_feet_tips_where_the_ray_of_its_pressure_leaves_the_hull_of_all(
+    places: Places, angle: float
+) -> None:
+    direction = np.array([cos(angle), sin(angle)])
+    time = time_of(reach_of_hull(outer(places), direction))
+    path = pushed(feet(places), angle, time + 0.05)
+    assert [event.kind for event in path.events][:2] == ["flat", "tip"]
+    (tip,) = events(path, "tip")
+    assert tip.t == pytest.approx(time, abs=1e-9)
+    assert (tip.contact, tip.features) == ("stool-table", "bottom")
+    rests = path.t < tip.t
+    assert path.patch_force[rests, 0] == pytest.approx(np.full(rests.sum(), MASS * G), rel=1e-12)
+    assert path.outcome.name == "DONE"
+    assert not path.warnings
+
+
+def test_a_body_on_two_feet_turns_about_the_outer_edge_of_one() -> None:
+    start = time_of(0.12)
+    path = pushed(feet(TWO), 0.0, start + 0.12)
+    after = path.t > start + 1e-3
+    lean = np.arctan2(rotations(path, 1)[after][:, 0, 2], rotations(path, 1)[after][:, 2, 2])
+    assert np.abs(lean - leans(0.12, start, path.t[after])).max() < 1e-11
+    assert path.energy_drift < 1e-12
+
+
+def test_a_body_on_round_feet_turns_about_the_line_that_touches_two_of_them() -> None:
+    """The hull of discs: a side between two smooth points, at the radius from the line of the centres."""
+    radius = 0.02
+    start = time_of(0.08 + radius)
+    path = pushed(feet(FOUR, radius), pi / 2, start + 0.12)
+    (tip,) = events(path, "tip")
+    assert tip.t == pytest.approx(start, abs=1e-9)
+    after = path.t > start + 1e-3
+    lean = np.arctan2(rotations(path, 1)[after][:, 1, 2], rotations(path, 1)[after][:, 2, 2])
+    assert np.abs(lean - leans(0.08 + radius, start, path.t[after])).max() < 1e-11
+
+
+def test_a_stool_that_slides_over_an_edge_tips_when_its_feet_in_front_have_left_it() -> None:
+    """The hull reaches to the edge while a strip of them is on the desk, and then only to the hind feet."""
+    desk = make.fixed("desk", make.box(1.0, 1.0, 0.1, position=[-0.5, 0, -0.05]))
+    speed, begin = 0.2, -0.15
+    shapes = feet(FOUR)
+    scene = make.scene(
+        "edge", [desk, stool(shapes, position=[begin, 0, HEIGHT], velocity=[speed, 0, 0])],
+        contact=[{"between": ["desk", f"stool/{shape.name}"]} for shape in shapes],
+    )  # fmt: skip
+    path = simulate(library_of(scene), until=0.5, samples=10, accuracy=TIGHT)
+    (tip,) = events(path, "tip")
+    assert tip.t == pytest.approx((-begin - 0.08) / speed, abs=1e-8)
+    assert path.outcome.name == "DONE"
+
+
+@pytest.mark.parametrize("bodies", [1, 2])
+def test_a_plank_on_two_bricks_tips_over_the_far_edge_of_one(bodies: int) -> None:
+    """Of one fixed body or of two, which stand turned; the plank slides until its middle passes the edge."""
+    west, east = (make.box(0.1, 0.2, 0.05, name=name, position=[x, 0, -0.025]) for name, x in
+                  (("west", -0.2), ("east", 0.2)))  # fmt: skip
+    if bodies == 1:
+        bricks = [make.fixed("bricks", west, east)]
+        names = ["bricks/west", "bricks/east"]
+    else:
+        turned = {"axis": [0, 0, 1], "angle": pi}
+        bricks = [make.fixed("west", west), make.fixed("east", make.box(0.1, 0.2, 0.05),
+                  position=[0.2, 0, -0.025], axis_angle=turned)]  # fmt: skip
+        names = ["west", "east"]
+    speed = 0.5
+    plank = make.dynamic(
+        "plank", make.box(0.7, 0.1, 0.03), density=700.0, position=[0, 0, 0.015], velocity=[speed, 0, 0]
+    )
+    scene = make.scene("plank", [*bricks, plank], contact=[{"between": [name, "plank"]} for name in names])
+    path = simulate(library_of(scene), until=0.53, samples=20, accuracy=TIGHT)
+    (tip,) = events(path, "tip")
+    assert tip.t == pytest.approx(0.25 / speed, abs=1e-9)
+    assert path.patch_force[path.t < tip.t, 0] == pytest.approx(0.7 * 0.1 * 0.03 * 700.0 * G, rel=1e-12)
+    assert path.w[-1, -1, 1] > 0
