@@ -24,8 +24,7 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-/* For more contacts of a pair, in a run: never, when it has moved, after each step, and steps no longer than sight. */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 };
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 }; /* in steps within sight */
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17 }; /* of one side of a link: shape in
    body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its axes */
@@ -70,8 +69,7 @@ typedef struct {
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
 } mg_system;
 
-/* What restitution gives back: speed, impulse or energy of the approach. */
-enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 };
+enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 }; /* restitution gives back speed, impulse, or energy */
 
 enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
 
@@ -177,15 +175,14 @@ typedef struct {
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
   mg_real watch_t;        /* s, then */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
-  mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
-  mg_real chain_t, paradox_t; /* s: when a blow first reached a contact at rest; forces were first indeterminate */
+  mg_real gain_max, gain_t, chain_t, paradox_t; /* J: the most energy that one contact made in an impact; s: when; when a
+                             blow first reached a contact at rest; when forces were first indeterminate */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
-  int gain;               /* the contact that made gain_max, or -1 */
-  int chain, paradox;     /* the contacts of chain_t and of paradox_t, or -1 */
+  int gain, chain, paradox; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
   int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;
