@@ -72,6 +72,15 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         "test_a_newton_cradle_follows_pendulums_that_strike",
         events={"impact": 16},
     ),
+    "painleve_rod": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_point_explicit_slip"),
+        forms=("explicit", "support"),
+        reference="oracles/friction/test_painleve.py::"
+        "test_the_shipped_rod_is_stopped_by_a_blow_and_turns_about_its_tip",
+        events={"time-stepping": 1, "event-driven": 1, "stick": None, "touch-down": None},
+        drift=(1e-4, 1e-4, 1e-4),
+        loose=100.0,
+    ),
     "rattleback": Shipped(
         kinds=("fixed", "free_full", "plane_ellipsoid_support_slip"),
         forms=("support", "implicit"),

@@ -83,7 +83,7 @@ def _contacts(model: Model) -> list[dict[str, Any]]:
             "kind": model.contact_kinds[link.kind].name,
             "form": model.contact_kinds[link.kind].form,
             "forms": forms[link.kind],
-            "restitution": model.pairs[link.pair].restitution,
+            "restitution": model.pairs[link.pair].restitution.value,
             "friction": [asdict(grip) for grip in model.pairs[link.pair].grips],
         }
         for link in model.links

@@ -1,4 +1,4 @@
-"""What other simulators are told of a scene, and what they make of it: the same motion, or what they cannot."""
+"""What other simulators are told of a scene, and what they make of it: the same motion, or none."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def against(scene: Scene, peer: str, root: Path) -> Measurement:
     try:
         return measure(scene, knobs=coarse(peer), against=[peer], root=root, **SHORT)  # type: ignore[arg-type]
     except ModelgenError as absent:
-        assert "not installed" in str(absent)
+        if "not installed" not in str(absent):
+            raise
         pytest.skip(str(absent))
 
 
