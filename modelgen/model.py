@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from modelgen.scene.expression import Expression
-from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Scene, Shape, TorqueLoad
+from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Restitution, Scene, Shape, TorqueLoad
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
 Posing = Literal["identity", "general"]
 Rows = Literal[1, 3, 6]  # of a contact: N; and t1, t2; and spin about N, rolling about t1, t2
-Search = Literal["never", "moved", "always"]  # for more contacts of a pair in a run
+Search = Literal["never", "moved", "always", "ahead"]  # for more contacts of a pair in a run
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,7 @@ class PairEntry:
     links: tuple[int, int]  # first, end
     contacts: tuple[int, int]
     search: Search
-    restitution: float
+    restitution: Restitution
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
     grips: tuple[Grip, ...] = ()  # of each of its contacts
 
@@ -205,6 +205,8 @@ class PatchEntry:
     parameters: tuple[tuple[float, ...], ...]  # of each point's contact
     links: tuple[int, ...]  # that lie in it
     slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
+    rubbing: int = -1  # kind of the first point's contact where there is friction: with slip and spin
+    friction: tuple[float, float] = (0.0, 0.0)  # static and kinetic coefficient
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from modelgen.cli.options import (
     AsJson,
     At,
     Brief,
+    Estimated,
     Fallback,
     Form,
     Frames,
@@ -115,6 +116,7 @@ def simulate(
     scheme: Scheme = None,
     solver: Solver = None,
     fallback: Fallback = None,
+    estimate: Estimated = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -126,7 +128,7 @@ def simulate(
     check_outputs(out, plot)
     settings = run_settings(
         until, accuracy, tolerance, samples,
-        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback,
+        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
     )  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)

@@ -58,6 +58,10 @@ Solver = Annotated[
 Fallback = Annotated[
     bool | None, typer.Option(help="time-stepping for a while where an event-driven run would end")
 ]
+Estimated = Annotated[
+    bool | None,
+    typer.Option("--estimate/--no-estimate", help="tell the error of the run by a second, finer run"),
+]
 RealName = Annotated[
     str | None,
     typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),

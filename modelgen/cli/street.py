@@ -87,7 +87,7 @@ def run_settings(
     accuracy: str | None,
     tolerance: str | None,
     samples: str | None,
-    **stepping: str | bool | None,
+    **others: str | bool | None,
 ) -> dict[str, Any]:
     """The options of a run as keywords of `simulate`."""
     name, own = read_option("accuracy", accuracy), read_option("tolerance", tolerance)
@@ -96,8 +96,7 @@ def run_settings(
         "accuracy": name if own is None else modelgen.Accuracy.of(own),
         "samples": read_option("samples", samples),
         **{
-            key: read_option(key, value) if isinstance(value, str) else value
-            for key, value in stepping.items()
+            key: read_option(key, value) if isinstance(value, str) else value for key, value in others.items()
         },
     }
 

@@ -56,6 +56,15 @@ JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where ther
 
 GRIPPING = ("grips.c", "oblique.c", "slip.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and with friction
 
+RUBBING = (
+    "limit_surface.c",
+    "margin.c",
+    "pressing.c",
+    "rubbing.c",
+    "rubs.c",
+    "tracks.c",
+)  # also between faces
+
 PER_STEP = (
     *("conditions.c", "sample.c", "starts.c"),
     *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
@@ -98,6 +107,7 @@ def emit(derivation: Derivation) -> Package:
     grips = any(kind.rows > 1 for kind in derivation.model.contact_kinds)
     quick = (*INNER_LOOP, *(SEEKING if "seek" in roles else ()), *(JOINING if "rows" in roles else ()))
     quick += GRIPPING if grips else ()
+    quick += RUBBING if any(patch.rubbing >= 0 for patch in derivation.model.patches) else ()
     files = {
         **core,
         "kernels.c": kernels,

@@ -29,7 +29,9 @@ def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
 
 def patch_table(entry: PatchEntry) -> dict[str, Any]:
     """Two faces, what holds them, and the links that lie in them."""
+    rubbing = {"rubbing": entry.rubbing, "friction": list(entry.friction)} if entry.rubbing >= 0 else {}
     return {
+        **rubbing,
         "name": entry.name,
         "pair": entry.pair,
         "kind": entry.kind,

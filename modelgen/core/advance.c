@@ -17,6 +17,7 @@ static int mg_finite(const mg_real *x, int n) {
 static int mg_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
   mg_real most = 6;
+  c->tried = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
     const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
@@ -58,6 +59,16 @@ static int mg_settle_end(mg_context *c, mg_real h) {
   return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
 }
 
+/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points have
+   leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
+static int mg_leaps(const mg_context *c, mg_real h) {
+  const mg_real most = c->set->leap * c->set->tolerance * c->sys->length / c->sys->time;
+  if (c->set->method == MG_RK4 || !c->set->project || mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && c->run->active[i] && fabs(c->d_dot[i]) > most) return 1;
+  return 0;
+}
+
 static void mg_commit(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
   c->run->t += h;
@@ -87,27 +98,54 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
   return MG_DONE;
 }
 
+/* A companion's step after an event is a part of what it would be: from one event to the next there may be one alone,
+   the same at any tolerance. */
+static int mg_differs(const mg_context *c) {
+  return c->set->stride < 1 && c->run->t == c->run->t_event;
+}
+
+static int mg_step_part(mg_context *c, mg_real *h) {
+  *h *= c->set->stride;
+  mg_refresh(c);
+  const int outcome = mg_accurate_step(c, h);
+  if (!outcome) mg_finish_step(c, c->run->t, *h);
+  return outcome;
+}
+
+/* The longest step in which nothing passes unseen. */
+static mg_real mg_longest(const mg_context *c) {
+  const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c);
+  return (mg_differs(c) ? 1 : c->set->stride) * (sight < reach ? sight : reach);
+}
+
+/* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
+static mg_real mg_first_within(mg_context *c, mg_real h) {
+  const int dips = mg_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect;
+  if (!passed && !dips) return 0;
+  mg_make_dense(c, c->run->t, c->run->x, h);
+  return mg_locate(c, h, passed);
+}
+
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
-  const mg_real reach = mg_reach(c);
-  const mg_real sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), longest = sight < reach ? sight : reach;
+  const mg_real longest = mg_longest(c);
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
   c->left.count = 0;
   mg_mark_falling(c);
   mg_mark_upright(c);
-  if (c->sys->n_grip) mg_aim_all(c);
-  int outcome = mg_accurate_step(c, &h), event = 0;
+  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
+  int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  const int dips = mg_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect;
-  if (passed || dips) {
-    mg_make_dense(c, run->t, run->x, h);
-    const mg_real shorter = mg_locate(c, h, passed);
-    event = shorter > 0;
-    if (event) h = shorter;
+  const mg_real shorter = mg_first_within(c, h);
+  int event = shorter > 0;
+  if (event) h = shorter;
+  if (mg_differs(c)) {
+    outcome = mg_step_part(c, &h), event = 0;
+    if (outcome) return outcome;
   }
-  if (!mg_settle_end(c, h)) {
+  if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
     run->h = h / 2;
     return MG_DONE;
   }

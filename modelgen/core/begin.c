@@ -44,7 +44,7 @@ static void mg_reset(mg_run *run) {
   run->fall_first = run->fall_end = run->fall_time = 0, run->fall_cause = run->fall_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
-  run->gain_max = run->gain_t = 0, run->gain = -1, run->shared = 0;
+  run->gain_max = run->gain_t = 0, run->gain = run->chain = run->paradox = -1, run->shared = 0;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;
@@ -66,6 +66,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_open(&c, system, settings, run, work, iwork);
   mg_reset(run);
   for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_LOOSE, c.slipped[i] = 0, c.before[i] = MG_LOOSE;
+  for (int i = 0; i < system->n_slot; i++) run->rub[i] = MG_LOOSE;
   run->x[c.work_index] = 0;
   mg_normalise(&c, run->x);
   mg_poses(&c, run->t, run->x);

@@ -29,6 +29,21 @@ static mg_real mg_derivative(const mg_real *value, int stage) {
   return sum;
 }
 
+/* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
+   step. */
+static void mg_restage(mg_real *value, mg_real share) {
+  const mg_real *time = mg_radau_time;
+  mg_real old[MG_RADAU];
+  for (int k = 0; k < MG_RADAU; k++) old[k] = value[k], value[k] = 0;
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int k = 0; k < MG_RADAU; k++) {
+      mg_real part = old[k];
+      for (int j = 0; j < MG_RADAU; j++)
+        if (j != k) part *= (share * time[stage] - time[j]) / (time[k] - time[j]);
+      value[stage] += part;
+    }
+}
+
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   mg_real most = 0;

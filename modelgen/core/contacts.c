@@ -7,7 +7,7 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const int patch = c->begins && c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact) : -1;
   if (patch < 0) return 0;
-  const int link = c->first_pad_link + 3 * patch, kind = s->link_kind[link];
+  const int link = c->first_pad_link + 3 * patch + 1, kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
   mg_real none[1];
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];

@@ -17,8 +17,8 @@ static int mg_grip_rows(const mg_context *c, int grip) { return c->sys->grip_asp
 
 /* The rows below stand on the bodies of the contact's link. */
 static void mg_take_rows(mg_context *c, int contact) {
-  const int first = c->below + c->sys->contact_below[contact];
-  for (int i = 0; i < mg_contact_kinds[c->kind[contact]].rows - 1; i++) {
+  const int *room = c->sys->contact_below + contact, first = c->below + room[0];
+  for (int i = 0; i < room[1] - room[0]; i++) {
     c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->column[first + i] = -1;
     for (int k = 0; k < 12; k++) c->J[12 * (first + i) + k] = c->MJ[12 * (first + i) + k] = 0;
     c->gamma[first + i] = c->d_dot[first + i] = c->force[first + i] = 0;
@@ -65,5 +65,5 @@ static int mg_list_stuck(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STUCK; k++) list[n++] = mg_grip_row(c, i, g) + k;
-  return n;
+  return mg_list_stuck_rubs(c, list, n);
 }

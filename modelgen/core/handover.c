@@ -1,12 +1,14 @@
 /* How a patch ends: lifted as a whole, or turning over the edge of its hull, on contacts that begin there. */
 #include "core.h"
 
-/* Follows again what a patch covered: contacts that are found on its links stand open at their places. */
+/* Follows again what a patch covered: contacts that are found on its links stand open at their places. With friction these
+   may be links for faces that lie flat: then what has friction is on them again. */
 static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
   const mg_system *s = c->sys;
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
-    if (!mg_is_for_flat(c, s->covered[k])) mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
+    if (mg_has_rubbing(c, patch) || !mg_is_for_flat(c, s->covered[k]))
+      mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_found *each = found->list + k;
     const int pair = s->link_pair[each->link];
@@ -105,6 +107,12 @@ static void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world) 
   mg_out(o, local, 1, world);
 }
 
+/* Closes what touches of all that a patch covers. */
+static void mg_close_covered(mg_context *c, int patch) {
+  for (int i = 0; i < c->first_pad; i++)
+    if (mg_present(c, i) && mg_patch_covers(c, patch, c->run->link[i])) mg_close(c, i);
+}
+
 /* A point of f that lies on a curve, so that what touches there has no equations while the faces are flat. */
 static int mg_is_curved(const mg_context *c, const mg_support *at) {
   return at->crossing_arc < 0 && at->side == 1 && !c->hull.track[at->arc].straight;
@@ -145,9 +153,14 @@ static void mg_turn_over(mg_context *c, int slot) {
   const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
   mg_out(o, across, 0, outward);
   for (int k = 0; k < brink.n; k++) mg_at_brink(o, brink.at + k, world[k]);
-  if (mg_turn_on_edge(c, slot, &brink, world, outward)) return;
+  const int rubs = mg_has_rubbing(c, patch);
+  if (!rubs && mg_turn_on_edge(c, slot, &brink, world, outward)) return;
   mg_drop_patch(c, slot);
   mg_uncover(c, patch, &found);
+  if (rubs && (mg_is_curved(c, brink.at) || (brink.n == 2 && mg_is_curved(c, brink.at + 1)))) {
+    mg_close_covered(c, patch);
+    return;
+  }
   for (int k = 0; k < brink.n; k++) {
     const int smooth = mg_is_smooth(c, patch, brink.at + k);
     const int contact = smooth ? -1 : mg_contact_at(c, patch, world[k]);
@@ -168,9 +181,25 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
     if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
     mg_drop_patch(c, slot);
     mg_uncover(c, patch, &found);
-    for (int i = 0; i < c->first_pad; i++)
-      if (mg_present(c, i) && mg_patch_covers(c, patch, c->run->link[i])) mg_close(c, i);
+    mg_close_covered(c, patch);
     mg_refresh(c);
+    count++;
+  }
+  return count;
+}
+
+/* Where something else strikes a body that rests on a face with friction, the face takes the blow at points of it; returns how
+   many faces do. */
+static int mg_stand_on_points(mg_context *c) {
+  mg_founds found;
+  int count = 0, struck = 0;
+  for (int i = 0; i < c->first_pad; i++) struck |= c->run->closed[i] && mg_nearing(c, i);
+  for (int slot = 0; slot < c->sys->n_slot && struck; slot++) {
+    const int patch = mg_patch_in(c, slot);
+    if (patch < 0 || !mg_has_rubbing(c, patch)) continue;
+    mg_drop_patch(c, slot);
+    mg_uncover(c, patch, &found);
+    mg_close_covered(c, patch);
     count++;
   }
   return count;
@@ -183,7 +212,8 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot), cause = c->fired[pad], patch = mg_patch_in(c, slot);
     c->fired[pad] = 0;
-    if (!cause || patch < 0) continue;
+    if (cause >= MG_GIVES) c->rub[slot].fired = 1;
+    if (!cause || patch < 0 || cause >= MG_GIVES) continue;
     if (cause < MG_ROLLS_OFF) mg_befalls(c, events, pad, cause == MG_TURNS ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);

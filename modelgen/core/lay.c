@@ -1,5 +1,5 @@
 /* Two regions laid on each other: the parts of each boundary that lie in the other region. */
-#include "region.h"
+#include "rubbing.h"
 
 typedef struct { /* how many of each there is room for */
   long span, cut, piece, spot;
@@ -24,6 +24,11 @@ static long mg_hull_room(int n_arc, int n_o) {
   return mg_reals(n_arc, sizeof(mg_track)) + mg_reals(r.span, sizeof(mg_span)) + mg_reals(r.cut, sizeof(mg_cut)) +
          mg_reals(r.piece, sizeof(mg_piece)) + mg_reals(r.spot, sizeof(mg_spot)) + mg_reals(r.spot, sizeof(mg_edge)) +
          mg_reals(2 * r.spot, sizeof(int));
+}
+
+static long mg_press_room(int n_arc, int n_o) {
+  const mg_rooms r = mg_rooms_of(n_arc, n_o);
+  return 2 * (r.span + r.piece);
 }
 
 static void *mg_part_of_memory(mg_real **memory, long n, size_t size) {

@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 4
+#define MG_ABI 5
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -24,7 +24,7 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2 }; /* for more contacts of a pair, in a run */
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 }; /* in steps within sight */
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17, MG_SPAN = 20 }; /* of one side of a link:
    shape in body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its
@@ -56,18 +56,22 @@ typedef struct {
   const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
       the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
   const int *contact_below, *contact_grip; /* first of its rows below the normal one; first grip (n_contact + 1) */
+  const int *impact_law;       /* one a contact: MG_NEWTON .. */
   const int *grip_aspect, *grip_row, *grip_body; /* MG_SLIP ..; first row of its contact's; axes of its direction, or -1 */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
-  const mg_real *restitution;  /* one a contact, 0..1 */
+  const mg_real *restitution;  /* one a contact, 0..1, in the law of its impact */
   const mg_real *parameters;
   const mg_real *numbers;      /* of sides and conditions */
   const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
   const mg_real *grip_direction; /* three a grip, axes of grip_body */
+  const mg_real *patch_friction; /* two a patch: static and kinetic coefficient, 0 without friction */
   const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
 } mg_system;
+
+enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 }; /* restitution gives back speed, impulse, or energy */
 
 enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
 
@@ -82,6 +86,7 @@ typedef struct {
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
+  int sequential;         /* contacts are struck one after another; 0: all at once where all follow Newton's law */
   int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
   mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
@@ -99,6 +104,7 @@ typedef struct {
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
+  mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * length / time */
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
   mg_real polish;         /* the interpolant finds an event to this part of the step */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
@@ -118,6 +124,7 @@ typedef struct {
   mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
+  mg_real stride;         /* part of the longest step allowed; < 1: none leads from event to event */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */
   int events_at_once;     /* transitions within one event tolerance of time before the run gives up */
@@ -152,6 +159,8 @@ typedef struct {
   int *active;            /* per contact: closed and carrying force */
   int *grip;              /* per grip: MG_LOOSE .. */
   mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
+  int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
+  mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
   mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
@@ -171,13 +180,14 @@ typedef struct {
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
   mg_real watch_t;        /* s, then */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
-  mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
+  mg_real gain_max, gain_t, chain_t, paradox_t; /* J: the most energy that one contact made in an impact; s: when; when a
+                             blow first reached a contact at rest; when forces were first indeterminate */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
-  int gain;               /* the contact that made gain_max, or -1 */
+  int gain, chain, paradox; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
   int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;
@@ -190,6 +200,8 @@ typedef struct {          /* caller's arrays for the samples; t is given, count 
   int *link;              /* per contact */
   int *patch;             /* per slot: what it holds, or -1 */
   mg_real *pressure;      /* 4 a slot: resultant force of its patch, centre of pressure, world */
+  mg_real *rub;           /* 8 a slot: friction on f, world; its torque about N through the centre of pressure; slip of f
+                             past o there, world; spin past o about N */
   mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
   mg_real *joint_wrench;  /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
   mg_real *coordinate;    /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
@@ -219,30 +231,6 @@ typedef struct {          /* n pairs of poses of one contact kind; caller's arra
   mg_real *d, *normal, *point_o, *point_f, *margin; /* 1, 3, 3, 3, 2: as the place kernel gives them */
   int *outcome;           /* 1: MG_NOWHERE .. MG_CLOSEST */
 } mg_queries;
-
-typedef struct {          /* points in order, loop after loop; count goes on beyond capacity */
-  int capacity, count, n_loop;
-  mg_real *point;         /* 2 each */
-  int *loop;              /* 1 each */
-} mg_outline;
-
-typedef struct {          /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
-  int n_arc, n_o;         /* the first n_o arcs bound A, the others B */
-  int fine;               /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
-  int n_point;
-  const int *shape, *loop, *first; /* per arc: shape kind, loop, offset of its curve's parameters */
-  const mg_real *parameters;
-  const mg_real *numbers; /* 14 an arc: placement of the curve in the axes of its face (12), first and last parameter */
-  const mg_real *pose;    /* 12, of f's face in the axes of o's */
-  mg_real shared;         /* m: points of the two boundaries nearer than this are one */
-  const mg_real *x;       /* 2 a point, in the axes of o's face */
-  mg_real *margin;        /* 1 a point: signed distance to the boundary of the hull of A cap B, m, > 0 inside */
-  mg_real *normal;        /* 2: outward, of the hull where it is nearest */
-  int *supports;          /* 1: 1 the nearest is a point, 2 a straight side, 0 there is no hull */
-  int *identity;          /* 2 x 3: per support its side (0: o, 1: f), arc, arc of the other side that passes or -1 */
-  mg_real *where;         /* 2 x 4: per support t on each of those arcs, then the point */
-  mg_outline *outline, *hull; /* of A cap B, of its hull */
-} mg_region_query;
 
 MG_API int mg_abi(void);
 MG_API const char *mg_hash(void);
@@ -287,9 +275,6 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 /* The closest points of n pairs of poses, one contact kind. */
 MG_API void mg_closest(const mg_queries *queries);
 
-/* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
-   point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
-MG_API long mg_region_size(int n_arc, int n_o);
-MG_API int mg_region(const mg_region_query *query, mg_real *work);
+#include "planar_queries.h"
 
 #endif

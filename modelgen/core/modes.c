@@ -31,7 +31,7 @@ static int mg_activate_pads(mg_context *c) {
 /* Solves for the active set among the closed contacts that are not skipped. */
 static int mg_choose_active(mg_context *c, const int *skip) {
   const int m = c->sys->n_contact;
-  if (c->sys->n_grip) return mg_choose_grips(c, skip);
+  if (c->sys->n_grip) return mg_choose_rubs(c, skip);
   mg_lcp_report report;
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
@@ -94,7 +94,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
   }
   for (int i = 0; i < m; i++)
     if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
-  if (c->sys->n_grip) mg_report_grips(c, events);
+  if (c->sys->n_grip) mg_report_grips(c, events), mg_report_rubs(c, events);
   return MG_DONE;
 }
 

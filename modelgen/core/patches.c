@@ -119,9 +119,11 @@ static void mg_pad_on(mg_context *c, int pad, int link) {
 }
 
 static void mg_hold_patch(mg_context *c, int slot, int patch) {
+  c->run->rub[slot] = MG_LOOSE;
   for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->first_pad_link + 3 * patch + k);
 }
 
 static void mg_drop_patch(mg_context *c, int slot) {
+  c->run->rub[slot] = MG_LOOSE;
   for (int k = 0; k < 3; k++) mg_set_link(c, mg_pad_of(c, slot) + k, -1, 0);
 }

@@ -34,6 +34,7 @@ static int mg_try_flat(mg_context *c, mg_real touching, int moving);
 static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
 static void mg_drop_tried(mg_context *c);
 static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor);
+static int mg_stand_on_points(mg_context *c);
 static int mg_patch_covers(const mg_context *c, int patch, int link);
 static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
@@ -73,12 +74,15 @@ static void mg_grow_up(mg_context *c);
 /* corners.c, folds.c */
 static int mg_is_pointed(const mg_context *c, int link);
 static void mg_look_ahead(mg_context *c);
+static int mg_goes_off(mg_context *c, const mg_found *found);
+static int mg_touches_there(mg_context *c, const mg_found *found);
 static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found);
 static int mg_crosses(const mg_context *c, int link);
 static int mg_is_singular(const mg_context *c, int contact);
 static int mg_leave_folds(mg_context *c, mg_events *events);
 
 /* lean.c */
+static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out);
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);

@@ -65,7 +65,7 @@ static void mg_set_patch(mg_context *c, int patch) {
     c->arc[i] = arc;
   }
   const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
-  c->regions = regions, c->laid = patch;
+  c->regions = regions, c->laid = patch, c->shelter = 0;
   mg_set_regions(&c->hull, &c->regions, c->lay);
 }
 
@@ -79,13 +79,27 @@ static int mg_lay_patch(mg_context *c, int patch) {
   return mg_lay(&c->hull, between);
 }
 
-/* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. */
+/* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. In a hull that stays,
+   all points as near as that are inside too. */
 static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
   mg_into(hull, world, x);
   mg_lay_patch(c, patch);
-  return mg_hull_margin(&c->hull, x, brink);
+  const mg_real margin = mg_hull_margin(&c->hull, x, brink);
+  if (mg_is_whole(c, patch) && margin > c->shelter)
+    c->shelter = margin, c->sheltered[0] = x[0], c->sheltered[1] = x[1];
+  return margin;
+}
+
+/* Whether a point of the world is known to lie inside the hull. */
+static int mg_is_sheltered(const mg_context *c, int patch, const mg_real *world) {
+  mg_real hull[12], x[3];
+  if (c->laid != patch || !(c->shelter > 0)) return 0;
+  mg_hull_pose(c, patch, hull);
+  mg_into(hull, world, x);
+  const mg_real dx = x[0] - c->sheltered[0], dy = x[1] - c->sheltered[1];
+  return sqrt(dx * dx + dy * dy) < (mg_real)0.99 * c->shelter;
 }
 
 static mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
@@ -104,8 +118,14 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
 
 /* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0. */
 static int mg_slot_ends(mg_context *c, int slot) {
-  mg_real margin;
-  return mg_patch_in(c, slot) < 0 ? 0 : mg_ends_with(c, slot, c->force, -mg_weight_scale(c), &margin);
+  const int patch = mg_patch_in(c, slot);
+  const mg_real floor = -mg_weight_scale(c);
+  mg_real margin, centre[3];
+  if (patch < 0) return 0;
+  const int within =
+    !mg_pivots(c, slot) && mg_resultant(c, slot, c->force, centre) > floor && mg_is_sheltered(c, patch, centre);
+  const int cause = within ? 0 : mg_ends_with(c, slot, c->force, floor, &margin);
+  return cause ? cause : mg_rub_fires(c, slot);
 }
 
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
@@ -132,6 +152,7 @@ static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
+  if (cause >= MG_GIVES) return mg_rub_value(c, slot, cause);
   if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
   return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }

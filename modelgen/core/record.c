@@ -50,6 +50,25 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
                        s->parameters + s->joint_parameters[joint], coordinate);
 }
 
+/* The friction of a slot's patch at a place of the world, and how f slips past o there. */
+static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
+  const int pad = mg_pad_of(c, slot);
+  const mg_real *t = c->tangents + 6 * pad, *N = c->normal + 3 * pad;
+  mg_real point[3], turn[3], moment[3];
+  for (int k = 0; k < 8; k++) out[k] = 0;
+  if (mg_patch_in(c, slot) < 0 || !mg_has_rubbing(c, mg_patch_in(c, slot))) return;
+  const mg_real *force = c->force + mg_rub_row(c, slot), *slip = c->d_dot + mg_rub_row(c, slot);
+  mg_pad_point(c, pad, point);
+  for (int k = 0; k < 3; k++) {
+    out[k] = force[0] * t[k] + force[1] * t[3 + k], out[4 + k] = slip[0] * t[k] + slip[1] * t[3 + k];
+    turn[k] = slip[2] * N[k], point[k] = at[k] - point[k];
+  }
+  mg_cross(point, out, moment);
+  out[3] = force[2] - mg_dot3(moment, N), out[7] = slip[2];
+  mg_cross(turn, point, moment);
+  for (int k = 0; k < 3; k++) out[4 + k] += moment[k];
+}
+
 /* What presses the faces of a slot's patch together, and where. */
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
   const long k = (long)row * c->sys->n_slot + slot;
@@ -57,6 +76,7 @@ static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot)
   record->patch[k] = mg_patch_in(c, slot);
   for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
   if (record->patch[k] >= 0) pressure[0] = mg_resultant(c, slot, c->force, pressure + 1);
+  mg_record_rub(c, slot, pressure + 1, record->rub + 8 * k);
 }
 
 static mg_real mg_energy_of(mg_context *c, mg_real *x) {

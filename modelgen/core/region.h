@@ -36,6 +36,7 @@ typedef struct { /* an arc placed in the plane, or a part of it; turn: sum of it
 
 typedef struct {
   int shape, side, straight, span, n_span, next; /* next: the arc that goes on in its loop */
+  int right; /* the region lies on its right */
   const mg_real *parameters;
   mg_real t0, t1, at[2], axis[6];
 } mg_track;
@@ -72,6 +73,7 @@ typedef struct {
   int n_span, n_cut, n_piece, n_spot, n_edge;
   int span_room, cut_room, piece_room, spot_room;
   int overflow; /* more crossings than there was room for */
+  int mirrored; /* f's face looks against o's, in whose axes it lies */
   mg_real size; /* m, of what is kept */
 } mg_hull;
 

@@ -50,7 +50,7 @@ static int mg_try_flat(mg_context *c, mg_real touching, int moving) {
   for (int patch = 0; patch < c->sys->n_patch && c->set->planar; patch++) {
     if (mg_slot_of(c, patch) >= 0) continue;
     const int slot = mg_free_slot(c, patch);
-    if (slot < 0 || c->barred[slot] == patch || !mg_lies_flat(c, patch, touching, moving)) continue;
+    if (slot < 0 || c->barred[slot] == patch || (moving && mg_has_rubbing(c, patch)) || !mg_lies_flat(c, patch, touching, moving)) continue;
     mg_hold_patch(c, slot, patch);
     c->trying[slot] = 1;
     count++;
@@ -104,6 +104,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
   mg_real margin;
   if (slot < 0) return 0;
   const int cause = mg_ends_with(c, slot, c->force, mg_weight_scale(c), &margin);
+  if (mg_has_rubbing(c, mg_patch_in(c, slot))) return 0;
   if (cause == MG_PARTS || margin > c->set->border * c->sys->length || !mg_turns_on_curve(c, slot)) return 0;
   mg_give_way(c);
   c->trying[slot] = 0, c->barred[slot] = mg_patch_in(c, slot);
@@ -117,6 +118,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
 /* Patches that lie flat rest, if the forces press them together within their hulls; what they cover gives way. */
 static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_try_flat(c, touching, 0)) return MG_DONE;
+  if (c->sys->n_grip) mg_refresh(c);
   do {
     mg_hide_covered(c);
     const int outcome = mg_choose_active(c, c->hidden);

@@ -9,7 +9,9 @@ static void mg_forces(mg_context *c) {
   for (int i = c->bilateral; i < c->n_all; i++) c->rate[i] = mg_separation(c, i);
   c->leaning = c->sys->n_grip > 0;
   if (c->leaning) mg_lean_all(c);
-  const int n = mg_hold(c, c->run->active, c->rate, c->force);
+  c->rub_rounds = 0;
+  int n = mg_hold(c, c->run->active, c->rate, c->force);
+  while (c->leaning && mg_rubs_unsettled(c)) n = mg_hold(c, c->run->active, c->rate, c->force);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->force[c->list[r]], c->accel);
   if (c->leaning) mg_add_slipping(c);
   c->leaning = 0;

@@ -108,16 +108,11 @@ static mg_real mg_parting(mg_context *c, int pair) {
   return parting;
 }
 
-/* It was left in this step, the same place in the same coordinates: a closed curve comes back at its other end. */
-static int mg_was_left(const mg_context *c, const mg_found *found) {
-  const int n = mg_contact_kinds[c->sys->link_kind[found->link]].n_eta;
-  mg_real reach[MG_ETA];
-  mg_eta_reach(c, found->link, reach);
+/* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
+static int mg_was_left(mg_context *c, const mg_found *found) {
   for (int k = 0; k < c->left.count; k++) {
     const mg_found *left = c->left.list + k;
-    mg_real moved = 0;
-    for (int i = 0; i < n; i++) moved += fabs(left->eta[i] - found->eta[i]) / (reach[i] < MG_MAX ? 4 * reach[i] : 1);
-    if (left->link == found->link && mg_same_contact(c, left, found) && moved < c->set->search) return 1;
+    if (left->link == found->link && mg_same_contact(c, left, found) && mg_goes_off(c, found)) return 1;
   }
   return 0;
 }

@@ -51,6 +51,7 @@ static void mg_lean_all(mg_context *c) {
       mg_slip_lean(c, i, g);
       for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, i, g) + k);
     }
+  mg_begin_rubs(c);
 }
 
 /* J_row M^-1 J_column^T. */
@@ -65,8 +66,9 @@ static mg_real mg_product(const mg_context *c, int row, int column) {
   return sum;
 }
 
+/* Of a contact; those of patches go with three normal rows. */
 static int mg_rows_below(const mg_context *c, int row) {
-  return row < c->sys->n_contact ? mg_contact_kinds[c->kind[row]].rows - 1 : 0;
+  return row < c->first_pad ? mg_contact_kinds[c->kind[row]].rows - 1 : 0;
 }
 
 /* Takes the leans into the columns of the normal rows among the n assembled in c->A. */
@@ -78,9 +80,12 @@ static void mg_lean_columns(mg_context *c, const int *list, int n) {
       for (int r = 0; r < n && lean != 0; r++) c->A[r + n * j] -= lean * mg_product(c, list[r], k);
     }
   }
+  mg_lean_pads(c, list, n);
 }
 
 static int mg_leans(const mg_context *c, const int *list, int n) {
+  for (int j = 0; j < n; j++)
+    if (mg_rub_leans(c, list[j]) >= 0) return 1;
   for (int j = 0; j < n; j++)
     for (int k = 0; k < mg_rows_below(c, list[j]); k++)
       if (c->lean[c->sys->contact_below[list[j]] + k] != 0) return 1;
@@ -115,6 +120,7 @@ static void mg_add_slipping(mg_context *c) {
       c->force[row] = -c->force[i] * lean;
       mg_add(c, row, c->force[row], c->accel);
     }
+  mg_add_rubs(c);
 }
 
 /* Power of the rows below into the moving bodies; the slip of a stuck grip is an error, which is no work. */

@@ -16,6 +16,10 @@
    margin is above them. */
 #include "core.h"
 
+/* changes of the stages, against their scale: below the one the lean is held no longer, above the other it never is found */
+#define MG_ROUGHLY 0.05
+#define MG_HOPELESS 100
+
 static int mg_starts_rolling(const mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->fresh[i] == MG_FRESH) return 1;
@@ -172,7 +176,7 @@ static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int hel
     const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
     if (!(effect <= most)) most = effect;
   }
-  for (int sweep = 0; sweep < 3; sweep++)
+  for (int sweep = 0; sweep < 2; sweep++)
     if (!mg_sweep(c, t, x, h, held, &change)) return (mg_real)NAN;
   return most <= change ? change : most;
 }
@@ -203,13 +207,23 @@ static mg_real mg_rounding(const mg_context *c, mg_real h) {
   return most;
 }
 
-/* The stages of a step h, first with the lean held, then with it followed. Returns to what part of their scale they are
-   found, which rounding may bound, or NAN. */
-static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+/* The stages on the polynomial of a longer step, found before, of which the step is a share. */
+static int mg_reuse_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_real share) {
+  mg_real change;
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share);
+  return mg_sweep(c, t, x, h, 0, &change) && mg_find_stiffness(c, t, h);
+}
+
+/* The stages of a step h from a guess, first with the lean held, roughly, then with it followed. Returns to what part of
+   their scale they are found, which rounding may bound, or NAN. */
+static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
   const mg_real goal = c->set->tolerance / 100;
-  mg_real before = MG_MAX, most = before;
-  if (!mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
-  for (int round = 0; round < 12 && !(round && most <= goal); round++) most = mg_round(c, t, x, h, 1);
+  mg_real before = MG_MAX, most = held ? before : 0;
+  for (int round = 0; round < 12 && most > (mg_real)MG_ROUGHLY; round++)
+    if (!((most = mg_round(c, t, x, h, 1)) <= MG_HOPELESS)) return (mg_real)NAN;
   for (int round = 0; round < 40 && most <= MG_MAX; round++) {
     most = mg_round(c, t, x, h, 0);
     if (round && most <= goal) return most;
@@ -231,12 +245,23 @@ static mg_real mg_pace_after(const mg_context *c) {
   return pace;
 }
 
+/* Of eta of a fresh contact, which is settled and not integrated: near flat, rounding moves its point far along a curve. */
+static int mg_is_of_onset(const mg_context *c, int state) {
+  const int first = c->sys->n_q + c->sys->n_u;
+  for (int i = 0; i < c->first_pad; i++) {
+    const int from = first + c->sys->contact_eta[i];
+    if (c->run->fresh[i] == MG_FRESH && state >= from && state < from + c->n_eta[i]) return 1;
+  }
+  return 0;
+}
+
 /* The difference of the interpolant half way from the end of a step half as long, root mean square against the
    tolerance. */
 static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->x_stage);
   for (int i = 0; i < c->n_x; i++) {
+    if (mg_is_of_onset(c, i)) continue;
     const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
     const mg_real error = (c->x_stage[i] - half[i]) / (c->set->tolerance * size);
     sum += error * error;
@@ -244,18 +269,27 @@ static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_rea
   return sqrt(sum / c->n_live);
 }
 
+/* The whole step, from the polynomial of a longer one that was tried before, or from a guess. */
+static mg_real mg_solve_whole(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+  const int known = c->tried > h && mg_reuse_stages(c, t, x, h, h / c->tried);
+  if (!known && !mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
+  return mg_solve_stages(c, t, x, h, !known);
+}
+
 /* From K[0], of which only the rates of q count, to c->x_next and the interpolant. Returns the error relative to the
    tolerance, as far as it is more than rounding; MG_MAX where there is no solution. */
 static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int i = 0; i < c->n_x; i++) c->x_next[i] = x[i];
-  const mg_real half = mg_solve_stages(c, t, x, h / 2);
-  if (!(half <= MG_MAX)) return MG_MAX;
-  for (int i = 0; i < c->n_x; i++) c->settled[i] = mg_stage_state(c, MG_RADAU - 1)[i];
-  const mg_real whole = mg_solve_stages(c, t, x, h);
+  const mg_real whole = mg_solve_whole(c, t, x, h);
+  c->tried = whole <= MG_MAX ? h : 0;
   if (!(whole <= MG_MAX)) return MG_MAX;
   mg_collocated(c, x);
   c->pace = mg_pace_after(c);
   if (c->set->method == MG_RK4) return 0;
-  const mg_real error = mg_differs_half_way(c, x, c->settled) - (half > whole ? half : whole) / c->set->tolerance;
+  const int reused = mg_reuse_stages(c, t, x, h / 2, (mg_real)1 / 2);
+  const mg_real half = reused ? mg_solve_stages(c, t, x, h / 2, 0) : (mg_real)NAN;
+  if (!(half <= MG_MAX)) return MG_MAX;
+  const mg_real error =
+    mg_differs_half_way(c, x, mg_stage_state(c, MG_RADAU - 1)) - (half > whole ? half : whole) / c->set->tolerance;
   return error > 0 ? error : 0;
 }

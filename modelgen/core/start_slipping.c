@@ -4,15 +4,17 @@
    order of 1/tau^2: the equations are irregular singular at tau = 0, and stiff for a while. Of all their solutions one is
    smooth there. Collocation at Radau's points finds it, with the directions at the stages as unknowns: given these, the
    right-hand side is smooth and converges by substitution; and that the slip at each stage lies along its direction is a
-   well-conditioned linear system of seven rows a grip. */
+   well-conditioned linear system of seven rows a grip. The slip and spin of a patch have a direction of two unknowns, its
+   parts along two axes across the course by that along it. */
 #include "core.h"
 
-#define MG_ONSETS 4 /* grips that begin to slip at once; more are left to small explicit steps */
+#define MG_ONSETS 4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
 #define MG_UNKNOWNS (MG_ONSETS * MG_RADAU)
 
 typedef struct {
-  int count, grip[MG_ONSETS], contact[MG_ONSETS];
-  mg_real angle[MG_RADAU][MG_ONSETS];                 /* from the course, rad */
+  int count, grip[MG_ONSETS], contact[MG_ONSETS]; /* grip: -1 of a patch, whose first pad the contact is */
+  int axis[MG_ONSETS];                                /* of a patch: 1, 2 across the course */
+  mg_real angle[MG_RADAU][MG_ONSETS];                 /* from the course, rad; of a patch its tangent along the axis */
   mg_real along[MG_RADAU][MG_ONSETS], across[MG_RADAU][MG_ONSETS]; /* slip */
   mg_real stiffness[MG_RADAU][MG_ONSETS][MG_ONSETS];  /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
@@ -20,6 +22,8 @@ typedef struct {
 static int mg_starts_slipping(const mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++)
     if (c->run->grip[g] == MG_ONSET) return 1;
+  for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
+    if (c->run->rub[slot] == MG_ONSET) return 1;
   return 0;
 }
 
@@ -27,6 +31,8 @@ static int mg_starts_slipping(const mg_context *c) {
 static void mg_slip_on(mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++)
     if (c->run->grip[g] == MG_ONSET) c->run->grip[g] = MG_STARTING;
+  for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
+    if (c->run->rub[slot] == MG_ONSET) c->run->rub[slot] = MG_STARTING;
 }
 
 static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
@@ -35,6 +41,12 @@ static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
     if (c->run->grip[g] != MG_ONSET) continue;
     if (o->count == MG_ONSETS) return 0;
     o->contact[o->count] = mg_contact_of(c, g), o->grip[o->count++] = g;
+  }
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    if (c->run->rub[slot] != MG_ONSET) continue;
+    if (o->count + 2 > MG_ONSETS) return 0;
+    for (int axis = 1; axis <= 2; axis++)
+      o->contact[o->count] = mg_pad_of(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
   }
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int k = 0; k < o->count; k++) o->angle[stage][k] = 0;
@@ -51,18 +63,33 @@ static void mg_steered(const mg_context *c, int contact, int grip, mg_real angle
 /* The slope at a stage with friction along the given directions. */
 static void mg_slope_steered(mg_context *c, const mg_slip_onset *o, mg_real t, const mg_real *x, const mg_real *angle,
                              mg_real *slope) {
-  for (int k = 0; k < o->count; k++) c->steer[o->grip[k]] = angle[k];
+  for (int k = 0; k < o->count; k++)
+    if (o->grip[k] >= 0) c->steer[o->grip[k]] = angle[k];
+    else c->rub[(o->contact[k] - c->first_pad) / 3].steer[o->axis[k] - 1] = angle[k];
   c->steering = 1;
   mg_rhs(c, t, x, slope);
   c->steering = 0;
 }
 
-/* A pair of rows of a grip, of c->d_dot or of accelerations, along and across a direction. */
-static void mg_split_slip(const mg_context *c, int contact, int grip, mg_real angle, const mg_real *value, mg_real *along,
-                     mg_real *across) {
-  mg_real e[2];
-  mg_steered(c, contact, grip, angle, e);
-  *along = value[0] * e[0] + value[1] * e[1], *across = value[1] * e[0] - value[0] * e[1];
+/* Of the slip, or of its accelerations, what is along the direction of an unknown and what is across. */
+static void mg_split_slip(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle, int accelerations,
+                          mg_real *along, mg_real *across) {
+  const int slot = (o->contact[k] - c->first_pad) / 3, rubs = o->grip[k] < 0;
+  const int row = rubs ? mg_rub_row(c, slot) : mg_grip_row(c, o->contact[k], o->grip[k]);
+  mg_real e[3][3], value[3];
+  for (int i = 0; i < 2 + rubs; i++) value[i] = accelerations ? mg_separation(c, row + i) : c->d_dot[row + i];
+  if (rubs) {
+    value[2] *= mg_rub_radius(c, slot);
+    mg_rub_basis(c, slot, e);
+    *along = mg_dot3(value, e[0]), *across = mg_dot3(value, e[o->axis[k]]) - angle * *along;
+    return;
+  }
+  mg_steered(c, o->contact[k], o->grip[k], angle, e[0]);
+  *along = value[0] * e[0][0] + value[1] * e[0][1], *across = value[1] * e[0][0] - value[0] * e[0][1];
+}
+
+static mg_real mg_scale_of_onset(const mg_context *c, const mg_slip_onset *o, int k) {
+  return o->grip[k] < 0 ? c->sys->length / c->sys->time : mg_slip_scale(c, o->grip[k]);
 }
 
 /* Once round: slopes and slip at the stages. */
@@ -73,8 +100,7 @@ static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) 
                      mg_stage_slope(c, stage));
     mg_watch(c);
     for (int k = 0; k < o->count; k++)
-      mg_split_slip(c, o->contact[k], o->grip[k], o->angle[stage][k],
-               c->d_dot + mg_grip_row(c, o->contact[k], o->grip[k]), &o->along[stage][k], &o->across[stage][k]);
+      mg_split_slip(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_finite(mg_stage_slope(c, stage), c->n_x)) return 0;
   }
   return 1;
@@ -96,10 +122,8 @@ static void mg_find_slip_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, m
                          c->K + (1 + 2 * MG_RADAU) * c->n_x);
         o->angle[stage][j] = kept;
         for (int k = 0; k < o->count; k++) {
-          const int row = mg_grip_row(c, o->contact[k], o->grip[k]);
-          const mg_real rate[2] = {mg_separation(c, row), mg_separation(c, row + 1)};
           mg_real along, across;
-          mg_split_slip(c, o->contact[k], o->grip[k], o->angle[stage][k], rate, &along, &across);
+          mg_split_slip(c, o, k, o->angle[stage][k], 1, &along, &across);
           across *= sign / (2 * turned);
           o->stiffness[stage][k][j] = sign < 0 ? across : o->stiffness[stage][k][j] + across;
         }
@@ -120,7 +144,7 @@ static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
   mg_solve_triangle(n, n, A, b, y, scratch);
   for (int i = 0; i < n; i++) {
     const int stage = order[i] / m, k = order[i] % m;
-    const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_slip_scale(c, o->grip[k]);
+    const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_scale_of_onset(c, o, k);
     o->angle[stage][k] += y[i];
     if (!(effect <= most)) most = effect;
   }

@@ -1,13 +1,21 @@
 /* Where to start the search of closest points on a link: the likeliest pairs of samples. */
 #include "core.h"
 
-/* |P_f - P_o| + size (how far the directions are from opposed normals, or from tangent and normal at right
-   angles). */
-static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
-  const mg_real span[3] = {f->point[0] - o->point[0], f->point[1] - o->point[1], f->point[2] - o->point[2]};
+/* How far the directions are from opposed normals, or from tangent and normal at right angles; 0..2. */
+static inline mg_real mg_skew(const mg_sample *o, const mg_sample *f, int curves) {
+  if (curves == 2) return 0;
   const mg_real cosine = mg_dot3(o->direction, f->direction);
-  const mg_real tilt = curves == 0 ? 1 + cosine : curves == 1 ? fabs(cosine) : 0;
-  return sqrt(mg_dot3(span, span)) + size * tilt;
+  return curves == 0 ? 1 + cosine : fabs(cosine);
+}
+
+static inline mg_real mg_between(const mg_sample *a, const mg_sample *b) {
+  const mg_real span[3] = {b->point[0] - a->point[0], b->point[1] - a->point[1], b->point[2] - a->point[2]};
+  return sqrt(mg_dot3(span, span));
+}
+
+/* |P_f - P_o| + size skew. */
+static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
+  return mg_between(o, f) + size * mg_skew(o, f, curves);
 }
 
 /* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
@@ -38,14 +46,29 @@ static void mg_foot(const mg_context *c, int link, int side, const mg_sample *ba
   mg_point_in(c, link, side, foot->point, foot->local);
 }
 
-/* For each of the n samples of the rows the best of the others: its merit and index. */
+/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is tried
+   first; as many of the others are passed over as lie too far away, no two in a row being farther apart than `widest`. */
 static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
+  const mg_sample *other = c->sample + MG_SAMPLES;
+  mg_real widest = 0;
+  int mate = 0;
+  for (int j = 1; j < others; j++) {
+    const mg_real wide = mg_between(other + j - 1, other + j);
+    if (!(wide <= widest)) widest = wide;
+  }
   for (int i = 0; i < n; i++) {
-    c->merit[i] = MG_MAX, c->mate[i] = 0;
+    const mg_sample *own = c->sample + i;
+    mg_real best = mg_merit(own, other + mate, curves, size);
+    if (!(best <= MG_MAX)) best = MG_MAX;
     for (int j = 0; j < others; j++) {
-      const mg_real merit = mg_merit(c->sample + i, c->sample + MG_SAMPLES + j, curves, size);
-      if (merit < c->merit[i]) c->merit[i] = merit, c->mate[i] = j;
+      const mg_real apart = mg_between(own, other + j), passed = (apart - best) / widest;
+      if (passed >= others) break;
+      if (passed >= 1) j += (int)passed - 1;
+      if (passed >= 0) continue;
+      const mg_real merit = apart + size * mg_skew(own, other + j, curves);
+      if (merit < best) best = merit, mate = j;
     }
+    c->merit[i] = best, c->mate[i] = mate;
   }
 }
 

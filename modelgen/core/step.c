@@ -49,6 +49,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 static void mg_watch(mg_context *c) {
+  if (c->suspect) return;
   const mg_real deep = -c->set->gap * c->sys->length;
   if (mg_any_patch_ends(c)) c->suspect = 1;
   for (int i = 0; i < c->first_pad; i++)

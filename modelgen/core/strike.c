@@ -62,5 +62,6 @@ static void mg_note_gain(mg_context *c, int n) {
 /* After an impact grips are told by their slip anew. */
 static void mg_forget_slip(mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++) c->run->grip[g] = MG_LOOSE, c->slipped[g] = 0;
+  mg_forget_rubs(c);
   mg_slip_rates(c);
 }

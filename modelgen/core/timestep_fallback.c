@@ -17,12 +17,20 @@ static int mg_is_closed_to_events(int outcome) {
          outcome == MG_STEP_TOO_SMALL;
 }
 
-/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on. */
+static int mg_is_gripped(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact && c->sys->n_grip; i++)
+    if (c->run->closed[i] && c->sys->contact_grip[i + 1] > c->sys->contact_grip[i]) return 1;
+  return 0;
+}
+
+/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as where
+   slip begins or ends too slowly to be told, all hardly move. */
 static int mg_crawls(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->watch_tries, refused = run->rejected - run->watch_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
-  const int crawls = 3 * refused > tries && run->t - run->watch_t < c->set->crawl * c->sys->time;
+  const mg_real way = run->t - run->watch_t, least = c->set->crawl * c->sys->time;
+  const int crawls = way < least && (3 * refused > tries || (10 * way < least && mg_is_gripped(c)));
   run->watch_tries += tries, run->watch_rejected = run->rejected, run->watch_t = run->t;
   return crawls;
 }

@@ -186,6 +186,16 @@ static mg_real mg_reach_of_track(const mg_hull *h, int i) {
   return most;
 }
 
+/* Whether the region that an arc bounds lies on its right. */
+static int mg_has_right(const mg_hull *h, int i) {
+  const mg_track *k = h->track + i;
+  mg_real x[2], T[2];
+  mg_on(k, (k->t0 + k->t1) / 2, x, T);
+  mg_unit2(T);
+  const mg_real step = 8 * MG_SHARES * h->regions->shared, right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
+  return mg_is_inside(h, k->side, right) == 1;
+}
+
 static void mg_divide_tracks(mg_hull *h) {
   const mg_regions *r = h->regions;
   for (int i = 0; i < r->n_arc; i++) {
@@ -197,10 +207,12 @@ static void mg_divide_tracks(mg_hull *h) {
   }
   mg_divide_all(h);
   for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
+  for (int i = 0; i < r->n_arc; i++) h->track[i].right = mg_has_right(h, i);
 }
 
 static void mg_place_tracks(mg_hull *h, const mg_real *pose) {
   const mg_regions *r = h->regions;
+  h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
     const mg_track *k = h->track + i;
     mg_place_track(h, i, pose);

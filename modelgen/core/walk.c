@@ -66,7 +66,6 @@ static void mg_leave(mg_context *c, mg_events *events, int contact) {
     mg_found *left = c->left.list + c->left.count++;
     mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
     left->link = c->run->link[contact];
-    for (int k = 0; k < 6; k++) left->eta[k] = k < c->n_eta[contact] ? mg_eta_of(c, c->run->x, contact)[k] : 0;
     mg_note_place(c, left);
   }
   const int silent = mg_is_for_flat(c, c->run->link[contact]);
@@ -175,7 +174,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (!mg_is_taken_up(c, each)) continue;
+    if (!mg_is_taken_up(c, each) || (each->d < -c->set->start_gap * s->length && mg_touches_there(c, each))) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
@@ -220,14 +219,14 @@ static mg_real mg_pair_clearance(const mg_context *c, int pair) {
 }
 
 /* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
-   its own, those that are there do for the others. */
+   its own and one ends where the next begins, those that are there do for the others. */
 static mg_real mg_sight(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real sight = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     const int unwatched = mg_is_unwatched(c, pair);
-    if (mg_has_own_links(c, pair) && !unwatched) continue;
+    if (mg_has_own_links(c, pair) && !unwatched && s->pair_search[pair] != MG_SEARCH_AHEAD) continue;
     const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from modelgen.measure.motion import Array, Bodies, Motion
-from modelgen.runtime.trajectory import Event
+from modelgen.runtime.apart import angle_between, events_between, forces_between
 
 
 def separation(a: Motion, b: Motion, bodies: Bodies) -> Array:
@@ -43,7 +41,7 @@ def errors(found: Motion, true: Motion, bodies: Bodies, horizon: float | None) -
         "position": float(np.linalg.norm((mine.p - theirs.p).astype(float), axis=-1).max(initial=0.0)),
         "rotation": _angle(mine, theirs, bodies),
         "force": _force(mine, theirs),
-        **_events(found.events, true.events, end),
+        **events_between(found.events, true.events, end),
         **found.invariants,
     }
     if horizon is not None:
@@ -99,35 +97,10 @@ def _axes(quaternion: Array) -> Array:
 
 
 def _angle(a: Motion, b: Motion, bodies: Bodies) -> float:
-    """The largest rotation between the two, rad, from the chord of their unit quaternions."""
+    """The largest rotation between the two, rad."""
     turning = [k for k, turns in enumerate(bodies.turning) if turns]
-    p, q = a.rotation[:, turning], b.rotation[:, turning]
-    chord = np.minimum(np.linalg.norm(p - q, axis=-1), np.linalg.norm(p + q, axis=-1))
-    return float(4 * np.arcsin(np.minimum(chord / 2, 1.0)).max(initial=0.0))
+    return float(angle_between(a.rotation[:, turning], b.rotation[:, turning]).max(initial=0.0))
 
 
 def _force(a: Motion, b: Motion) -> float | None:
-    if a.force is None or b.force is None or b.force.size == 0 or a.force.shape != b.force.shape:
-        return None
-    return float(np.sqrt(((a.force - b.force).astype(float) ** 2).mean())) / _size(b.force.astype(float))
-
-
-def _events(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
-    """Largest difference of event times, each matched with its like in order, and how many have none."""
-    if found is None or true is None or not (found or true):
-        return {"events": None, "events_unmatched": None}
-    times = [_by_kind(events, end) for events in (found, true)]
-    worst, unmatched = 0.0, 0
-    for key in times[0].keys() | times[1].keys():
-        mine, theirs = times[0].get(key, []), times[1].get(key, [])
-        unmatched += abs(len(mine) - len(theirs))
-        worst = max([worst, *(abs(a - b) for a, b in zip(mine, theirs, strict=False))])
-    return {"events": worst, "events_unmatched": unmatched}
-
-
-def _by_kind(events: Sequence[Event], end: float) -> dict[tuple[str, str], list[float]]:
-    times: dict[tuple[str, str], list[float]] = defaultdict(list)
-    for event in events:
-        if event.t <= end:
-            times[event.kind, event.contact].append(event.t)
-    return times
+    return None if a.force is None or b.force is None else forces_between(a.force, b.force)

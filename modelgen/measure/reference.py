@@ -67,7 +67,7 @@ def reference_of(subject: Subject, space: Space) -> Reference:
     motions = [motion_of(path, bodies) for path in settled]
     ending = _common_end(settled)
     apart = separation(motions[0], motions[1], bodies)
-    twin = motion_of(subject.run(_nudged(first), finest), bodies)
+    twin = motion_of(subject.run(nudged(first), finest), bodies)
     growth = separation(twin, motions[0], bodies) / ROUNDING
     horizon, n, reason = _horizon(motions[0].t, apart, growth)
     return Reference(
@@ -107,7 +107,7 @@ def _common_end(paths: list[Trajectory]) -> str:
     return early[0].outcome.value if early else ""
 
 
-def _nudged(library: Library) -> Library:
+def nudged(library: Library) -> Library:
     """The same scene with gravity changed by one rounding of double precision, in size and direction."""
     sentence = deepcopy(library.manifest.sentence)
     scales = sentence["scales"]

@@ -27,7 +27,7 @@ from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
 
-FORMAT = 1  # of what is remembered; another one makes the old unknown
+FORMAT = 2  # of what is remembered; another one makes the old unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ class Subject:
 
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""
-        path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy)
+        path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy, estimate=False)
         if path.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return path

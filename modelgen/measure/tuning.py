@@ -87,7 +87,9 @@ def tune(
         raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
     demand = Demand(error, budget)
     report = on_progress or (lambda text: None)
-    found = measure(scene, until=until, knobs=knobs, limit=limit, root=root, on_progress=on_progress)
+    found = measure(
+        scene, until=until, knobs=knobs, count=False, limit=limit, root=root, on_progress=on_progress
+    )
     if found.interrupted and "interrupted" in found.interrupted:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modelgen.runtime.regions import Arc, Overlap, overlap
+from modelgen.runtime.regions import Arc, overlap
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
-    from modelgen.runtime.trajectory import Trajectory
 
 Array = np.ndarray[Any, Any]
 
@@ -24,7 +23,7 @@ def face_outlines(library: Library, patches: Sequence[int]) -> dict[str, Array]:
         entry = library.manifest.sentence["patches"][k]
         face = library.manifest.sentence["faces"][entry["faces"][1]]
         axes = np.array(face["placement"], dtype=float)
-        loops = overlap(library, (), _arcs(face)).outline
+        loops = overlap(library, (), arcs_of(face)).outline
         gap = np.full((1, 2), np.nan)
         flat = np.vstack([part for loop in loops for part in (loop, loop[:1], gap)])[:-1]
         found[f"{k}_outline"] = axes[:3] + flat @ axes[3:9].reshape(2, 3)
@@ -32,33 +31,8 @@ def face_outlines(library: Library, patches: Sequence[int]) -> dict[str, Array]:
     return found
 
 
-def patch_overlap(library: Library, trajectory: Trajectory, sample: int, patch: int) -> Overlap:
-    """The regions of a patch laid on each other at a sample of a run, and its centre of pressure against
-    their hull, in the axes of o's face; of f's where o's is a whole plane."""
-    entry = library.manifest.sentence["patches"][patch]
-    o, f = (library.manifest.sentence["faces"][k] for k in entry["faces"])
-    whole = not o["boundary"]
-    hull, other = (_face_pose(trajectory, sample, face) for face in ((f if whole else o), f))
-    slots = np.flatnonzero(trajectory.patch[sample] == patch)
-    centre = trajectory.patch_point[sample, slots[0]] if len(slots) else np.full(3, np.nan)
-    R = hull[3:].reshape(3, 3)  # its rows are the axes
-    pose = np.concatenate([R @ (other[:3] - hull[:3]), (R @ other[3:].reshape(3, 3).T).T.ravel()])
-    point = (R @ (np.asarray(centre, dtype=float) - hull[:3]))[None, :2]
-    return overlap(library, () if whole else _arcs(o), _arcs(f), pose, point)
-
-
-def _face_pose(trajectory: Trajectory, sample: int, face: Mapping[str, Any]) -> Array:
-    """(12,): the axes of a face in the world at a sample."""
-    body, axes = int(face["body"]), np.array(face["placement"], dtype=float)
-    w, *spin = np.asarray(trajectory.quaternion[sample, body], dtype=float)
-    vectors = axes.reshape(4, 3)
-    inner = 2.0 * np.cross(spin, vectors)
-    turned = vectors + w * inner + np.cross(spin, inner)
-    turned[0] += trajectory.p[sample, body]
-    return np.asarray(turned.ravel())
-
-
-def _arcs(face: Mapping[str, Any]) -> tuple[Arc, ...]:
+def arcs_of(face: Mapping[str, Any]) -> tuple[Arc, ...]:
+    """The boundary of a face of the manifest, in the axes of the face."""
     return tuple(
         Arc(arc["kind"], arc["parameters"], tuple(arc["ends"]), arc["placement"], arc["loop"])
         for arc in face["boundary"]

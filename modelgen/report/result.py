@@ -66,8 +66,36 @@ _PATCH = _object(
     {
         "force": _entry(_NUMBER, "that presses them together, N"),
         "centre_of_pressure": _numbers(3, "where it acts, m, world axes"),
+        "friction": _numbers(3, "on the second face, N, world axes"),
+        "torque": _entry(_NUMBER, "of friction on it about the normal through the centre of pressure, N m"),
+        "slip": _numbers(3, "of the second face past the first there, m/s, world axes"),
+        "spin": _entry(_NUMBER, "of it past the first about the normal from the first to it, rad/s"),
     },
 )
+_ESTIMATE = _object(
+    "the estimated global error of the run, by a second, finer run; null where none was asked for",
+    {
+        "status": _entry(
+            "string",
+            "or uncertified: something may be wrong that a second run cannot show",
+            enum=["estimated", "beyond predictable horizon", "uncertified"],
+        ),
+        "statement": _entry("string", "all of it in words"),
+        "position": _entry(_NUMBER, "of a body's centre up to the last sample that is predicted, m"),
+        "rotation": _entry(_NUMBER, "of a body's rotation, rad"),
+        "gap": _entry(_NUMBER, "m"),
+        "force": _entry(_NUMBER, "root mean square over that of the forces"),
+        "events": _entry(_NUMBER, "of event times, s"),
+        "events_unmatched": _entry(["integer", "null"], "events that one of the two runs has alone"),
+        "horizon": _entry(_NUMBER, "the last sample that is predicted, s; null: all are"),
+        "uncertified": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "reasons, such as closest points that are sought by sampling",
+        },
+        "rhs_evals": _entry("integer", "evaluations of the right-hand side that it took", minimum=0),
+    },
+) | {"type": ["object", "null"]}
 _SHAPE = _entry(
     "object",
     "each dynamic body's part, the largest entry 1",
@@ -116,6 +144,7 @@ _PROPERTIES = {
         "items": {"type": "string"},
         "description": "what the user should know of the run, such as a margin that fell low",
     },
+    "estimate": _ESTIMATE,
     "steps": _entry("integer", "accepted integration steps", minimum=0),
     "rejected": _entry("integer", "steps repeated with a smaller size", minimum=0),
     "rhs_evals": _entry("integer", "evaluations of the right-hand side", minimum=0),

@@ -26,15 +26,19 @@ class Following:
 def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry], explicit: bool) -> Following:
     """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
 
-    A plane is held off by every vertex, edge and bulge at once, unless these run into one another. Two convex
-    shapes, one of them round, touch once; others in several points, searched for as the bodies move, or after
-    every step where there are edges, which come down on faces all along.
+    A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
+    surface or curve has several; of a convex body one follows the other down, of others any may come down
+    next, so that steps are kept short. Two convex shapes, one of them round, touch once; others in several
+    points, searched for as the bodies move, or after every step where there are edges, which come down on
+    faces all along.
     """
-    leading = any(condition.next >= 0 for link in links for condition in link.conditions)
-    if (_is_plane(a) or _is_plane(b)) and not (leading and (runs_on(a) or runs_on(b))):
-        bounded = is_composite(a) or is_composite(b)
-        return Following(len(links), True, "always" if bounded or explicit else "moved")
     once = touches_once(a, b)
+    leading = any(condition.next >= 0 for link in links for condition in link.conditions)
+    several = len(links) == 1 and not once and not explicit
+    if (_is_plane(a) or _is_plane(b)) and not several and not (leading and (runs_on(a) or runs_on(b))):
+        bounded = is_composite(a) or is_composite(b)
+        search: Search = "always" if bounded or explicit else "moved"
+        return Following(len(links), True, search if once or len(links) == 1 else "ahead")
     if once and len(links) == 1:
         return Following(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):

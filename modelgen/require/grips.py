@@ -15,6 +15,15 @@ def rows_of(pair: ContactPair) -> Rows:
     return 6 if pair.rolling_resistance or pair.spinning_resistance else 3
 
 
+def rubs(pair: ContactPair) -> bool:
+    """Whether the friction of a pair is summed over faces that lie on each other.
+
+    It must be alike in all directions, and no resistance besides.
+    """
+    resists = pair.rolling_resistance or pair.spinning_resistance
+    return pair.friction is not None and pair.friction.direction is None and not resists
+
+
 def grips_of(pair: ContactPair, first: int) -> tuple[Grip, ...]:
     """What friction and resistances hold at each contact of a pair; `first`: the index of its first body."""
     if pair.friction is None:

@@ -94,11 +94,13 @@ def find_body(scene: Scene, name: str, where: str) -> int:
     return names.index(name)
 
 
-def pair_up(a: Partner, b: Partner, pair: ContactPair, where: str) -> tuple[ContactKind, bool]:
+def pair_up(
+    a: Partner, b: Partner, pair: ContactPair, where: str, rows: Rows | None = None
+) -> tuple[ContactKind, bool]:
     """The kind of the contact with its sides in canonical order, and whether that order is (b, a)."""
     swapped = order(a.kind, b.kind)
     o, f = (b.side, a.side) if swapped else (a.side, b.side)
-    rows = rows_of(pair)
+    rows = rows_of(pair) if rows is None else rows
     form = _form(o, f, rows, pair.form, where)
     name = "_".join([o.shape.name, f.shape.name, form, *SUFFIX[rows]])
     return ContactKind(name, form, o, f, rows), swapped

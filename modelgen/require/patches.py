@@ -9,6 +9,7 @@ from math import cos, pi, sin
 
 from modelgen.geometry.regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
+from modelgen.require.grips import rubs
 from modelgen.require.links import Whole
 from modelgen.require.pads import PADS, bearer_of
 from modelgen.require.pairing import Partner, pair_up, shape_kind
@@ -71,10 +72,10 @@ def patches_of(
 ) -> tuple[PatchEntry, ...]:
     """The patches of a pair of shapes with these links, the first of which has the number `first`.
 
-    Faces with friction on each other stand on points.
+    Faces with friction that depends on the direction, or with resistances, stand on points.
     """
     found: list[PatchEntry] = []
-    if pair.friction is not None:
+    if pair.friction is not None and not rubs(pair):
         return ()
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:
@@ -82,12 +83,16 @@ def patches_of(
         halves = Half(a, one), Half(b, two)
         covered = tuple(first + k for k, link in enumerate(links) if _lies_in(link.features, halves))
         order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
-        kind, parameters = _pads(order, pair, where, faces.shapes, kinds)
+        kind, rubbing, parameters = _pads(order, pair, where, faces.shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
         numbers = tuple(faces.index(half.whole, half.region) for half in order)
-        found.append(
-            PatchEntry(f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered)
+        entry = PatchEntry(
+            f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
         )
+        if pair.friction is not None:
+            friction = pair.friction.static[0], pair.friction.kinetic[0]
+            entry = replace(entry, rubbing=rubbing, friction=friction)
+        found.append(entry)
     return tuple(found)
 
 
@@ -115,18 +120,20 @@ def _pads(
     where: str,
     shapes: Vocabulary[ShapeKind],
     kinds: Vocabulary[ContactKind],
-) -> tuple[int, tuple[tuple[float, ...], ...]]:
-    """The kind of contact of three points of f on the plane of o, and the parameters of each."""
+) -> tuple[int, int, tuple[tuple[float, ...], ...]]:
+    """The kind of contact of three points of f on the plane of o, that of the first with friction, and the
+    parameters of each."""
     o, f = order
     plane = _partner(o.whole, Shape("plane", pose=_pose(o.whole, o.region), name="plane"), shapes)
     free = replace(pair, form="auto")
-    parameters, kind = [], -1
+    parameters, kind, rubbing = [], -1, -1
     for k in range(PADS):
         point = _partner(f.whole, _pad(f, 2 * pi * k / PADS), shapes)
-        entry, _ = pair_up(plane, point, free, where)
-        kind = kinds.index(entry)
+        kind = kinds.index(pair_up(plane, point, free, where, 1)[0])
+        if pair.friction is not None and k == 0:
+            rubbing = kinds.index(pair_up(plane, point, free, where, 6)[0])
         parameters.append(plane.parameters + point.parameters)
-    return kind, tuple(parameters)
+    return kind, rubbing, tuple(parameters)
 
 
 def _partner(whole: Whole, shape: Shape, shapes: Vocabulary[ShapeKind]) -> Partner:

@@ -69,8 +69,9 @@ def _add_points(integers: dict[str, list[int]], parameters: list[float], sentenc
         o, f = (faces[face]["body"] for face in patch["faces"])
         for slot in range(*patch["slots"]):
             pairs[slot] = patch["pair"]
-        for values in patch["pads"]:
-            _add_link(integers, patch, o, f, append(parameters, values))
+        for number, values in enumerate(patch["pads"]):
+            kind = patch["kind"] if number else patch.get("rubbing", patch["kind"])
+            _add_link(integers, kind, patch["pair"], o, f, append(parameters, values))
     for _, pair in sorted(pairs.items()):
         for _ in range(PADS):
             integers["contact_pair"].append(pair)
@@ -78,9 +79,9 @@ def _add_points(integers: dict[str, list[int]], parameters: list[float], sentenc
             integers["contact_link"].append(-1)
 
 
-def _add_link(integers: dict[str, list[int]], patch: Mapping[str, Any], o: int, f: int, start: int) -> None:
+def _add_link(integers: dict[str, list[int]], kind: int, pair: int, o: int, f: int, start: int) -> None:
     row = {
-        **{"link_kind": patch["kind"], "link_o": o, "link_f": f, "link_pair": patch["pair"]},
+        **{"link_kind": kind, "link_o": o, "link_f": f, "link_pair": pair},
         **{"link_group": -1, "link_parameters": start, "link_condition": integers["link_condition"][-1]},
     }
     for name, value in row.items():
@@ -93,3 +94,14 @@ def point_restitutions(sentence: Mapping[str, Any]) -> Sequence[float]:
     """Of the points of all places, the last contacts."""
     pairs = {slot: patch["pair"] for patch in sentence["patches"] for slot in range(*patch["slots"])}
     return [sentence["pairs"][pair]["restitution"] for _, pair in sorted(pairs.items()) for _ in range(PADS)]
+
+
+def patch_friction(sentence: Mapping[str, Any]) -> list[float]:
+    """Static and kinetic coefficient of each patch, 0 without friction."""
+    return [value for patch in sentence["patches"] for value in patch.get("friction", (0.0, 0.0))]
+
+
+def rubbing_points(sentence: Mapping[str, Any]) -> Sequence[bool]:
+    """Of the points of all places, those that have rows of friction."""
+    rubs = {slot: "friction" in patch for patch in sentence["patches"] for slot in range(*patch["slots"])}
+    return [rubs and k == 0 for _, rubs in sorted(rubs.items()) for k in range(PADS)]

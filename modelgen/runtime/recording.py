@@ -23,7 +23,11 @@ class Recording:
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
             **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
             **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
-            **{"patch": (n, session.n_slot), "pressure": (n, session.n_slot, 4)},
+            **{
+                "patch": (n, session.n_slot),
+                "pressure": (n, session.n_slot, 4),
+                "rub": (n, session.n_slot, 8),
+            },
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
@@ -56,6 +60,10 @@ class Recording:
             **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "link")},
             "patch_force": kept["pressure"][..., 0],
             "patch_point": kept["pressure"][..., 1:],
+            "patch_friction": kept["rub"][..., :3],
+            "patch_torque": kept["rub"][..., 3],
+            "patch_slip": kept["rub"][..., 4:7],
+            "patch_spin": kept["rub"][..., 7],
             **joint_columns(self.session, kept, rotation),
             "points_o": kept["point_o"][:, : self.session.n_shown],
             "points_f": kept["point_f"][:, : self.session.n_shown],

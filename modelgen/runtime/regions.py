@@ -82,7 +82,7 @@ def overlap(
     """
     if not f:
         raise SimulationError("overlap", "no arcs for the region of f", "one or more", "give its boundary")
-    query, found = _query(core.dtype, o, f, pose, points, fine)
+    query, found = query_of(core.dtype, o, f, pose, points, fine)
     core.cdll.mg_region_size.restype = ctypes.c_long
     work = np.empty(core.cdll.mg_region_size(len(o) + len(f), len(o)), dtype=core.dtype)
     sides = core.cdll.mg_region(ctypes.byref(query), ctypes.c_void_p(address(work)))
@@ -94,7 +94,7 @@ def overlap(
     return Overlap(outline=loops, hull=hull[0] if hull else np.zeros((0, 2)), sides=sides, **found)
 
 
-def _query(
+def query_of(
     real: Any, o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array | None, fine: int
 ) -> tuple[Any, dict[str, Array]]:
     """The mg_region_query without room for outlines, and the arrays that it fills in."""

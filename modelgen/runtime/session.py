@@ -38,7 +38,7 @@ class Session:
         n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
         self.system, self._kept = fill_system(self.tables, library.manifest, self._scales())
-        self.settings = fill_settings(self.tables, accuracy)
+        self.settings = fill_settings(self.tables, accuracy, library.manifest.sentence)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]
         self.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = sentence["initial_u"]
@@ -46,6 +46,7 @@ class Session:
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
         grips = int(self.system.n_grip)
         self.grip, self.course = np.zeros(grips + 1, dtype=np.intc), self._reals(3 * grips + 1)
+        self.rub, self.rub_course = np.zeros(self.n_slot + 1, dtype=np.intc), self._reals(4 * self.n_slot + 1)
         self.share = self._reals(n_contact + int(self.system.n_below) + 1)
         self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
@@ -99,6 +100,11 @@ class Session:
             "speed": self._reals(capacity),
         }
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
+
+    def arrays(self) -> dict[int, Array]:
+        """All arrays that the records point into, by address."""
+        of_run = [getattr(self, name) for name in RUN_ARRAYS]
+        return {address(array): array for array in (*self._kept, *of_run, *self.event_arrays.values())}
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -12,14 +13,19 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy, is_number
 from modelgen.runtime.advice import warnings
+from modelgen.runtime.companion import estimate_of, nudge
+from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import Stepping, accuracy_of
+from modelgen.runtime.tables import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
+
+Report = Callable[[float], None] | None  # told the share that is done
 
 
 def simulate(
@@ -28,6 +34,7 @@ def simulate(
     until: float | None = None,
     accuracy: Accuracy | str | None = None,
     samples: int | None = None,
+    estimate: bool | None = None,
     on_progress: Callable[[float], None] | None = None,
     **stepping: Unpack[Stepping],
 ) -> Trajectory:
@@ -38,7 +45,9 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
-        on_progress: called with the share of simulated time done, about five times a second.
+        estimate: whether a companion run follows, from which the error is estimated; the scene's own, or
+            True, when None. It costs 1 to 1.4 times what the run does.
+        on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Returns:
@@ -53,14 +62,41 @@ def simulate(
     sentence = library.manifest.sentence
     end, intervals = _extent(sentence, until, samples)
     chosen = accuracy_of(sentence, accuracy, stepping)
+    doubled = sentence["run"].get("estimate", True) if estimate is None else estimate
+    half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
+    path = _path(Session(library, chosen), end, np.linspace(0.0, end, intervals + 1), half)
+    if not doubled or not len(path.t):
+        return path
+    return replace(path, estimate=_estimate(library, chosen, path, _part(on_progress, 0.5, 1.0)))
+
+
+def _part(report: Report, start: float, end: float) -> Report:
+    """Progress of a part of the work, as progress of the whole."""
+    return report and (lambda share: report(start + (end - start) * share))
+
+
+def _path(session: Session, end: float, times: Array, report: Report) -> Trajectory:
+    """One run, with samples at `times`."""
     started = time.perf_counter()
-    session = Session(library, chosen)
     session.begin()
-    recording = Recording(session, np.linspace(0.0, end, intervals + 1))
-    outcome, events = _run(session, end, recording, on_progress)
+    recording = Recording(session, times)
+    outcome, events = _run(session, end, recording, report)
     recording.end()
     wall = time.perf_counter() - started
-    return _trajectory(session, recording, outcome, events, chosen, wall)
+    return _trajectory(session, recording, outcome, events, session.accuracy, wall)
+
+
+def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
+    """The error of a run, by its companion; a run that was interrupted has none."""
+    sentence = library.manifest.sentence
+    if path.outcome is Outcome.INTERRUPTED:
+        return estimate_of(path, None, accuracy, sentence, "interrupted")
+    twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
+    nudge(twin)
+    try:
+        return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, sentence)
+    except SimulationError as refused:
+        return estimate_of(path, None, accuracy, sentence, str(refused))
 
 
 def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
@@ -78,9 +114,7 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
     return float(end), int(intervals)
 
 
-def _run(
-    session: Session, end: float, recording: Recording, on_progress: Callable[[float], None] | None
-) -> tuple[Outcome, list[Event]]:
+def _run(session: Session, end: float, recording: Recording, report: Report) -> tuple[Outcome, list[Event]]:
     if session.start_code:
         return OUTCOME_OF_CODE[session.start_code], session.drain_events()
     events: list[Event] = []
@@ -95,8 +129,8 @@ def _run(
             if code == CONTINUE:
                 elapsed = max(time.perf_counter() - before, 1e-6)
                 chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
-            if on_progress:
-                on_progress(float(session.run.t) / end)
+            if report:
+                report(float(session.run.t) / end)
     except KeyboardInterrupt:
         done = session.run.t >= end
         return Outcome.DONE if done else Outcome.INTERRUPTED, events + session.drain_events()

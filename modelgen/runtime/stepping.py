@@ -8,8 +8,8 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 CAUSES = {
     Outcome.COMPLEMENTARITY: "no contact forces keep the bodies apart",
     Outcome.NO_FRICTION: "no contact forces obey Coulomb's law: inconsistent (Painleve), or jammed",
-    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
     Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
+    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
 }
 
 
@@ -21,7 +21,7 @@ def stepping_warnings(session: Session) -> list[str]:
         found.append(
             f"at t = {float(run.fall_first):.6g} s the event-driven run could not go on: "
             f"{CAUSES[OUTCOME_OF_CODE[run.fall_cause]]}; it went on by time-stepping{more}, for "
-            f"{float(run.fall_time):.3g} s, which is of order 1: fallback = false ends it there instead"
+            f"{float(run.fall_time):.3g} s, which is of order 1: fallback = false forbids that"
         )
     if run.rough:
         found.append(

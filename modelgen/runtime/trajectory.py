@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.estimate import Estimate
+
 Array = np.ndarray[Any, Any]
 
 
@@ -99,6 +101,10 @@ class Trajectory:
     patch: Array  # (n, n_slot) index into `patch_names` of a patch that rests, -1 none
     patch_force: Array  # (n, n_slot) N
     patch_point: Array  # (n, n_slot, 3) m, centre of pressure; NaN where none rests
+    patch_friction: Array  # (n, n_slot, 3) N, world, on the second face
+    patch_torque: Array  # (n, n_slot) N m, of friction on it about the normal through the centre of pressure
+    patch_slip: Array  # (n, n_slot, 3) m/s, world, of the second face past the first there
+    patch_spin: Array  # (n, n_slot) rad/s, about the normal from the first to the second
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
@@ -128,6 +134,17 @@ class Trajectory:
     instructions: dict[str, int]
     accuracy: str
     warnings: tuple[str, ...] = ()
+    estimate: Estimate | None = None  # of the run's own error; None where none was asked for
+
+    @property
+    def position_error(self) -> Array:
+        """(n,) m, the estimated error of a body's centre up to each sample; infinite where unknown."""
+        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.position
+
+    @property
+    def rotation_error(self) -> Array:
+        """(n,) rad, the same of a body's rotation."""
+        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
 
     @property
     def reaches_its_end(self) -> bool:
@@ -150,6 +167,7 @@ class Trajectory:
             "outcome_contact": self.outcome_contact,
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
+            "estimate": self.estimate and self.estimate.as_json(),
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,
@@ -180,6 +198,10 @@ class Trajectory:
             self.patch_names[patch]: {
                 "force": float(self.patch_force[sample, slot]),
                 "centre_of_pressure": self.patch_point[sample, slot].tolist(),
+                "friction": self.patch_friction[sample, slot].tolist(),
+                "torque": float(self.patch_torque[sample, slot]),
+                "slip": self.patch_slip[sample, slot].tolist(),
+                "spin": float(self.patch_spin[sample, slot]),
             }
             for slot, patch in enumerate(self.patch[sample].tolist())
             if patch >= 0

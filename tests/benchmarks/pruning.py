@@ -1,8 +1,8 @@
 """What each decision to leave something out saves, over the shipped scenes: instructions and bytes.
 
 `python -m tests.benchmarks.pruning [--machine] [SCENE ...]` derives each scene as it stands and with each
-decision undone. Bytes are those of C text; with --machine both are compiled, and bytes are those of the library's
-text section by `size`.
+decision undone. Bytes are those of C text; with --machine both are compiled, and bytes are those of the
+library's text section by `size`.
 """
 
 from __future__ import annotations

@@ -12,7 +12,10 @@ import pytest
 
 from tests.core.compiling import CORE, REALS, CoreBuild, compile_core, compiler, core_in
 
-REGIONS = ("crossings", "hull", "inside", "lay", "margin", "outline", "region", "tracks")
+REGIONS = (
+    *("crossings", "hull", "inside", "lay", "limit_surface", "margin", "outline"),
+    *("pressing", "region", "rubbing", "tracks"),
+)
 
 
 @pytest.fixture(scope="session")

@@ -48,7 +48,7 @@ def manifest_of(name: str) -> Manifest:
 
 def api() -> set[str]:
     """The functions that the public headers of the core declare."""
-    names = ("modelgen.h", "lcp.h", "friction.h")
+    names = ("modelgen.h", "planar_queries.h", "lcp.h", "friction.h")
     headers = [(files("modelgen") / "core" / name).read_text() for name in names]
     return {symbol for text in headers for symbol in re.findall(r"^MG_API .*?(mg_\w+)\(", text, re.M)}
 

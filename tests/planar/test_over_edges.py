@@ -112,7 +112,7 @@ OUTLINES = {
 def test_a_plate_that_tips_over_a_straight_edge_moves_alike_whatever_its_outline(
     name: str, spin: float
 ) -> None:
-    """While the edge lies in its bottom, it is all one where its sides cross the edge and which corners pass."""
+    """While the edge lies in its bottom, it is all one where its sides cross it and which corners pass."""
     table = make.box(0.4, 0.4, 0.1, position=[0, 0, -0.05])
     paths = [
         slid(

@@ -22,6 +22,7 @@ def ball_on_table(n: int = 41) -> Record:
         **{"points_o": touching, "points_f": touching, "normals": np.tile([[[0.0, 0.0, 1.0]]], (n, 1, 1))},
         **{"energy": np.full(n, 0.5), "work": np.zeros(n), "coordinates": np.zeros((n, 0))},
         **{"joint_force": np.zeros((n, 0, 3)), "joint_torque": np.zeros((n, 0, 3))},
+        **{"position_error": np.full(n, 1e-9), "rotation_error": np.full(n, 1e-9)},
         **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_point": np.zeros((n, 0, 3))},
     }
     meshes = {"0_o": np.zeros((3, 4, 3)) + np.linspace(0, 1, 4)[None, :, None]}

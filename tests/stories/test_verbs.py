@@ -51,6 +51,13 @@ def test_check_prints_the_same_as_text(modelgen: Modelgen) -> None:
         assert str(each["saved"]["instructions"]) in text
 
 
+def test_check_tells_which_faces_rest_on_each_other_at_the_start(modelgen: Modelgen) -> None:
+    facts = modelgen("check", "scenes/glass_on_table.toml", "--json").json
+    assert facts["patches"] == ["glass-table:bottom", "glass-table:top"]
+    assert facts["patches_at_start"] == ["glass-table:bottom"]
+    assert "bottom (at the start), top" in modelgen("check", "scenes/glass_on_table.toml").out
+
+
 def test_check_cuts_no_name(modelgen: Modelgen) -> None:
     lines = modelgen("check", "scenes/linked_rings.toml").out.splitlines()
     (contact,) = modelgen("check", "scenes/linked_rings.toml", "--json").json["contacts"]

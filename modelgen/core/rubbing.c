@@ -1,0 +1,132 @@
+/* Coulomb friction summed over what is pressed (rubbing.h), from integrals along its boundary.
+
+   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the integral
+   along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is smooth on
+   curves but near the centre, towards which these are divided. Where the centre is far, the direction is smooth all over the
+   region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few nodes. */
+#include "rubbing.h"
+
+#define MG_AWAY 3       /* extents: from there on the centre of rotation is far */
+#define MG_FAR_AWAY 40
+
+typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
+  mg_real centre[2], e[2], ed[3], r, rd[2];
+} mg_ring;
+
+/* Adds a piece of boundary at d with weight d cross dx. */
+static void mg_add_ring(mg_ring *g, mg_real weight, const mg_real *d) {
+  const mg_real r = sqrt(mg_dot2(d, d));
+  if (!(r > 0)) return;
+  const mg_real x = d[0] / r, y = d[1] / r;
+  g->e[0] += weight * x / 2, g->e[1] += weight * y / 2;
+  g->ed[0] += weight * x * d[0] / 3, g->ed[1] += weight * x * d[1] / 3, g->ed[2] += weight * y * d[1] / 3;
+  g->r += weight * r / 3, g->rd[0] += weight * r * d[0] / 4, g->rd[1] += weight * r * d[1] / 4;
+}
+
+/* Adds a straight piece of boundary from P to Q. */
+static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
+  const mg_real length = mg_apart2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
+  if (!(length > 0)) return;
+  const mg_real t[2] = {(Q[0] - P[0]) / length, (Q[1] - P[1]) / length}, h = mg_cross2(p, t);
+  if (h == 0) return;
+  const mg_real a = mg_dot2(p, t), b = a + length, f[2] = {h * t[1], -h * t[0]};
+  const mg_real ra = sqrt(a * a + h * h), rb = sqrt(b * b + h * h);
+  const mg_real k0 = asinh(b / fabs(h)) - asinh(a / fabs(h)), k1 = (b + a) * length / (rb + ra);
+  const mg_real k2 = (b * rb - a * ra - h * h * k0) / 2, r0 = (b * rb - a * ra + h * h * k0) / 2;
+  const mg_real r1 = (rb * rb * rb - ra * ra * ra) / 3;
+  for (int i = 0; i < 2; i++)
+    g->e[i] += h / 2 * (f[i] * k0 + t[i] * k1), g->rd[i] += h / 4 * (f[i] * r0 + t[i] * r1);
+  g->ed[0] += h / 3 * (f[0] * f[0] * k0 + 2 * f[0] * t[0] * k1 + t[0] * t[0] * k2);
+  g->ed[1] += h / 3 * (f[0] * f[1] * k0 + (f[0] * t[1] + f[1] * t[0]) * k1 + t[0] * t[1] * k2);
+  g->ed[2] += h / 3 * (f[1] * f[1] * k0 + 2 * f[1] * t[1] * k1 + t[1] * t[1] * k2);
+  g->r += h / 3 * r0;
+}
+
+/* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
+static void mg_add_curve(mg_ring *g, const mg_track *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q, mg_real least) {
+  const mg_real t = (t0 + t1) / 2, length = mg_apart2(P, Q);
+  mg_real x[2], T[2];
+  mg_on(k, t, x, T);
+  const mg_real near = fmin(fmin(mg_apart2(P, g->centre), mg_apart2(Q, g->centre)), mg_apart2(x, g->centre));
+  if (2 * length > near && length > least) {
+    mg_add_curve(g, k, t0, t, P, x, least), mg_add_curve(g, k, t, t1, x, Q, least);
+    return;
+  }
+  for (int j = 0; j < MG_NODES; j++) {
+    mg_on(k, t0 + mg_node[j] * (t1 - t0), x, T);
+    const mg_real d[2] = {x[0] - g->centre[0], x[1] - g->centre[1]};
+    mg_add_ring(g, mg_node_weight[j] * (t1 - t0) * mg_cross2(d, T), d);
+  }
+}
+
+/* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
+static void mg_go_round_ring(const mg_press *p, mg_ring *g) {
+  for (long i = 0; i < p->n; i++) {
+    const mg_strip *s = p->strip + i;
+    if (s->straight) mg_add_straight(g, s->P, s->Q);
+    else mg_add_curve(g, p->hull->track + s->track, s->t[0], s->t[1], s->P, s->Q, sqrt(MG_EPS) * p->extent);
+    if (s->ends[0]) mg_add_straight(g, p->foot, s->P);
+    if (s->ends[1]) mg_add_straight(g, s->Q, p->foot);
+  }
+}
+
+/* From the sums about the centre of rotation, q off the centre of pressure, to G about that. */
+static void mg_shift_ring(const mg_ring *g, const mg_real *q, int sign, mg_real G[3][3]) {
+  const mg_real ed[2][2] = {{g->ed[0], g->ed[1]}, {g->ed[1], g->ed[2]}};
+  for (int j = 0; j < 3; j++) {
+    const mg_real by = j ? q[j - 1] : 1;
+    const mg_real x = (j ? ed[0][j - 1] : 0) + by * g->e[0], y = (j ? ed[1][j - 1] : 0) + by * g->e[1];
+    G[0][j] = -sign * y, G[1][j] = sign * x;
+    G[2][j] = sign * ((j ? g->rd[j - 1] : 0) + by * g->r) + q[0] * G[1][j] - q[1] * G[0][j];
+  }
+}
+
+/* Adds a point of the region, d off the centre of pressure. */
+static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
+  const mg_real v[2] = {twist[0] - twist[2] * d[1], twist[1] + twist[2] * d[0]}, size = sqrt(mg_dot2(v, v));
+  if (!(size > 0)) return;
+  const mg_real by[3] = {weight, weight * d[0], weight * d[1]}, u[2] = {v[0] / size, v[1] / size}, arm = mg_cross2(d, u);
+  for (int j = 0; j < 3; j++) G[0][j] += u[0] * by[j], G[1][j] += u[1] * by[j], G[2][j] += arm * by[j];
+}
+
+/* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
+static void mg_add_ray(const mg_press *p, const mg_real *twist, int n, mg_real weight, const mg_real *x, mg_real G[3][3]) {
+  static const mg_real few[2][MG_FEW] = {
+      {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
+       (mg_real)0.930568155797026287611973},
+      {(mg_real)0.173927422568726928686532, (mg_real)0.326072577431273071313468, (mg_real)0.326072577431273071313468,
+       (mg_real)0.173927422568726928686532}};
+  const mg_real *node = n == MG_FEW ? few[0] : mg_node, *part = n == MG_FEW ? few[1] : mg_node_weight;
+  for (int j = 0; j < n; j++) {
+    mg_real d[2];
+    for (int k = 0; k < 2; k++) d[k] = p->foot[k] - p->centre[k] + node[j] * (x[k] - p->foot[k]);
+    mg_add_slip(twist, part[j] * node[j] * weight, d, G);
+  }
+}
+
+static void mg_rub_far(const mg_press *p, const mg_real *twist, int n, mg_real G[3][3]) {
+  for (long i = 0; i < p->n; i++) {
+    const mg_strip *s = p->strip + i;
+    for (int j = 0; j < MG_NODES; j++) {
+      mg_real x[2], T[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+      if (s->straight)
+        for (int k = 0; k < 2; k++) x[k] = s->P[k] + mg_node[j] * T[k];
+      else mg_on(p->hull->track + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      const mg_real arm[2] = {x[0] - p->foot[0], x[1] - p->foot[1]}, whole = s->straight ? 1 : s->t[1] - s->t[0];
+      mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
+    }
+  }
+}
+
+static void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
+  const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->extent;
+  for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
+  if (away >= MG_AWAY * turn) {
+    mg_rub_far(p, twist, away < MG_FAR_AWAY * turn ? MG_NODES : MG_FEW, G);
+    return;
+  }
+  const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
+  mg_ring ring = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
+  mg_go_round_ring(p, &ring);
+  mg_shift_ring(&ring, q, twist[2] > 0 ? 1 : -1, G);
+}

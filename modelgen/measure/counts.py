@@ -1,0 +1,62 @@
+"""Instructions of a run, counted by valgrind's callgrind on a C program of the run alone."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from modelgen.codegen.compiler import LIBRARIES, find_compiler
+from modelgen.codegen.library import Library
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.driver import ENTRY, driver_text
+
+CPU = "-march=haswell"  # callgrind knows no newer vector instructions
+NOT_OF_A_PROGRAM = ("-march=native", "-shared", "-fPIC", "-Wl,-z,defs")
+COUNTED = ("double", "float")  # valgrind's long double has the digits of double
+
+
+@cache
+def why_not_counted() -> str:
+    """Why no instructions are counted here; empty where they are."""
+    return "" if shutil.which("valgrind") else "valgrind is not installed: no instructions are counted"
+
+
+def instructions(library: Library, accuracy: Accuracy, until: float, level: str) -> int | None:
+    """What the core takes from a settled start to `until`, compiled for Haswell; None: not counted."""
+    if why_not_counted() or library.real not in COUNTED:
+        return None
+    with tempfile.TemporaryDirectory() as name:
+        source, program = Path(name) / "run.c", Path(name) / "run"
+        source.write_text(driver_text(library, accuracy, until))
+        model = _model(library, level)
+        if model is None or not _compiled(library, level, ["-o", program, source, model, *LIBRARIES]):
+            return None
+        return _counted(program)
+
+
+def _model(library: Library, level: str) -> Path | None:
+    """The model as an object, beside the library; compiled once."""
+    target = library.path.with_suffix(".counted.o")
+    source = library.path.parent / "model.c"
+    built = target.exists() or _compiled(library, level, ["-c", "-o", target, source])
+    return target if built else None
+
+
+def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
+    compiler = find_compiler()
+    flags = [flag for flag in compiler.flags(library.real, level) if flag not in NOT_OF_A_PROGRAM]
+    named = ['-DMG_HASH="counted"', f"-I{library.path.parent}"]
+    return (
+        subprocess.run([*compiler.command, *flags, CPU, *named, *rest], capture_output=True).returncode == 0
+    )
+
+
+def _counted(program: Path) -> int | None:
+    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={ENTRY}"]
+    done = subprocess.run([*tool, str(program)], capture_output=True, text=True, check=False)
+    found = re.search(r"Collected : (\d+)", done.stderr)
+    return int(found[1]) if found else None

@@ -1,0 +1,145 @@
+"""The companion of a run: finer, and from a start a few roundings off.
+
+Where steps decide, its error is by far the smaller one; where rounding does, it is another one. So how far it
+goes from the run is the error of the run, whatever caused it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.apart import (
+    angle_between,
+    distance_between,
+    events_between,
+    forces_between,
+    gaps_between,
+)
+from modelgen.runtime.estimate import Estimate
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables import Array
+from modelgen.runtime.trajectory import Trajectory
+
+SAFE = 2.0  # times the difference: for what the companion errs itself
+ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
+BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
+NUDGE = 2.0  # roundings by which each number of the start differs, at most
+
+
+def nudge(session: Session) -> None:
+    """Changes each number of the start that is not 0 by a few roundings."""
+    epsilon = float(np.finfo(session.tables.dtype).eps)
+    n = session.sentence["n_q"] + session.sentence["n_u"]
+    session.x[:n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
+
+
+def estimate_of(
+    path: Trajectory,
+    twin: Trajectory | None,
+    accuracy: Accuracy,
+    sentence: Mapping[str, Any],
+    refused: str = "",
+) -> Estimate:
+    """The error of `path` from its companion's run `twin` at the same times.
+
+    Args:
+        path, accuracy: the run, and its record.
+        twin: None where the companion did not start; `refused` says why.
+        sentence: of the manifest.
+    """
+    length, last = sentence["scales"]["length"], len(path.t)
+    position, rotation = np.full(last, np.inf), np.full(last, np.inf)
+    n = 0 if twin is None else min(last, len(twin.t))
+    if twin is not None:
+        position[:n], rotation[:n] = _errors(path, twin, n, sentence)
+    predicted = _predicted(position / length, rotation, n, accuracy.predictable)
+    slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
+    other = _other(path, twin, predicted, slow)
+    reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
+    if other["events_unmatched"]:
+        reasons.append(f"{other['events_unmatched']} events of the two runs are not the same")
+    return Estimate(
+        position=position,
+        rotation=rotation,
+        **other,
+        predicted=predicted,
+        horizon=float(path.t[predicted - 1]) if predicted < n else None,
+        uncertified=tuple(reasons),
+        rhs_evals=0 if twin is None else twin.rhs_evals,
+    )
+
+
+def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]) -> tuple[Array, Array]:
+    """(n,) m and rad: what differs up to each sample, doubled, and what rounding hides."""
+    bodies = list(enumerate(sentence["bodies"]))
+    moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
+    turning = [k for k, body in bodies if body["motion"] == "free"]
+    tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
+    size = max(sentence["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
+    apart = distance_between(path, twin, moving)
+    turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
+    rounded = tiny * size, tiny if turning else 0.0
+    return (
+        SAFE * np.maximum.accumulate(apart) + rounded[0],
+        SAFE * np.maximum.accumulate(turned) + rounded[1],
+    )
+
+
+def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
+    """How many of the n samples that are known are predicted."""
+    lost = np.flatnonzero(~(np.maximum(position, rotation)[:n] <= predictable))
+    return max(int(lost[0]) if lost.size else n, 1)
+
+
+def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float) -> dict[str, Any]:
+    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s."""
+    if twin is None:
+        return {"gap": None, "force": None, "events": None, "events_unmatched": None}
+    end = float(path.t[n - 1])
+    gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
+    told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
+    times = events_between(told[0], told[1], end)
+    return {
+        "gap": None if gap is None else SAFE * gap,
+        "force": None if force is None else SAFE * force,
+        "events": None if times["events"] is None else SAFE * times["events"],
+        "events_unmatched": times["events_unmatched"],
+    }
+
+
+def _reasons(
+    path: Trajectory,
+    twin: Trajectory | None,
+    accuracy: Accuracy,
+    sentence: Mapping[str, Any],
+    refused: str,
+) -> Iterator[str]:
+    """What a companion shares with its run, or why there is none."""
+    if twin is None:
+        yield f"the companion run did not start: {refused}"
+    elif twin.t_end < path.t_end:
+        yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
+    if not accuracy.use_gamma and sentence["pairs"]:
+        yield "Gamma2 is left out, and so the motion is another"
+    if not accuracy.project and sentence["patches"]:
+        yield "faces that come to rest are not brought together (project = 0)"
+    if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
+        yield "time-stepping locates no events"
+    if path.redundant_max and any("grips" in pair for pair in sentence["pairs"]):
+        yield "contact forces with friction were not unique: which contact slips first is not decided by them"
+    sampled = [pair["name"] for pair in sentence["pairs"] if _is_sampled(pair, sentence)]
+    if sampled:
+        yield f"closest points are sought by sampling: {', '.join(sampled)}"
+
+
+def _is_sampled(pair: Mapping[str, Any], sentence: Mapping[str, Any]) -> bool:
+    """Whether contacts of the pair may be overlooked: there may be several, not all known at any time."""
+    if pair["search"] == "never":
+        return False
+    contacts = sentence["contacts"][slice(*pair["contacts"])]
+    own = all(contact["link"] >= 0 for contact in contacts)
+    return not (own and all(contact["room"] == 0 for contact in contacts))

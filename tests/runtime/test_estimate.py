@@ -1,0 +1,107 @@
+"""What a run says of its own error is honest, and it says where nothing can be said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, simulate
+from modelgen.runtime.companion import estimate_of
+from modelgen.scene.read import read_text
+from tests.measure.cases import Verdict, judged, scene_named, true_form
+from tests.measure.test_reference import BILLIARD
+from tests.running import library_of, scene_of
+
+CASES, SEED = 16, 6
+
+
+@pytest.mark.parametrize("name", ["bouncing_ball", "ellipsoid_on_plane", "double_pendulum"])
+def test_an_estimate_is_within_ten_times_of_the_error(name: str) -> None:
+    library, truth = scene_of(name), library_of(true_form(scene_named(name)), "long double")
+    verdicts = [judged(name, library, truth, SEED, number) for number in range(CASES)]
+    assert not [verdict for verdict in verdicts if verdict.under]
+    assert len([verdict for verdict in verdicts if verdict.over]) <= 1
+    assert len([verdict for verdict in verdicts if verdict.status == "estimated"]) > CASES // 2
+
+
+def test_a_verdict_knows_what_is_too_low_and_too_high() -> None:
+    verdict = Verdict("egg", 0, "estimated")
+    assert replace(verdict, ratio=0.09).under
+    assert replace(verdict, ratio=11.0).over
+    assert not replace(verdict, ratio=2.0).under
+    assert not replace(verdict, ratio=2.0).over
+
+
+def test_an_estimate_changes_nothing_of_its_run() -> None:
+    egg = scene_of("ellipsoid_on_plane")
+    alone, judged_too = simulate(egg, estimate=False), simulate(egg)
+    assert alone.estimate is None
+    assert alone.summary()["estimate"] is None
+    assert np.isinf(alone.position_error).all()
+    assert judged_too.estimate is not None
+    assert judged_too.estimate.status == "estimated"
+    assert judged_too.estimate.horizon is None
+    assert judged_too.steps == alone.steps
+    assert (judged_too.p == alone.p).all()
+    assert (np.diff(judged_too.position_error) >= 0).all()
+    stated = judged_too.summary()["estimate"]
+    assert stated["position"] == judged_too.position_error[-1]
+    assert stated["statement"].startswith("estimated error ")
+
+
+def test_the_estimate_falls_with_the_tolerance() -> None:
+    egg = scene_of("ellipsoid_on_plane")
+    errors = [simulate(egg, accuracy=Accuracy.of(10.0**-k)).position_error[-1] for k in (4, 7, 10, 13)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[0] > 1e-6
+    assert errors[-1] < 1e-12
+
+
+def test_a_billiard_is_said_to_be_beyond_its_horizon_and_honest_before_it() -> None:
+    room = read_text(BILLIARD, "billiard.toml")
+    library, truth = library_of(room), library_of(room, "long double")
+    path = simulate(library, accuracy="fast")
+    real = simulate(truth, accuracy=Accuracy.finest(), estimate=False)
+    assert path.estimate is not None
+    assert path.estimate.status == "beyond predictable horizon"
+    assert path.estimate.horizon is not None
+    assert 0 < path.estimate.horizon < 15.0
+    n = path.estimate.predicted
+    assert path.t[n - 1] == path.estimate.horizon
+    error = np.linalg.norm((path.p - real.p).astype(float), axis=-1).max(axis=1)[:n].max()
+    assert error / 10 < path.position_error[n - 1] < 10 * error
+    assert f"horizon ({path.estimate.horizon:.6g} s)" in path.estimate.statement
+
+
+def test_what_a_second_run_cannot_show_is_said() -> None:
+    rings = simulate(scene_of("linked_rings"), until=0.1)
+    assert rings.estimate is not None
+    assert rings.estimate.uncertified == ("closest points are sought by sampling: hook-ring",)
+    assert rings.estimate.status == "uncertified"
+    egg = simulate(
+        scene_of("ellipsoid_on_plane"), until=0.1, accuracy=replace(Accuracy.fast(), use_gamma=False)
+    )
+    assert egg.estimate is not None
+    assert "Gamma2 is left out" in egg.estimate.statement
+
+
+def test_event_times_have_an_estimate() -> None:
+    path = simulate(scene_of("double_pendulum"), accuracy="fast")
+    assert path.estimate is not None
+    assert path.estimate.events_unmatched == 0
+    assert path.estimate.events is not None
+    fine = simulate(scene_of("double_pendulum"), accuracy="tight", estimate=False)
+    pairs = zip(path.events, fine.events, strict=True)
+    error = max(abs(a.t - b.t) for a, b in pairs)
+    assert error / 10 < path.estimate.events < 10 * error
+
+
+def test_a_companion_that_does_not_start_is_no_estimate() -> None:
+    egg = scene_of("ellipsoid_on_plane")
+    path = simulate(egg, until=0.1, estimate=False)
+    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.sentence, "interrupted")
+    assert none.statement == "uncertified: the companion run did not start: interrupted"
+    assert none.as_json()["position"] is None
+    assert none.status == "uncertified"
