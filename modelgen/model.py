@@ -256,7 +256,8 @@ class Scales:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    scene: Scene
+    scene: Scene  # what its `observe` depends on
+    whole: Scene  # as written
     shape_kinds: tuple[ShapeKind, ...]
     body_kinds: tuple[BodyKind, ...]
     contact_kinds: tuple[ContactKind, ...]

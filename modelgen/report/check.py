@@ -15,11 +15,12 @@ from modelgen.model import ContactKind, Model
 from modelgen.report.resting import patch_names, print_patches
 from modelgen.runtime.advice import hints
 
+DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")
 SHOWN = 3  # contacts named in a row; the rest is counted
 
 
 def check_facts(derivation: Derivation) -> dict[str, Any]:
-    """The object that `check --json` prints."""
+    """The object that `check --json` prints, without `savings`."""
     model = derivation.model
     bodies, contacts, joints = _bodies(model), _contacts(model), _joints(model)
     patches, level = patch_names(model)
@@ -51,10 +52,26 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     _print_table(console, "joints", columns, [_joined_up(joint) for joint in facts["joints"]])
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
     _print_table(console, "functions", ("function", "instructions"), counts)
+    _print_table(console, "decisions", DECIDED, [_decided(each) for each in facts.get("savings", ())])
     for sentence in facts["left_out"]:
         console.print(f"left out: {sentence}", markup=False)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
+
+
+def _decided(saving: dict[str, Any]) -> dict[str, Any]:
+    """One row: the sizes as they are, what the decision saves, or would save if it were taken."""
+    size, saved = saving["size"], saving["saved"]
+    return {
+        "decision": saving["decision"],
+        "of": saving["of"],
+        "taken": "yes" if saving["taken"] else "no",
+        "instructions": size["instructions"],
+        "saved": saved["instructions"],
+        "C text": size["bytes"] or "-",
+        "saved bytes": saved["bytes"] or "-",
+        "states": saved["states"],
+    }
 
 
 def _kind_names(model: Model) -> list[str]:
