@@ -46,7 +46,7 @@ def simulate(
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
         estimate: whether a companion run follows, from which the error is estimated; the scene's own, or
-            True, when None. It costs 1 to 1.4 times what the run does.
+            True, when None. As a rule it costs 1.2 to 1.4 times what the run does.
         on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
