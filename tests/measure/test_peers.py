@@ -1,4 +1,4 @@
-"""What other simulators are told of a scene, and what they make of it: the same motion, or none."""
+"""What other simulators make of a scene: the same motion, or what they cannot represent."""
 
 from __future__ import annotations
 
@@ -91,5 +91,7 @@ def test_one_that_is_missing_is_named(name: str, tmp_path: Path) -> None:
     scene = read_text(
         '[[body]]\nname = "ball"\ndensity = 1.0\nshape = { kind = "sphere", radius = 0.1 }\n', "ball.toml"
     )
-    with pytest.raises(ModelgenError, match=f"against: {name} is not installed.*pip install {name}"):
+    with pytest.raises(
+        ModelgenError, match=f"against: {name} is not installed.*pip install 'modelgen.{name}"
+    ):
         measure(scene, knobs=coarse(name), against=[name], root=tmp_path, **SHORT)  # type: ignore[arg-type]

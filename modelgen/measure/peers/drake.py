@@ -1,4 +1,4 @@
-"""The same scene in Drake (`pip install drake`): compliant points in discrete steps, or continuous."""
+"""The same scene in Drake (extra `drake`): compliant points in discrete steps, or continuous."""
 
 from __future__ import annotations
 
@@ -207,7 +207,7 @@ def _module() -> Any:
     try:
         return import_module("pydrake.all")
     except ImportError:
-        raise missing("drake", "install it with: pip install drake") from None
+        raise missing("drake", "install it with: pip install 'modelgen[drake]'") from None
 
 
 DRAKE = Peer("drake", KNOBS, DrakeScene.of)

@@ -1,4 +1,4 @@
-"""The same scene in Exudyn (`pip install exudyn`): rims on planes, as joints; spheres by a penalty."""
+"""The same scene in Exudyn (extra `exudyn`): rims on planes, as joints; spheres by a penalty."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def _module() -> Any:
     try:
         return import_module("exudyn")
     except ImportError:
-        raise missing("exudyn", "install it with: pip install exudyn") from None
+        raise missing("exudyn", "install it with: pip install 'modelgen[exudyn]'") from None
 
 
 EXUDYN = Peer("exudyn", KNOBS, ExudynScene.of)

@@ -103,19 +103,22 @@ def peer_points(
     if theirs.cannot:
         return
 
+    first = {k.name: k.values(bench.space.facts)[0] for k in theirs.knobs if not k.ladder}
+
     def evaluate(settings: Settings) -> Point:
         report(f"{peer.name}: " + ", ".join(f"{name} {value}" for name, value in settings.items()))
         what = {"peer": peer.name, "version": theirs.version, "settings": dict(settings)}
         key = bench.subject.key(bench.plain, what)
-        return Point(**bench.recall(key, lambda: _measured(bench, theirs, settings).as_json()))
+        return Point(**bench.recall(key, lambda: _measured(bench, theirs, settings, first).as_json()))
 
     for point in sweep(Space(theirs.knobs, bench.space.facts, bench.space.free), evaluate, left):
         into.points.append(point)
 
 
-def _measured(bench: Bench, theirs: Adapter, settings: Settings) -> Point:
+def _measured(bench: Bench, theirs: Adapter, settings: Settings, first: Settings) -> Point:
+    """A point; the knobs that are not turned stand at their first values."""
     try:
-        states, cost = _timed(bench, theirs.prepare(settings))
+        states, cost = _timed(bench, theirs.prepare({**first, **settings}))
     except PeerError as failure:
         return Point(settings, None, None, costs={"too_long": failure.too_long}, remark=str(failure))
     until = bench.subject.until
