@@ -106,8 +106,7 @@ def measure(
     chosen = _known("knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
-    points: list[Point] = []
-    others: list[PeerPoints] = []
+    points, others = list[Point](), list[PeerPoints]()
     report = on_progress or (lambda text: None)
     stopped = _sweep_all(bench, points, peers, others, limit, report)
     if count and not stopped:
