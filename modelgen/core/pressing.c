@@ -2,6 +2,7 @@
 #include "rubbing.h"
 
 #define MG_PRESS_STEPS 60
+#define MG_EDGE 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
 #define MG_PART_LEAST 1e-6 /* of a Newton step */
 
 static void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips) {
@@ -181,8 +182,10 @@ static mg_real mg_press_merit(const mg_press *p, mg_real force) {
          m[4] * l[1] * l[2] - force * l[0];
 }
 
-/* Brings a point that is not inside the hull by `least` to there; returns whether it had to. */
-static int mg_inside_hull(const mg_hull *h, mg_real *x, mg_real least) {
+/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether it
+   had to. */
+static int mg_inside_hull(const mg_hull *h, mg_real *x) {
+  const mg_real least = h->size / MG_EDGE;
   mg_brink brink;
   const mg_real margin = mg_hull_margin(h, x, &brink);
   mg_real middle[2] = {0, 0};
@@ -216,7 +219,8 @@ static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
     if (!mg_solve_moments(p, moment, level)) return 0;
     const mg_real r[3] = {1, p->extent, p->extent};
     for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
-    if (!p->cut || change <= sqrt(MG_EPS) * level[0]) {
+    const mg_real noise = 65536 * MG_EPS * p->hull->size / p->extent; /* of a part so small */
+    if (!p->cut || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
       for (int k = 0; k < 3; k++) p->level[k] = level[k];
       return 1;
     }

@@ -25,7 +25,7 @@ static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
   mg_real wrench[3];
   for (int k = 0; k < 2; k++) wrench[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
   wrench[2] = at.sign * force[2] - mg_cross2(arm, wrench);
-  const mg_real radius = mg_rub_radius(c, slot), share = mg_share_of_limit(&c->press, wrench, radius, worst) / (mu * N);
+  const mg_real radius = c->press.extent, share = mg_share_of_limit(&c->press, wrench, radius, worst) / (mu * N);
   const mg_real turn = worst[2] / radius, v[2] = {worst[0] + turn * arm[1], worst[1] - turn * arm[0]};
   twist[0] = -mg_dot2(at.t[0], v), twist[1] = -mg_dot2(at.t[1], v), twist[2] = -at.sign * turn;
   return N * (1 - share);
@@ -41,7 +41,8 @@ static mg_real mg_rub_value(mg_context *c, int slot, int cause) {
 static int mg_rub_fires(mg_context *c, int slot) {
   const int mode = c->run->rub[slot];
   if (!mg_rubs(c, slot) || mode == MG_LOOSE) return 0;
-  if (mode == MG_STUCK) return mg_rub_value(c, slot, MG_GIVES) < -mg_weight_scale(c) ? MG_GIVES : 0;
+  if (mode == MG_STUCK) /* at the edge of its hull it tips */
+    return mg_rub_value(c, slot, MG_GIVES) < -mg_weight_scale(c) && !c->rub[slot].clipped ? MG_GIVES : 0;
   return mg_rub_along(c, slot) < (mode == MG_SLIPPING ? mg_rub_rest(c) : -mg_rub_rest(c)) ? MG_CALMS : 0;
 }
 

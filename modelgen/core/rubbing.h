@@ -54,7 +54,7 @@ static void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *st
 static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre);
 static void mg_press_whole(mg_press *p, const mg_real *about);
 static int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level);
-static int mg_inside_hull(const mg_hull *h, mg_real *x, mg_real least);
+static int mg_inside_hull(const mg_hull *h, mg_real *x);
 
 /* rubbing.c: G of force x, y and torque about the centre (rows) by the pressure's coefficients (columns); the friction of
    a twist (v of the centre, w) is -mu G level */

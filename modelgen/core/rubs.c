@@ -96,7 +96,7 @@ static void mg_press_rub(mg_context *c, int slot) {
   mg_rub_frame at;
   mg_lay_patch(c, mg_patch_in(c, slot));
   mg_open_press(p, &c->hull, c->press_room, c->strips);
-  r->clipped = r->known && mg_inside_hull(&c->hull, r->centre, c->set->border * c->sys->length);
+  r->clipped = r->known && mg_inside_hull(&c->hull, r->centre);
   if (!r->known || !mg_press_at(p, 1, r->centre)) {
     mg_rub_axes(c, slot, &at);
     for (int k = 0; k < 2; k++) r->centre[k] = (at.pad[0][k] + at.pad[1][k] + at.pad[2][k]) / 3;
@@ -156,7 +156,7 @@ static int mg_rub_is_settled(mg_context *c, int slot, const mg_real *centre) {
     mg_press_rub(c, slot);
     return !r->cut && !r->clipped;
   }
-  mg_inside_hull(&c->hull, r->centre, c->set->border * c->sys->length);
+  mg_inside_hull(&c->hull, r->centre);
   return mg_apart2(r->centre, made) <= sqrt(MG_EPS) * r->extent;
 }
 

@@ -3,8 +3,8 @@
 The normal force is the weight; the pressure under the face is affine, with its centre where the moments about
 the centre of mass, h above the face, balance. Friction is summed by direct quadrature: over a disc on polar
 coordinates about the centre of rotation, which is inside; over a rectangle on triangles with that as their
-apex. Of uniform discs and rings it has closed forms in elliptic integrals (Farkas and others, Phys. Rev.
-Lett. 90 (2003), 248302).
+apex. Uniform discs and rings have closed forms in elliptic integrals (Farkas and others, Phys. Rev. Lett.
+90 (2003), 248302).
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def test_a_cube_toss_goes_as_measured() -> None:
     assert (rotation.inv() * turned).magnitude()[flies].max() < 1e-12
     distance, angle = errors(measured, path.p[:, 1], turned)
     assert distance < 0.02
-    assert angle < np.radians(9)
+    assert angle < np.radians(11)
     low = corners(path.p[:, 1], turned)[..., 2].min(axis=1)
     assert np.abs(low.min()) < 1e-9
     assert path.p[-1, 1, 2] == pytest.approx(HALF_WIDTH, abs=1e-12)
@@ -93,6 +93,6 @@ def test_a_cube_toss_slows_by_friction_within_its_cone() -> None:
     assert imbalance(path) < 1e-11
     size = np.linalg.norm(path.friction, axis=-1)
     assert (size <= MU * path.force + 1e-9).all()
-    # it slides on its face at last, and all corners together carry m g and mu m g
-    assert path.force[-1].sum() == pytest.approx(0.37 * 9.81, rel=1e-9)
-    assert np.linalg.norm(path.friction[-1].sum(axis=0)) <= MU * 0.37 * 9.81 * (1 + 1e-9)
+    # it slides on its face at last, and its face carries m g and mu m g
+    assert path.patch_force[-1].sum() == pytest.approx(0.37 * 9.81, rel=1e-9)
+    assert np.linalg.norm(path.patch_friction[-1].sum(axis=0)) <= MU * 0.37 * 9.81 * (1 + 1e-9)
