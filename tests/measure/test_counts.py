@@ -17,7 +17,11 @@ UNTIL = 0.05
 END = """
 #include <stdio.h>
 int run(void);
-int main(void) { int code = run(); for (int i = 0; i < 7; i++) printf("%.17g\\n", (double)the_run.x[i]); return code; }
+int main(void) {
+  int code = run();
+  for (int i = 0; i < 7; i++) printf("%.17g\\n", (double)the_run.x[i]);
+  return code;
+}
 """
 
 
