@@ -6,14 +6,17 @@ from collections.abc import Mapping
 
 from tests.shipped import CURVE_ON_SURFACE, Shipped
 
+ON_A_FACE = ("plane_point_explicit", "plane_point_explicit_spin")  # of the points that hold a face
+
 WITH_FRICTION: Mapping[str, Shipped] = {
     "block_on_incline": Shipped(
-        kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", "force"),
+        kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", *ON_A_FACE, "force"),
         forms=("explicit", "support"),
         reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
-        events={"slip": 4},
+        events={"flat": 1, "slip": 1},
         apart=1e-9,
         single=1e-3,
+        reachable=3,
     ),
     "bouncing_ellipsoid": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
@@ -45,12 +48,13 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         drift=(1e-3, 1e-8, 1e-11),
     ),
     "cube_toss": Shipped(
-        kinds=("fixed", "free_isotropic", "plane_point_explicit_slip"),
+        kinds=("fixed", "free_isotropic", "plane_point_explicit_slip", *ON_A_FACE),
         forms=("explicit", "support"),
         reference="oracles/friction/test_bouncing_scenes.py::test_a_cube_toss_goes_as_measured",
-        events={"impact": None, "touch-down": None, "lift-off": None},
+        events={"impact": None, "touch-down": None, "lift-off": None, "flat": 1},
         apart=1e-8,
         single=2e-4,
+        reachable=7,
     ),
     "gripper": Shipped(
         kinds=(
@@ -68,6 +72,15 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         "test_a_newton_cradle_follows_pendulums_that_strike",
         events={"impact": 16},
     ),
+    "painleve_rod": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_point_explicit_slip"),
+        forms=("explicit", "support"),
+        reference="oracles/friction/test_painleve.py::"
+        "test_the_shipped_rod_is_stopped_by_a_blow_and_turns_about_its_tip",
+        events={"time-stepping": 1, "event-driven": 1, "stick": None, "touch-down": None},
+        drift=(1e-4, 1e-4, 1e-4),
+        loose=100.0,
+    ),
     "rattleback": Shipped(
         kinds=("fixed", "free_full", "plane_ellipsoid_support_slip"),
         forms=("support", "implicit"),
@@ -83,6 +96,18 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
         forms=("support", "implicit"),
         reference="oracles/friction/test_rolling_scenes.py::test_a_passive_ellipsoid_rolls_as_its_reference",
+    ),
+    "sliding_puck": Shipped(
+        kinds=(
+            "fixed",
+            "free_diagonal",
+            "plane_circle_support_slip",
+            "plane_point_explicit_slip",
+            *ON_A_FACE,
+        ),
+        forms=("explicit", "support", *CURVE_ON_SURFACE),
+        reference="oracles/friction/test_puck.py::test_a_sliding_puck_follows_its_reference",
+        events={"flat": 1, "stick": 1},
     ),
     "sphere_slide_to_roll": Shipped(
         kinds=("fixed", "free_isotropic", "plane_sphere_explicit_slip"),

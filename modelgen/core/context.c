@@ -37,7 +37,8 @@ static long mg_most_strips(const mg_system *s) {
 /* What grips need: reals, ints. */
 static long mg_grip_size(const mg_system *s) {
   if (!s->n_grip) return 0;
-  return mg_reals(s->n_slot, sizeof(mg_rub_state)) + mg_reals(mg_most_strips(s), sizeof(mg_strip)) + s->n_below + 2L * s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
+  const long k = s->n_slot ? mg_held_of(s) : 0;
+  return k * k + 2 * k + mg_reals(s->n_slot, sizeof(mg_rub_state)) + mg_reals(mg_most_strips(s), sizeof(mg_strip)) + s->n_below + 2L * s->n_grip + MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 +
          mg_friction_work_size((int)mg_held_of(s), s->n_closed);
 }
 
@@ -99,6 +100,7 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   c->rub = mg_part_of_memory(&work, s->n_slot, sizeof(mg_rub_state));
   c->press_room = mg_most_strips(s), c->strips = mg_part_of_memory(&work, c->press_room, sizeof(mg_strip));
   for (int i = 0; i < s->n_slot; i++) c->rub[i].leans = c->rub[i].known = c->rub[i].fired = c->rub[i].stopped = c->rub[i].before = 0;
+  c->reduced = mg_take(&work, s->n_slot ? n * n + 2 * n : 0);
   c->lean = mg_take(&work, s->n_below), c->over = mg_take(&work, s->n_grip);
   c->steer = mg_take(&work, s->n_grip);
   mg_zero(c->over, s->n_grip);

@@ -120,6 +120,7 @@ typedef struct {
   mg_press press;                           /* of the slot last looked at */
   mg_strip *strips;
   long press_room;
+  mg_real *reduced;                         /* a problem of friction without what holds both ways */
   int rub_rounds;                           /* pressures tried for the forces that are sought */
   mg_onset *onset;                          /* per contact */
   mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */

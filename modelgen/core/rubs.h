@@ -38,6 +38,9 @@ static void mg_lean_pads(mg_context *c, const int *list, int n);
 static void mg_add_rubs(mg_context *c);
 static int mg_list_stuck_rubs(const mg_context *c, int *list, int n);
 
+/* eliminate.c */
+static int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report);
+
 /* rub_modes.c */
 static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist);
 static mg_real mg_rub_value(mg_context *c, int slot, int cause);

@@ -105,7 +105,8 @@ def measure(
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
     chosen = _known("knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
-    facts, points, others = bench.reference_facts, list[Point](), list[PeerPoints]()
+    facts = bench.reference_facts
+    points, others = list[Point](), list[PeerPoints]()
     report = on_progress or (lambda text: None)
     stopped = _sweep_all(bench, points, peers, others, limit, report)
     if count and not stopped:

@@ -98,10 +98,14 @@ def _save_csv(record: Record, path: Path) -> None:
         writer.writerows([repr(float(value)) for value in row] for row in table)
 
 
+_AXES = {1: ("",), 3: ("_x", "_y", "_z")}
+
+
 def _table(record: Record) -> tuple[list[str], Array]:
     """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact, and friction,
-    torque and slip where one has friction; force and centre of pressure of each patch that rested; force,
-    torque of each joint, and coordinates; energy, work."""
+    torque and slip where one has friction; force and centre of pressure of each patch that rested, and where
+    one has friction that, its torque, slip and spin; force, torque of each joint, and coordinates; energy,
+    work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -121,6 +125,10 @@ def _table(record: Record) -> tuple[list[str], Array]:
         parts.append(np.where(mine, columns["patch_force"], 0.0).sum(axis=1, keepdims=True))
         present = np.where(mine[..., None], columns["patch_point"], 0.0).sum(axis=1)
         parts.append(np.where(mine.any(axis=1, keepdims=True), present, np.nan))
+        for name in ("friction", "torque", "slip", "spin") if record.has_friction else ():
+            values = columns[f"patch_{name}"].reshape(*mine.shape, -1)
+            header += [f"{record.patch_names[patch]}.{name}{axis}" for axis in _AXES[values.shape[2]]]
+            parts.append(np.where(mine[..., None], values, 0.0).sum(axis=1))
     for k, joint in enumerate(record.joint_names):
         for name in ("force", "torque"):
             header += [f"{joint}.{name}_{axis}" for axis in "xyz"]

@@ -171,6 +171,10 @@ def _sizes(record: Record, axes: Any, column: str) -> None:
     for k in _contacts(record):
         sizes = np.linalg.norm(record.columns[column][:, k], axis=-1)
         axes.plot(record.columns["t"], sizes, linewidth=1.0, label=record.contact_names[k])
+    for patch in record.rested:
+        of_slots = np.linalg.norm(record.columns[f"patch_{column}"], axis=-1)
+        sizes = np.where(record.columns["patch"] == patch, of_slots, 0.0).sum(axis=1)
+        axes.plot(record.columns["t"], sizes, linewidth=1.0, label=record.patch_names[patch])
 
 
 def _per_contact(record: Record, axes: Any, column: str) -> None:

@@ -19,7 +19,8 @@ COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
-    *("patch", "patch_force", "patch_point", "position_error", "rotation_error"),
+    *("patch", "patch_force", "patch_point", "patch_friction", "patch_torque", "patch_slip", "patch_spin"),
+    *("position_error", "rotation_error"),
 )
 
 
@@ -61,8 +62,9 @@ class Record:
 
     @property
     def has_friction(self) -> bool:
-        """Whether any contact ever slipped, or felt friction."""
-        return any(bool(self.columns[name].any()) for name in ("friction", "contact_torque", "slip"))
+        """Whether any contact or face ever slipped, or felt friction."""
+        names = "friction", "contact_torque", "slip", "patch_friction", "patch_slip"
+        return any(bool(self.columns[name].any()) for name in names)
 
     @property
     def rested(self) -> list[int]:

@@ -66,6 +66,10 @@ _PATCH = _object(
     {
         "force": _entry(_NUMBER, "that presses them together, N"),
         "centre_of_pressure": _numbers(3, "where it acts, m, world axes"),
+        "friction": _numbers(3, "on the second face, N, world axes"),
+        "torque": _entry(_NUMBER, "of friction on it about the normal through the centre of pressure, N m"),
+        "slip": _numbers(3, "of the second face past the first there, m/s, world axes"),
+        "spin": _entry(_NUMBER, "of it past the first about the normal from the first to it, rad/s"),
     },
 )
 _ESTIMATE = _object(

@@ -36,6 +36,8 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     for name, patch in summary["patches"].items():
         at = _vector(patch["centre_of_pressure"])
         line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
+        if any(patch["friction"]):
+            line += f", friction ({_vector(patch['friction'])}), torque {patch['torque']:.6g}"
         console.print(line, markup=False, soft_wrap=True)
     _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
     for key in ("out", "plot"):

@@ -16,8 +16,10 @@ def rows_of(pair: ContactPair) -> Rows:
 
 
 def rubs(pair: ContactPair) -> bool:
-    """Whether the friction of a pair is summed over faces that lie on each other: alike in all directions, and
-    no resistance besides."""
+    """Whether the friction of a pair is summed over faces that lie on each other.
+
+    It must be alike in all directions, and no resistance besides.
+    """
     resists = pair.rolling_resistance or pair.spinning_resistance
     return pair.friction is not None and pair.friction.direction is None and not resists
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from modelgen.errors import SceneError
 from modelgen.geometry.declared import declared_limits
 from modelgen.geometry.features import features_of
+from modelgen.geometry.regions import regions_of
 from modelgen.geometry.regular import check_regular
+from modelgen.require.grips import rubs
 from modelgen.scene.types import Scene, Shape
 
 
@@ -19,7 +23,20 @@ def soundness(scene: Scene) -> tuple[str, ...]:
             if (body.name, shape.name) in touching:
                 where = f"{scene.source}: body[{i}].shape{f'[{k}]' if len(body.shapes) > 1 else ''}"
                 found += [f"{body.name}/{shape.name}: {text}" for text in _remarks(shape, where)]
-    return tuple(found)
+    return (*found, *_standing(scene))
+
+
+def _standing(scene: Scene) -> Iterator[str]:
+    """Of pairs that could rest on their faces, but for their kind of friction."""
+    shapes = {(body.name, shape.name): shape for body in scene.bodies for shape in body.shapes}
+    for pair in scene.contacts:
+        flat = [regions_of(shapes[partner]) for partner in pair.between if partner in shapes]
+        bounded = any(region.arcs for regions in flat for region in regions)
+        if pair.friction is None or rubs(pair) or not (len(flat) == 2 and all(flat) and bounded):
+            continue
+        why = "rolling or spinning resistance" if pair.friction.direction is None else "friction by direction"
+        name = "-".join(body for body, _ in pair.between)
+        yield f"{name}: with {why}, faces that lie flat stand on points of them"
 
 
 def _remarks(shape: Shape, where: str) -> tuple[str, ...]:

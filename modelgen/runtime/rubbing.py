@@ -2,8 +2,8 @@
 
 The pressure is max(0, a + b.x) with the given resultant and centre: a foundation of springs that do not pull
 (Winkler 1867; Johnson, Contact Mechanics, 1985, 4.3). It is affine while the centre lies in the kern of the
-region and crowds towards the edge of the hull as the centre nears that. Friction acts against the slip of every
-point; what it can hold is bounded by the limit surface (Goyal, Ruina, Papadopoulos, Wear 143 (1991), 307).
+region and crowds towards the edge of the hull as the centre nears that. Friction acts against the slip of
+every point; the limit surface bounds what it can hold (Goyal, Ruina, Papadopoulos, Wear 143 (1991), 307).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def rubbing(
         f: arcs that bound B, in the axes of f's face.
         load: (m, 3) resultant, N, and the centre of pressure, m, in the axes of o's face.
         twist: (m, 3) of f past o: velocity at the centre of pressure, m/s, and spin, rad/s.
-        wrench: (m, 3) force, N, and torque about the centre, N m, that friction is asked to hold; 0 if left out.
+        wrench: (m, 3) force, N, and torque about the centre, N m, that friction is to hold; else 0.
         pose: (12,) of f's face in the axes of o's: position, m, and rotation column by column.
 
     Raises:

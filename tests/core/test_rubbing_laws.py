@@ -26,7 +26,7 @@ from tests.core.planar import (
     rectangle,
     stadium,
 )
-from tests.core.rays import friction_along_rays
+from tests.core.rays import friction_along_rays, resultant_along_rays
 
 HOLED = [
     np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]),
@@ -67,7 +67,7 @@ def rubbed(core: CoreBuild, arcs: list[Arc], at: Array, twist: Array, wrench: Ar
     return rubbing(core, [], arcs, np.array([[2.0, *at]]), np.array([twist]), wrench=given_wrench)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40, deadline=None)
 @given(
     st.sampled_from(sorted(CORNERS)),
     unit,
@@ -83,8 +83,8 @@ def test_friction_is_that_along_rays(
     at = centre_in(plane_core, ARCS[name], x, y)
     twist = np.array([w * far * cy, -w * far * cx, w])
     found = rubbed(plane_core, ARCS[name], at, twist)
-    wanted = friction_along_rays(CORNERS[name], found.pressure[0], at, twist)
-    assert found.friction[0] == pytest.approx(wanted, abs=1e-11 * (1 + far))
+    wanted, off = friction_along_rays(CORNERS[name], found.pressure[0], at, twist)
+    assert found.friction[0] == pytest.approx(wanted, abs=10 * off + 1e-11 * (1 + far) ** 2)
 
 
 @pytest.mark.parametrize("where", ["inside", "on the edge", "at a corner", "far away"])
@@ -120,7 +120,7 @@ def test_friction_is_that_of_direct_quadrature(plane_core: CoreBuild, where: str
 
 @pytest.mark.parametrize("ratio", [1e-6, 0.1, 0.653, 0.999, 1.0001, 1.7, 2.9, 3.1, 50.0, 1e7])
 def test_a_uniform_disc_rubs_as_its_elliptic_integrals(plane_core: CoreBuild, ratio: float) -> None:
-    """Farkas, Bartels, Unger, Wolf, Phys. Rev. Lett. 90 (2003), 248302; ratio: slip of the centre over that of the rim."""
+    """Farkas and others, Phys. Rev. Lett. 90 (2003), 248302; ratio: slip at the centre over the spin's."""
     e, m = ratio, min(ratio, 1 / ratio) ** 2
     E, K = ellipe(m), ellipk(m)
     if e <= 1:
@@ -134,7 +134,7 @@ def test_a_uniform_disc_rubs_as_its_elliptic_integrals(plane_core: CoreBuild, ra
     assert found == pytest.approx([0.0, -2 * force, -2 * 0.7 * torque], abs=1e-14 + noise)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit, unit))
 def test_friction_is_the_gradient_of_what_it_wears(
     plane_core: CoreBuild, name: str, x: float, y: float, twist: tuple[float, float, float]
@@ -149,7 +149,7 @@ def test_friction_is_the_gradient_of_what_it_wears(
     assert (power[::2] - power[1::2]) / (2 * step) == pytest.approx(found[0], abs=1e-6)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit, unit))
 def test_friction_lies_on_its_limit_surface(
     plane_core: CoreBuild, name: str, x: float, y: float, twist: tuple[float, float, float]
@@ -163,17 +163,16 @@ def test_friction_lies_on_its_limit_surface(
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(CORNERS)), unit, unit)
 def test_pressure_has_its_resultant_and_centre_and_does_not_pull(
     plane_core: CoreBuild, name: str, x: float, y: float
 ) -> None:
-    """With the centre of rotation far off, friction has the resultant's size, and its torque vanishes at the centre."""
     at = centre_in(plane_core, ARCS[name], x, y)
     found = rubbed(plane_core, ARCS[name], at, np.array([0.6, 0.8, 0.0]))
+    resultant, off = resultant_along_rays(CORNERS[name], found.pressure[0], at)
+    assert resultant == pytest.approx([2.0, 0.0, 0.0], abs=10 * off + 1e-11)
     assert found.friction[0] == pytest.approx([-1.2, -1.6, 0.0], abs=1e-12)
-    rays = friction_along_rays(CORNERS[name], found.pressure[0], at, np.array([0.6, 0.8, 1e-5]))
-    assert rays == pytest.approx([-1.2, -1.6, 0.0], abs=1e-4)
 
 
 def test_friction_does_not_depend_on_whose_face_is_cut(plane_core: CoreBuild) -> None:

@@ -157,7 +157,7 @@ def unlike(scene: Scene) -> list[str]:
     for k, pair in enumerate(scene.contacts):
         if pair.friction and pair.friction.kinetic[0] != pair.friction.kinetic[1]:
             found.append(f"contact {k} has friction that depends on the direction")
-        if pair.restitution:
+        if pair.restitution.value:
             found.append(f"contact {k} has a restitution")
         if pair.rolling_resistance or pair.spinning_resistance:
             found.append(f"contact {k} resists rolling or spinning")

@@ -81,13 +81,13 @@ def unlike(scene: Scene) -> list[str]:
     for k, pair in enumerate(scene.contacts):
         kinds = [shapes[partner].kind for partner in pair.between]
         if _rim(scene, pair):
-            found += [f"contact {k} has a restitution"] if pair.restitution else []
+            found += [f"contact {k} has a restitution"] if pair.restitution.value else []
             found += [f"contact {k} resists rolling"] if pair.rolling_resistance else []
         elif kinds != ["sphere", "sphere"]:
             found.append(
                 f"contact {k} is of a {kinds[0]} with a {kinds[1]}: it has rims on planes and spheres"
             )
-        elif pair.friction or pair.restitution:
+        elif pair.friction or pair.restitution.value:
             found.append(f"contact {k} has friction or a restitution")
     found += [f"joint {joint.name!r} is not exported" for joint in scene.joints]
     return found + (["loads are not exported"] if scene.loads else [])

@@ -133,7 +133,7 @@ def _contact(setup: Setup, pair: ContactPair) -> dict[str, Any]:
         "quaternion": list(upper.pose.quaternion),
         "origin": (ground.p + ground.turned @ ground.at(plane)).tolist(),
         "normal": (ground.turned @ rotation(np.array(plane.pose.quaternion)))[:, 2].tolist(),
-        "restitution": pair.restitution,
+        "restitution": pair.restitution.value,
         "slide": pair.friction.kinetic[0] if pair.friction else 0.0,
     }
 

@@ -117,7 +117,7 @@ def unlike(scene: Scene) -> list[str]:
     apart = [(a, b) for i, a in enumerate(bodies) for b in bodies[:i] if frozenset((a, b)) not in listed]
     found += [f"bodies {a!r} and {b!r} would touch, which the scene does not list" for a, b in apart]
     for k, pair in enumerate(scene.contacts):
-        if pair.restitution or pair.rolling_resistance or pair.spinning_resistance:
+        if pair.restitution.value or pair.rolling_resistance or pair.spinning_resistance:
             found.append(f"contact {k} has a restitution, or resists rolling or spinning")
         if pair.friction and pair.friction.kinetic[0] != pair.friction.kinetic[1]:
             found.append(f"contact {k} has friction that depends on the direction")
