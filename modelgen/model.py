@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from modelgen.scene.expression import Expression
-from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Scene, Shape, TorqueLoad
+from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Restitution, Scene, Shape, TorqueLoad
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
@@ -157,7 +157,7 @@ class PairEntry:
     links: tuple[int, int]  # first, end
     contacts: tuple[int, int]
     search: Search
-    restitution: float
+    restitution: Restitution
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
     grips: tuple[Grip, ...] = ()  # of each of its contacts
 
@@ -256,7 +256,8 @@ class Scales:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    scene: Scene
+    scene: Scene  # what its `observe` depends on
+    whole: Scene  # as written
     shape_kinds: tuple[ShapeKind, ...]
     body_kinds: tuple[BodyKind, ...]
     contact_kinds: tuple[ContactKind, ...]

@@ -16,6 +16,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"flat": 1, "slip": 1},
         apart=1e-9,
         single=1e-3,
+        reachable=3,
     ),
     "bouncing_ellipsoid": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
@@ -53,6 +54,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"impact": None, "touch-down": None, "lift-off": None, "flat": 1},
         apart=1e-8,
         single=2e-4,
+        reachable=7,
     ),
     "gripper": Shipped(
         kinds=(
@@ -69,6 +71,15 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         reference="oracles/friction/test_bouncing_scenes.py::"
         "test_a_newton_cradle_follows_pendulums_that_strike",
         events={"impact": 16},
+    ),
+    "painleve_rod": Shipped(
+        kinds=("fixed", "free_diagonal", "plane_point_explicit_slip"),
+        forms=("explicit", "support"),
+        reference="oracles/friction/test_painleve.py::"
+        "test_the_shipped_rod_is_stopped_by_a_blow_and_turns_about_its_tip",
+        events={"time-stepping": 1, "event-driven": 1, "stick": None, "touch-down": None},
+        drift=(1e-4, 1e-4, 1e-4),
+        loose=100.0,
     ),
     "rattleback": Shipped(
         kinds=("fixed", "free_full", "plane_ellipsoid_support_slip"),

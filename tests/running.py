@@ -43,4 +43,4 @@ def run(
     name: str, accuracy: Accuracy, form: str = "auto", real: str = "double", **options: object
 ) -> Trajectory:
     """A run of a shipped scene."""
-    return simulate(scene_of(name, form, real), accuracy=accuracy, **options)  # type: ignore[arg-type]
+    return simulate(scene_of(name, form, real), accuracy=accuracy, estimate=False, **options)  # type: ignore[arg-type]

@@ -20,11 +20,12 @@ class Shipped:
         events: how often each kind of event happens at `balanced` and at `tight`; None: many.
         drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
         margin: every closed contact has more; less where a rim begins to roll from flat.
+        loose: by what the bounds on gaps and complementarity are wider, where the run falls back.
         apart: bound on the difference of final positions between forms at `tight`, m.
         single: bound on the position error of half a second in float, m; more where friction is decided,
             which in float is known to a thousandth.
-        reachable: the last decade, 1e-reachable of the length, that `tune` can promise over the whole run;
-            0 where the run goes beyond what can be predicted.
+        reachable: the last decade, 1e-reachable of the length, that `tune` can promise over the run by its
+            tolerance; 0: not even 1e-3. Less than 10 where bounds of rest or slip decide what happens.
     """
 
     kinds: tuple[str, ...]
@@ -33,6 +34,7 @@ class Shipped:
     events: Mapping[str, int | None] = field(default_factory=dict)
     drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
     margin: float = 1e-3
+    loose: float = 1.0
     apart: float = 1e-12
     single: float = 2e-5
     reachable: int = 10

@@ -14,6 +14,7 @@ from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
+    Brief,
     Estimated,
     Fallback,
     Form,
@@ -66,11 +67,16 @@ def version(
 
 @app.command()
 @guarded
-def check(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
-    """Say what a scene requires: kinds, forms, instruction counts. Compiles nothing."""
+def check(scene: SceneFile, form: Form = None, brief: Brief = False, as_json: AsJson = False) -> None:
+    """Say what a scene requires: kinds, forms, instruction counts, what leaving things out saves. Compiles
+    nothing."""
     from modelgen.report.check import check_facts, print_check
+    from modelgen.report.savings import savings_of
 
-    facts = check_facts(derive_scene(read_scene(scene, form)))
+    derivation = derive_scene(read_scene(scene, form))
+    facts = check_facts(derivation)
+    if not brief:
+        facts["savings"] = [saving.as_json() for saving in savings_of(derivation)]
     print_facts(facts, as_json, lambda: print_check(facts, Console()))
 
 

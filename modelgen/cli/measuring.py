@@ -28,7 +28,12 @@ Knobs = Annotated[
 Limit = Annotated[
     str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
 ]
-Against = Annotated[str | None, typer.Option(help="other simulators beside it: mujoco", metavar="A,B,...")]
+Against = Annotated[
+    str | None,
+    typer.Option(
+        help="other simulators beside it: mujoco, drake, siconos, exudyn, simbody", metavar="A,B,..."
+    ),
+]
 SceneOrNone = Annotated[Path | None, typer.Argument(metavar="SCENE", help="scene file, TOML")]
 Extremes = Annotated[
     bool,

@@ -32,6 +32,9 @@ def _among(names: tuple[str, ...]) -> str:
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file, TOML")]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON object on standard output")]
+Brief = Annotated[
+    bool, typer.Option("--brief", help="without what decisions save, for which the scene is derived again")
+]
 Form = Annotated[
     str | None, typer.Option(help="form of the contact equations for all contacts", metavar="NAME")
 ]

@@ -258,7 +258,8 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         "links": list(entry.links),
         "contacts": list(entry.contacts),
         "search": entry.search,
-        "restitution": entry.restitution,
+        "restitution": entry.restitution.value,
+        **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),
         **({"grips": [asdict(grip) for grip in entry.grips]} if entry.grips else {}),
     }

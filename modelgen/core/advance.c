@@ -160,7 +160,8 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   }
   if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
   mg_ledger(c);
-  return outcome ? outcome : mg_check_margins(c, events);
+  if (!outcome) outcome = mg_check_margins(c, events);
+  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
 static mg_real mg_first_step(const mg_context *c) {
@@ -174,7 +175,7 @@ static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *ev
   if (mg_steps_in_time(c)) {
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_take_up(c, events);
-  } else outcome = mg_note_progress(c, mg_step(c, h, record, events));
+  } else outcome = mg_step(c, h, record, events);
   return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
 }
 

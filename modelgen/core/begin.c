@@ -40,11 +40,11 @@ static void mg_report_caught(mg_context *c, mg_events *events) {
 static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->falls = run->fall_left = run->rough = run->relaxed = 0;
+  run->watch_tries = run->watch_rejected = 0, run->watch_t = run->t;
   run->fall_first = run->fall_end = run->fall_time = 0, run->fall_cause = run->fall_doublings = 0;
-  run->tries_at_mark = 0, run->t_mark = run->t;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
-  run->gain_max = run->gain_t = 0, run->gain = -1, run->shared = 0;
+  run->gain_max = run->gain_t = 0, run->gain = run->chain = run->paradox = -1, run->shared = 0;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;

@@ -67,6 +67,15 @@ static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
   return p;
 }
 
+/* Notes a contact that slips on under its forces, and parts without: by itself it would do either (Painleve). */
+static void mg_note_paradox(mg_context *c, const mg_friction_problem *p) {
+  for (int k = 0; k < p->n_contact && c->run->paradox < 0; k++) {
+    const int first = p->first[k], contact = c->cone_contact[k];
+    if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_slack(c))
+      c->run->paradox = contact, c->run->paradox_t = c->run->t;
+  }
+}
+
 static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                         mg_friction_report *report) {
   c->run->lcp_solves++;
@@ -234,6 +243,7 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
     giving = mg_mark_giving(c, &p);
   } while (mg_loosen_giving(c));
   mg_note_report(c, &report);
+  mg_note_paradox(c, &p);
   mg_take_modes(c, &p);
   c->run->shared = 0;
   if (redundant) mg_settle_shares(c, skip, &p, giving);

@@ -152,6 +152,8 @@ static mg_real mg_slack(const mg_context *c);
 static int mg_approaching(const mg_context *c, int contact);
 static mg_real mg_bounces_left(mg_context *c, int contact);
 static int mg_impact(mg_context *c, mg_events *events);
+static int mg_takes_turns(const mg_context *c);
+static int mg_strike_in_turn(mg_context *c, mg_events *events);
 static int mg_choose_active(mg_context *c, const int *skip);
 static int mg_solve_modes(mg_context *c, mg_events *events);
 static int mg_has_room(const mg_context *c);

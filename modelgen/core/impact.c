@@ -96,6 +96,19 @@ static int mg_is_struck(const mg_context *c) {
   return 0;
 }
 
+/* Notes a contact at rest, of one that restores, that a blow elsewhere has pressed: at once with it, or after it, the
+   bodies part otherwise. The first n of c->list are rows of contacts. */
+static void mg_note_chain(mg_context *c, int n) {
+  int chain = -1, struck = 0;
+  for (int r = 0; r < n; r++) {
+    const int i = c->list[r];
+    if (i >= c->first_pad || !(c->z[r] > 0) || !(c->sys->restitution[i] > 0)) continue;
+    if (mg_approaching(c, i)) struck = 1;
+    else chain = i;
+  }
+  if (struck && chain >= 0 && c->run->chain < 0) c->run->chain = chain, c->run->chain_t = c->run->t;
+}
+
 /* Faces that come down flat are struck as one, if the impulse presses them together within their hull; else, and where
    an impulse tears a patch off, what they cover is struck singly. Needs the rows at run->x. */
 static int mg_impact(mg_context *c, mg_events *events) {
@@ -104,6 +117,7 @@ static int mg_impact(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;
   const int changed = mg_stand_on_points(c);
   if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1) || changed) mg_refresh(c);
+  if (mg_takes_turns(c) && !mg_strike_in_turn(c, events)) return MG_COMPLEMENTARITY;
   if (!mg_is_struck(c)) {
     mg_drop_tried(c);
     return MG_DONE;
@@ -113,6 +127,7 @@ static int mg_impact(mg_context *c, mg_events *events) {
     n = mg_find_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
   } while (mg_reject(c, c->amount, floor) || mg_tear_off(c, c->amount, floor));
+  mg_note_chain(c, n);
   if (c->sys->n_grip) mg_note_gain(c, n);
   mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
   mg_poses(c, c->run->t, c->run->x);

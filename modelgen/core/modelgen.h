@@ -24,8 +24,7 @@
 enum { MG_QUADRIC = 0, MG_PARAMETER = 1, MG_DISC = 2, MG_WING = 3, MG_DIRECTION = 4,
        MG_TILT = 5 }; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-/* For more contacts of a pair, in a run: never, when it has moved, after each step, and steps no longer than sight. */
-enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 };
+enum { MG_SEARCH_NEVER = 0, MG_SEARCH_MOVED = 1, MG_SEARCH_ALWAYS = 2, MG_SEARCH_AHEAD = 3 }; /* in steps within sight */
 enum { MG_SLIP = 0, MG_SPIN = 1, MG_ROLL = 2 }; /* what a grip holds: slip along t1, t2; spin about N; rolling about t1, t2 */
 enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17, MG_SPAN = 20 }; /* of one side of a link:
    shape in body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its
@@ -57,9 +56,10 @@ typedef struct {
   const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
       the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
   const int *contact_below, *contact_grip; /* first of its rows below the normal one; first grip (n_contact + 1) */
+  const int *impact_law;       /* one a contact: MG_NEWTON .. */
   const int *grip_aspect, *grip_row, *grip_body; /* MG_SLIP ..; first row of its contact's; axes of its direction, or -1 */
   const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
-  const mg_real *restitution;  /* one a contact, 0..1 */
+  const mg_real *restitution;  /* one a contact, 0..1, in the law of its impact */
   const mg_real *parameters;
   const mg_real *numbers;      /* of sides and conditions */
   const mg_real *grip_static, *grip_kinetic; /* two a grip, force (torque, m) over N: along its direction and across */
@@ -70,6 +70,8 @@ typedef struct {
   mg_real gravity[3];
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */
 } mg_system;
+
+enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 }; /* restitution gives back speed, impulse, or energy */
 
 enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
 
@@ -84,11 +86,13 @@ typedef struct {
   int use_gamma;          /* 0 drops Gamma2: what engines that omit it integrate */
   int newton;             /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
   int project;            /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
+  int sequential;         /* contacts are struck one after another; 0: all at once where all follow Newton's law */
   int planar;             /* faces that lie on each other rest as patches; 0: on single contacts */
   mg_real step;           /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
   mg_real theta;          /* Moreau's: the part of a step after the positions at which its rows are taken */
   mg_real loose;          /* impulses of a step of time-stepping that are found to this residual only will do */
   mg_real fallback_step;  /* steps of fallback_step * time where time-stepping goes on */
+  mg_real crawl;          /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
   mg_real tolerance;      /* DOP853: local error / scale, root mean square */
   mg_real gap;            /* |d| <= gap * length counts as touching */
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
@@ -107,7 +111,6 @@ typedef struct {
   mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
                              along it, so that a dead centre is not divided by */
   mg_real depth;          /* a contact that appears in a run may be below zero by depth * length */
-  mg_real crawl;          /* steps of less than crawl * time on the mean, while contacts have friction, get nowhere */
   mg_real step_min;       /* a step below step_min * time ends the run */
   mg_real margin_warn;    /* a contact that starts where its margin is zero is excused from bounds on it up to here */
   mg_real margin_refuse;  /* a closed contact whose margin falls below it ends the run */
@@ -164,8 +167,8 @@ typedef struct {
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
+  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
-  long tries_at_mark;     /* steps, rejected ones too, when the run was last seen to get on */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
@@ -175,15 +178,16 @@ typedef struct {
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real t_mark;         /* when the run was last seen to get on */
+  mg_real watch_t;        /* s, then */
   mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
-  mg_real gain_max, gain_t; /* J: the most energy that one contact made in an impact; when */
+  mg_real gain_max, gain_t, chain_t, paradox_t; /* J: the most energy that one contact made in an impact; s: when; when a
+                             blow first reached a contact at rest; when forces were first indeterminate */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
   int failed_joint;       /* the joint that fits worst at the start, or -1 */
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
-  int gain;               /* the contact that made gain_max, or -1 */
+  int gain, chain, paradox; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
   int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;

@@ -28,8 +28,8 @@ static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *
 static void mg_preview(mg_context *c, const mg_record *record);
 static int mg_steps_in_time(const mg_context *c);
 static mg_real mg_next_step(const mg_context *c);
+static int mg_crawls(mg_context *c);
 static int mg_falls_back(mg_context *c, int outcome, mg_events *events);
-static int mg_note_progress(mg_context *c, int outcome);
 static int mg_take_up(mg_context *c, mg_events *events);
 
 /* what they take from begin.c, project.c, walk.c */

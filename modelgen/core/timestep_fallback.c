@@ -2,7 +2,7 @@
    steps shrink without getting on, or where no accelerations are admissible, as in Painleve's paradox, but impulses are. */
 #include "core.h"
 
-enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_TRIES = 1000 };
+enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
 
 static int mg_steps_in_time(const mg_context *c) { return c->set->method == MG_TIME_STEPPING || c->run->fall_left > 0; }
 
@@ -23,15 +23,16 @@ static int mg_is_gripped(const mg_context *c) {
   return 0;
 }
 
-/* MG_STEP_TOO_SMALL where a step that went well was one of many that hardly got on, as they do where slip begins or ends
-   too slowly to be told. */
-static int mg_note_progress(mg_context *c, int outcome) {
+/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as where
+   slip begins or ends too slowly to be told, all hardly move. */
+static int mg_crawls(mg_context *c) {
   mg_run *run = c->run;
-  const long tries = run->steps + run->rejected - run->tries_at_mark;
-  if (outcome || tries < MG_TRIES) return outcome;
-  const int crawls = run->t - run->t_mark < tries * c->set->crawl * c->sys->time;
-  run->tries_at_mark += tries, run->t_mark = run->t;
-  return crawls && c->set->fallback && mg_is_gripped(c) ? MG_STEP_TOO_SMALL : MG_DONE;
+  const long tries = run->steps + run->rejected - run->watch_tries, refused = run->rejected - run->watch_rejected;
+  if (tries < MG_CRAWL_TRIES) return 0;
+  const mg_real way = run->t - run->watch_t, least = c->set->crawl * c->sys->time;
+  const int crawls = way < least && (3 * refused > tries || (10 * way < least && mg_is_gripped(c)));
+  run->watch_tries += tries, run->watch_rejected = run->rejected, run->watch_t = run->t;
+  return crawls;
 }
 
 static int mg_first_closed(const mg_context *c) {
@@ -56,7 +57,7 @@ static void mg_release_patches(mg_context *c) {
 static int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->set->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
-  const mg_real span = (MG_FALL_STEPS * c->set->fallback_step + MG_TRIES * c->set->crawl) * c->sys->time;
+  const mg_real span = (MG_FALL_STEPS * c->set->fallback_step + c->set->crawl) * c->sys->time;
   const int again = run->falls > 0 && run->t - run->fall_end <= span;
   run->fall_doublings = again ? run->fall_doublings + (run->fall_doublings < MG_FALL_DOUBLINGS) : 0;
   run->fall_left = (long)MG_FALL_STEPS << run->fall_doublings;

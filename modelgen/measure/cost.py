@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 
 REPEATS, ENOUGH_S = 9, 0.15  # runs of one setting, and the time after which three are enough
+BRIEF_S, MOST = 0.02, 200  # brief runs are repeated until they have taken so long, or so often
 YARD = 400  # steps of the yardstick
 
 
@@ -22,8 +23,15 @@ class Cost:
 def cost_of(run: Callable[[], float], yard: Callable[[], float]) -> Cost:
     """Runs and yardstick in turn, so that a slower machine slows both; few runs where one is long."""
     spent, yards = [run()], [yard()]
-    while len(spent) < REPEATS and (sum(spent) < ENOUGH_S or len(spent) < 3) and sum(spent) < 10 * ENOUGH_S:
+    while _goes_on(spent):
         spent.append(run())
         yards.append(yard())
     noise = median(spent) / min(spent) - 1 if len(spent) > 1 else None
     return Cost(min(spent), noise, min(yards))
+
+
+def _goes_on(spent: list[float]) -> bool:
+    n, total = len(spent), sum(spent)
+    if n >= REPEATS:
+        return total < BRIEF_S and n < MOST
+    return (total < ENOUGH_S or n < 3) and total < 10 * ENOUGH_S

@@ -15,41 +15,44 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import ENTRY, driver_text
 
 CPU = "-march=haswell"  # callgrind knows no newer vector instructions
-LEFT_OUT = ("-march=native", "-shared", "-fPIC", "-Wl,-z,defs")
-COUNTED = ("double", "float")  # valgrind has no long double
-LONGEST_S = 0.2  # of CPU time for a run that is counted; callgrind takes fifty times as long
+NOT_OF_A_PROGRAM = ("-march=native", "-shared", "-fPIC", "-Wl,-z,defs")
+COUNTED = ("double", "float")  # valgrind's long double has the digits of double
 
 
 @cache
-def missing_counter() -> str:
-    """Why instructions are not counted here; empty where they are."""
-    return "" if shutil.which("valgrind") else "valgrind is not installed: instructions are not counted"
+def why_not_counted() -> str:
+    """Why no instructions are counted here; empty where they are."""
+    return "" if shutil.which("valgrind") else "valgrind is not installed: no instructions are counted"
 
 
 def instructions(library: Library, accuracy: Accuracy, until: float, level: str) -> int | None:
-    """What the core takes from a settled start to `until`, compiled for Haswell; None where it is not counted."""
-    if missing_counter() or library.real not in COUNTED:
+    """What the core takes from a settled start to `until`, compiled for Haswell; None: not counted."""
+    if why_not_counted() or library.real not in COUNTED:
         return None
-    compiler = find_compiler()
-    flags = [flag for flag in compiler.flags(library.real, level) if flag not in LEFT_OUT]
     with tempfile.TemporaryDirectory() as name:
         source, program = Path(name) / "run.c", Path(name) / "run"
         source.write_text(driver_text(library, accuracy, until))
-        include = f"-I{library.path.parent}"
-        command = [
-            *compiler.command,
-            *flags,
-            CPU,
-            '-DMG_HASH="counted"',
-            include,
-            "-o",
-            program,
-            source,
-            *LIBRARIES,
-        ]
-        if subprocess.run(command, capture_output=True, check=False).returncode:
+        model = _model(library, level)
+        if model is None or not _compiled(library, level, ["-o", program, source, model, *LIBRARIES]):
             return None
         return _counted(program)
+
+
+def _model(library: Library, level: str) -> Path | None:
+    """The model as an object, beside the library; compiled once."""
+    target = library.path.with_suffix(".counted.o")
+    source = library.path.parent / "model.c"
+    built = target.exists() or _compiled(library, level, ["-c", "-o", target, source])
+    return target if built else None
+
+
+def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
+    compiler = find_compiler()
+    flags = [flag for flag in compiler.flags(library.real, level) if flag not in NOT_OF_A_PROGRAM]
+    named = ['-DMG_HASH="counted"', f"-I{library.path.parent}"]
+    return (
+        subprocess.run([*compiler.command, *flags, CPU, *named, *rest], capture_output=True).returncode == 0
+    )
 
 
 def _counted(program: Path) -> int | None:

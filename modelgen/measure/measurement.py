@@ -9,14 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.errors import ModelgenError, expect, nearest
-from modelgen.measure.front import Point, front
+from modelgen.measure.counts import why_not_counted
+from modelgen.measure.front import Point, front, place, spaced
 from modelgen.measure.knobs import KNOBS, Settings
 from modelgen.measure.peers import PEERS, Peer, PeerPoints, peer_points
-from modelgen.measure.program import Bench, point_of, scaled
+from modelgen.measure.program import Bench, counted, point_of, scaled
 from modelgen.measure.search import sweep
 from modelgen.measure.store import Store
 from modelgen.measure.subject import Subject
 from modelgen.scene.types import Scene
+
+INTERRUPTED = "interrupted: what was measured is kept, the same command goes on from there"
+SHOWN = 1.5  # of the error between two rows of a table; `--json` has all
+COUNTED_NS = 2e8  # of CPU time for a run whose instructions are counted, which takes fifty times as long
 
 Report = Callable[[str], None]  # told what is measured next
 
@@ -52,6 +57,7 @@ class Measurement:
             "reference_error": self.reference["error"],
             "horizon": self.reference["horizon"],
             "noise": self.noise,
+            "not_counted": why_not_counted(),
             "front": [point.as_json() for point in self.front],
             "points": [point.as_json() for point in self.points],
             "peers": {peer.name: peer.as_json(self.points) for peer in self.peers},
@@ -73,6 +79,7 @@ def measure(
     samples: int | None = None,
     knobs: Sequence[str] | None = None,
     against: Sequence[str] = (),
+    count: bool = True,
     limit: float | None = None,
     fresh: bool = False,
     root: str | Path = "generated",
@@ -85,6 +92,7 @@ def measure(
         until, samples: span, s, and output intervals; the scene's own when None.
         knobs: names of the knobs to turn; all that matter when None.
         against: names of other simulators, of PEERS, in the same measurement.
+        count: count the instructions of the settings that a table shows, where valgrind is installed.
         limit: wall time, s, after which no further setting is tried.
         fresh: measure again what was measured before.
         root: the folder that generated libraries lie in.
@@ -98,9 +106,11 @@ def measure(
     chosen = _known("knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
-    points: list[Point] = []
-    others: list[PeerPoints] = []
-    stopped = _sweep_all(bench, points, peers, others, limit, on_progress or (lambda text: None))
+    points, others = list[Point](), list[PeerPoints]()
+    report = on_progress or (lambda text: None)
+    stopped = _sweep_all(bench, points, peers, others, limit, report)
+    if count and not stopped:
+        stopped = _count_all(bench, points, report)
     return _measurement(bench, facts, points, others, stopped)
 
 
@@ -168,8 +178,21 @@ def _sweep_all(
             others.append(PeerPoints(peer.name, [], []))
             peer_points(peer, bench, others[-1], left, report)
     except KeyboardInterrupt:
-        return "interrupted: what was measured is kept, the same command goes on from there"
+        return INTERRUPTED
     return "" if left() else "the time was up: the same command goes on from there"
+
+
+def _count_all(bench: Bench, points: list[Point], report: Report) -> str:
+    """Counts the instructions of the settings that a table shows; INTERRUPTED, or an empty text."""
+    shown = spaced(front(points), SHOWN)
+    try:
+        for at, point in enumerate(points):
+            if point in shown and place(point)[0] * bench.subject.until <= COUNTED_NS:
+                report(f"instructions of {described(point.settings)}")
+                counted(bench, points, at)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return ""
 
 
 def described(settings: Settings) -> str:

@@ -7,16 +7,18 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from modelgen.codegen.compiler import LEVEL
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.measure.cost import YARD, cost_of
+from modelgen.measure.counts import instructions
 from modelgen.measure.errors import errors, separation
 from modelgen.measure.front import Point
 from modelgen.measure.knobs import Settings, Space
 from modelgen.measure.motion import Motion, motion_of
 from modelgen.measure.reference import Reference, reference_of
 from modelgen.measure.store import Store
-from modelgen.measure.subject import Subject
+from modelgen.measure.subject import Built, Subject
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.timing import core_time
 
@@ -84,6 +86,14 @@ def point_of(bench: Bench, settings: Settings) -> Point:
     return Point(**known)
 
 
+def _compile_s(bench: Bench, built: Built) -> float | None:
+    """What the compiler took when this library was built; None where that was not measured."""
+    key = bench.subject.key(built.library, {"compile": True})
+    if built.compile_s is not None:
+        bench.store.put(key, built.compile_s)
+    return bench.store.get(key)  # type: ignore[no-any-return]
+
+
 def _measured(bench: Bench, settings: Settings) -> Point:
     built = bench.subject.built(settings)
     library, accuracy = built.library, bench.subject.accuracy(settings)
@@ -91,7 +101,7 @@ def _measured(bench: Bench, settings: Settings) -> Point:
         path = bench.subject.run(library, accuracy)
     except SimulationError as refused:
         return Point(settings, None, None, remark=str(refused))
-    sizes = {"binary_bytes": library.path.stat().st_size, "compile_s": built.compile_s}
+    sizes = {"binary_bytes": library.path.stat().st_size, "compile_s": _compile_s(bench, built)}
     if not bench.came_as_far(path.t_end):
         ending = f"ended at {path.t_end:.6g} s: {path.outcome.value}"
         return Point(
@@ -115,6 +125,17 @@ def _measured(bench: Bench, settings: Settings) -> Point:
             **sizes,
         },
     )
+
+
+def counted(bench: Bench, points: list[Point], at: int) -> None:
+    """Puts the instructions per simulated second of one point, that was measured, among its costs."""
+    settings = points[at].settings
+    built, until = bench.subject.built(settings), bench.subject.until
+    accuracy, level = bench.subject.accuracy(settings), str(settings.get("level", LEVEL))
+    key = bench.subject.key(built.library, {"instructions": dict(settings)})
+    found = bench.recall(key, lambda: [instructions(built.library, accuracy, until, level)])[0]
+    costs = points[at].costs | {"instructions_per_s": None if found is None else found / until}
+    points[at] = replace(points[at], costs=costs)
 
 
 def scaled(points: list[Point]) -> list[Point]:

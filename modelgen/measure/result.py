@@ -38,7 +38,9 @@ _POINT = record(
         "costs": entry(
             "object",
             "noise (spread of repeats, relative), yard_s (the yardstick beside it), steps, rhs_evals, "
-            "binary_bytes, compile_s (null: compiled before)",
+            "instructions_per_s (per simulated second, by callgrind as compiled for Haswell; of points on "
+            "the front; null: not counted), binary_bytes, compile_s (null: compiled before); of a peer noise "
+            "and yard_s",
         ),
         "remark": entry("string", "why there is no error, or empty"),
     },
@@ -60,6 +62,7 @@ _REFERENCE = record(
 _PEER = record(
     "another simulator",
     {
+        "version": entry("string", "of the simulator"),
         "cannot": TEXTS | {"description": "what of the scene it cannot represent; then it has no points"},
         "differs": TEXTS | {"description": "what it represents otherwise"},
         "advantage": entry(
@@ -89,6 +92,7 @@ def measured_schema() -> dict[str, Any]:
             "reference_error": entry("number", "the error of the reference; none below it is claimed"),
             "horizon": entry(NUMBER, "s, up to which trajectories are compared; null: the whole span"),
             "noise": entry(NUMBER, "median spread of repeated runs, relative; null: none was repeated"),
+            "not_counted": entry("string", "why no instructions are counted, or empty"),
             "front": _POINTS | {"description": "the settings that none beats, by rising cost"},
             "points": _POINTS | {"description": "all settings, in the order in which they were tried"},
             "peers": entry("object", "by name", additionalProperties=_PEER),

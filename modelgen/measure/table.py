@@ -8,12 +8,12 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
+from modelgen.measure.counts import why_not_counted
 from modelgen.measure.front import Point, spaced
-from modelgen.measure.measurement import Measurement
+from modelgen.measure.measurement import SHOWN, Measurement
 from modelgen.measure.peers import PeerPoints
 from modelgen.measure.tuning import Tuned
 
-STEP = 1.5  # of the error between two rows; `--json` has all
 KINDS = {  # of errors, with the heads of their columns
     "position": "position m",
     "rotation": "rotation rad",
@@ -22,6 +22,12 @@ KINDS = {  # of errors, with the heads of their columns
     "energy": "energy",
     "gap": "gap",
     "joints": "joints",
+}
+
+COSTS = {  # beside CPU time: head of the column, and its unit
+    "instructions_per_s": ("kinstr per s", 1e3),
+    "binary_bytes": ("kB", 1e3),
+    "compile_s": ("compile s", 1.0),
 }
 
 
@@ -39,6 +45,8 @@ def print_measurement(found: Measurement, console: Console) -> None:
     _print_front(found.subject.scene.name, found.front, found.knobs, console)
     for peer in found.peers:
         _print_peer(peer, found, console)
+    if why_not_counted():
+        console.print(why_not_counted(), markup=False)
     if found.interrupted:
         console.print(found.interrupted, markup=False)
 
@@ -68,13 +76,16 @@ def _print_reference(found: Measurement, console: Console) -> None:
 
 def _print_front(title: str, points: Sequence[Point], knobs: dict[str, list[Any]], console: Console) -> None:
     """Rows of the front, each with the knobs that are not at their first value."""
-    shown = spaced(points, STEP)
+    shown = spaced(points, SHOWN)
     kinds = [kind for kind in KINDS if any(point.errors.get(kind) is not None for point in shown)]
-    rows = [("error", "µs per s", *(KINDS[kind] for kind in kinds), "settings")]
+    costs = [cost for cost in COSTS if any(point.costs.get(cost) is not None for point in shown)]
+    heads = (*(COSTS[cost][0] for cost in costs), *(KINDS[kind] for kind in kinds))
+    rows = [("error", "µs per s", *heads, "settings")]
     for point in shown:
         errors = ["-" if point.errors.get(kind) is None else f"{point.errors[kind]:.1e}" for kind in kinds]
+        spent = ["-" if point.costs.get(c) is None else f"{point.costs[c] / COSTS[c][1]:.3g}" for c in costs]
         cost = (point.cost_ns_per_s or 0.0) / 1e3
-        rows.append((f"{point.error:.1e}", f"{cost:.4g}", *errors, settings_text(point, knobs)))
+        rows.append((f"{point.error:.1e}", f"{cost:.4g}", *spent, *errors, settings_text(point, knobs)))
     _print_rows(title, rows, console)
 
 

@@ -20,6 +20,7 @@ from modelgen.scene.types import RunSettings, Scene
 BAND = 0.2  # by which a verified cost may exceed a budget
 HALVINGS = 3  # of the rung between two neighbours on a ladder
 CANDIDATES = 4  # that are verified before a demand is refused
+TRIALS = 3  # of a budget: something else may have held the machine up
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,9 @@ def tune(
         raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
     demand = Demand(error, budget)
     report = on_progress or (lambda text: None)
-    found = measure(scene, until=until, knobs=knobs, limit=limit, root=root, on_progress=on_progress)
+    found = measure(
+        scene, until=until, knobs=knobs, count=False, limit=limit, root=root, on_progress=on_progress
+    )
     if found.interrupted and "interrupted" in found.interrupted:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)
@@ -135,9 +138,10 @@ def _verified(
         pick = demand.pick(points)
         if pick is None:
             break
-        fresh = scaled([*points, point_of(again, pick.settings)])[-1]
-        if demand.is_met(fresh):
-            return fresh, applied(found.subject.scene.run, pick.settings)
+        for _ in range(TRIALS if demand.error is None else 1):
+            fresh = scaled([*points, point_of(again, pick.settings)])[-1]
+            if demand.is_met(fresh):
+                return fresh, applied(found.subject.scene.run, pick.settings)
         points = [point for point in points if point.settings != pick.settings]
     raise _refusal(found, demand)
 

@@ -12,22 +12,26 @@ from modelgen.contact.kinds import contact_kernels, regular_forms
 from modelgen.derive import Derivation
 from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
+from modelgen.report.resting import patch_names, print_patches
 from modelgen.runtime.advice import hints
 
+DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")
 SHOWN = 3  # contacts named in a row; the rest is counted
 
 
 def check_facts(derivation: Derivation) -> dict[str, Any]:
-    """The object that `check --json` prints."""
+    """The object that `check --json` prints, without `savings`."""
     model = derivation.model
     bodies, contacts, joints = _bodies(model), _contacts(model), _joints(model)
+    patches, level = patch_names(model)
     return {
         "scene": model.scene.name,
         "kinds": _kind_names(model),
         "instructions": {formula.name: formula.function.n_instructions() for formula in derivation.formulas},
         "bodies": bodies,
         "contacts": contacts,
-        "patches": [entry.name for entry in model.patches],
+        "patches": patches,
+        "patches_at_start": level,
         "joints": joints,
         "left_out": list(model.left_out),
         "scales": asdict(model.scales),
@@ -43,27 +47,31 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     console.print(f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s")
     _print_table(console, "bodies", ("name", "kind", "motion"), facts["bodies"])
     _print_table(console, "contacts", ("kind", "form", "contacts", "why"), _by_kind(facts["contacts"]))
-    _print_patches(console, facts["patches"])
+    print_patches(console, facts["patches"], facts["patches_at_start"])
     columns = ("name", "kind", "between", "rows", "coordinates", "limits")
     _print_table(console, "joints", columns, [_joined_up(joint) for joint in facts["joints"]])
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
     _print_table(console, "functions", ("function", "instructions"), counts)
+    _print_table(console, "decisions", DECIDED, [_decided(each) for each in facts.get("savings", ())])
     for sentence in facts["left_out"]:
         console.print(f"left out: {sentence}", markup=False)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
 
 
-def _print_patches(console: Console, names: list[str]) -> None:
-    """The faces of each pair that rest as one, the first few by name."""
-    pairs: dict[str, list[str]] = {}
-    for name in names:
-        pair, _, face = name.rpartition(":")
-        pairs.setdefault(pair, []).append(face)
-    for name, faces in pairs.items():
-        more = f" and {len(faces) - SHOWN} more" if len(faces) > SHOWN else ""
-        text = f"{name} rests as one planar contact on: {', '.join(faces[:SHOWN])}{more}"
-        console.print(text, markup=False, soft_wrap=True)
+def _decided(saving: dict[str, Any]) -> dict[str, Any]:
+    """One row: the sizes as they are, what the decision saves, or would save if it were taken."""
+    size, saved = saving["size"], saving["saved"]
+    return {
+        "decision": saving["decision"],
+        "of": saving["of"],
+        "taken": "yes" if saving["taken"] else "no",
+        "instructions": size["instructions"],
+        "saved": saved["instructions"],
+        "C text": size["bytes"] or "-",
+        "saved bytes": saved["bytes"] or "-",
+        "states": saved["states"],
+    }
 
 
 def _kind_names(model: Model) -> list[str]:
@@ -92,7 +100,7 @@ def _contacts(model: Model) -> list[dict[str, Any]]:
             "kind": model.contact_kinds[link.kind].name,
             "form": model.contact_kinds[link.kind].form,
             "forms": forms[link.kind],
-            "restitution": model.pairs[link.pair].restitution,
+            "restitution": model.pairs[link.pair].restitution.value,
             "friction": [asdict(grip) for grip in model.pairs[link.pair].grips],
         }
         for link in model.links

@@ -22,6 +22,7 @@ from modelgen.model import ContactEntry, LinkEntry, Model, PairEntry
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
+from modelgen.scene.types import Restitution
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -189,7 +190,9 @@ class Touching:
 def _holding(held: list[Contact], model: Model) -> Model:
     """The model in which each of these contacts is a pair of its own, and there are no others."""
     links = tuple(replace(each.link, pair=k, conditions=()) for k, each in enumerate(held))
-    pairs = tuple(PairEntry(each.name, (k, k + 1), (k, k + 1), "never", 0.0) for k, each in enumerate(held))
+    pairs = tuple(
+        PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)
+    )
     offsets = np.cumsum([0, *(len(each.eta) for each in held)])
     contacts = tuple(
         ContactEntry(each.name, k, int(offsets[k]), len(each.eta), k) for k, each in enumerate(held)

@@ -37,6 +37,7 @@ from modelgen.require.masses import (
     mass_of,
     pose_numbers,
 )
+from modelgen.require.observed import influencing
 from modelgen.require.pairing import Owner, contact_names, find_body, find_shape
 from modelgen.require.patches import Faces, patches_of
 from modelgen.require.pruning import bodies_of, check_observed, motion_of
@@ -93,8 +94,15 @@ def require(scene: Scene) -> Model:
     or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
     """
     expect("require", scene, Scene)
+    names = contact_names(scene)
+    check_observed(scene, names)
+    part, dropped = influencing(scene, names)
+    return _model(part, scene, dropped)
+
+
+def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
+    """Of the part that is observed of the whole."""
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
-    check_observed(scene, contact_names(scene))
     warnings = soundness(scene)
     body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
     touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
@@ -102,6 +110,7 @@ def require(scene: Scene) -> Model:
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
+        whole=whole,
         bodies=_body_entries(scene, pieces, body_kinds),
         shape_kinds=shape_kinds.kinds,
         body_kinds=body_kinds.kinds,
@@ -123,7 +132,7 @@ def require(scene: Scene) -> Model:
         scales=scales,
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
-        left_out=_left_out(pieces),
+        left_out=(*_left_out(pieces), *_unobserved(dropped)),
         warnings=warnings,
     )
 
@@ -283,3 +292,7 @@ def _initial_u(piece: Piece) -> tuple[float, ...]:
 def _left_out(pieces: Sequence[Piece]) -> tuple[str, ...]:
     why = "orientation and spin left out: nothing observed depends on how a sphere about its centre turns"
     return tuple(f"{piece.body.name}: {why}" for piece in pieces if piece.motion == "point")
+
+
+def _unobserved(names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{name}: left out: nothing observed depends on it" for name in names)

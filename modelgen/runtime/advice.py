@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.blows import blow_warnings
 from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
 from modelgen.runtime.stepping import stepping_warnings
@@ -46,7 +47,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))
     found += _far(session, accuracy)
-    found += _gains(session, accuracy)
+    found += blow_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
 
@@ -61,17 +62,6 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
         f"contact forces are not unique: {redundant} more contacts carried force than have independent "
         "rows; the motion is unique, the forces given are those of minimum norm"
     )
-
-
-def _gains(session: Session, accuracy: Accuracy) -> list[str]:
-    """Newton's law of impact may make energy where there is friction."""
-    run = session.run
-    if run.gain < 0 or float(run.gain_max) <= accuracy.tolerance * float(run.kinetic_max):
-        return []
-    return [
-        f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
-        f"{session.contacts[run.gain]}: Newton's restitution with friction does not exclude it"
-    ]
 
 
 def _far(session: Session, accuracy: Accuracy) -> list[str]:

@@ -26,8 +26,9 @@ from modelgen.runtime.trajectory import Trajectory
 
 SAFE = 2.0  # times the difference: for what the companion errs itself
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
+DYING = ("stick", "spin-stop", "roll-stop")  # events at which slip has died
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
-NUDGE = 4.0  # roundings by which each number of the start differs, at most
+NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
 def nudge(session: Session) -> None:
@@ -129,6 +130,8 @@ def _reasons(
         yield "faces that come to rest are not brought together (project = 0)"
     if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
         yield "time-stepping locates no events"
+    if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
+        yield "fixed steps lose their order where slip dies"
     if path.redundant_max and any("grips" in pair for pair in sentence["pairs"]):
         yield "contact forces with friction were not unique: which contact slips first is not decided by them"
     sampled = [pair["name"] for pair in sentence["pairs"] if _is_sampled(pair, sentence)]

@@ -1,4 +1,4 @@
-"""A run as a C program of its own: the model's text, its tables and its start, without Python."""
+"""A run as a C program of its own: its tables and its start, without Python."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import CONTINUE, FULL, Session
-from modelgen.runtime.tables import Array, address
+from modelgen.runtime.tables import Array
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work
@@ -21,14 +21,11 @@ static mg_real work[{work}];
 static int iwork[{iwork}];
 
 int main(void) {{
-  int (*volatile begin)(const mg_system *, const mg_settings *, mg_run *, mg_events *, mg_real *, int *) = mg_begin;
-  int (*volatile advance)(const mg_system *, const mg_settings *, mg_run *, mg_real, long, mg_record *, mg_events *,
-                          mg_real *, int *) = {entry};
   mg_record record = {{0}};
-  int code = begin(&the_system, &the_settings, &the_run, &the_events, work, iwork);
+  int code = mg_begin(&the_system, &the_settings, &the_run, &the_events, work, iwork);
   do {{
     the_events.count = 0;
-    code = advance(&the_system, &the_settings, &the_run, {until}, {chunk}, &record, &the_events, work, iwork);
+    code = {entry}(&the_system, &the_settings, &the_run, {until}, {chunk}, &record, &the_events, work, iwork);
   }} while (code == {again} || code == {full});
   return code;
 }}
@@ -36,11 +33,11 @@ int main(void) {{
 
 
 def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
-    """C99 text that, compiled in the folder of the library's `model.c`, runs the scene to `until`, s."""
+    """C99 text that, linked with the library's `model.c`, runs the scene to `until`, s."""
     session = Session(library, accuracy)
     arrays = session.arrays()
     numbers = {at: number for number, at in enumerate(arrays)}
-    parts = ['#include "model.c"']
+    parts = ['#include "modelgen.h"']
     parts += [_array(f"a{numbers[at]}", array) for at, array in arrays.items()]
     for name in ("system", "settings", "run", "events"):
         parts.append(_record(name, getattr(session, name), numbers))

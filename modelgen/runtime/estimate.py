@@ -51,6 +51,8 @@ class Estimate:
     def statement(self) -> str:
         """What is printed beside the result."""
         last = self.predicted - 1
+        if not np.isfinite(self.position[last]):
+            return "; ".join(f"uncertified: {reason}" for reason in self.uncertified)
         parts = [f"estimated error {self.position[last]:.2g} m, {self.rotation[last]:.2g} rad"]
         if self.horizon is not None:
             parts = [f"beyond predictable horizon ({self.horizon:.6g} s)", f"{parts[0]} up to there"]
@@ -59,11 +61,12 @@ class Estimate:
     def as_json(self) -> dict[str, Any]:
         """The entry `estimate` of a summary; position and rotation at the last sample that is predicted."""
         last = self.predicted - 1
+        known = bool(np.isfinite(self.position[last]))
         return {
             "status": self.status,
             "statement": self.statement,
-            "position": float(self.position[last]),
-            "rotation": float(self.rotation[last]),
+            "position": float(self.position[last]) if known else None,
+            "rotation": float(self.rotation[last]) if known else None,
             "gap": self.gap,
             "force": self.force,
             "events": self.events,

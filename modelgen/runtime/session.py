@@ -38,7 +38,7 @@ class Session:
         n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
         self.system, self._kept = fill_system(self.tables, library.manifest, self._scales())
-        self.settings = fill_settings(self.tables, accuracy)
+        self.settings = fill_settings(self.tables, accuracy, library.manifest.sentence)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]
         self.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = sentence["initial_u"]

@@ -9,7 +9,7 @@ CAUSES = {
     Outcome.COMPLEMENTARITY: "no contact forces keep the bodies apart",
     Outcome.NO_FRICTION: "no contact forces obey Coulomb's law: inconsistent (Painleve), or jammed",
     Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
-    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on, as where slip begins or ends too slowly to be told",
+    Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
 }
 
 

@@ -33,19 +33,23 @@ SYSTEM_INDICES = (
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
     *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_cover", "covered"),
     *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
-    *("contact_below", "contact_grip", "grip_aspect", "grip_row", "grip_body"),
+    *("contact_below", "contact_grip", "impact_law", "grip_aspect", "grip_row", "grip_body"),
 )
 SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
     *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "scale"),
 )
-SETTINGS_INTEGERS = ("method", "scheme", "law", "fallback", "use_gamma", "newton", "project", "planar")
+SETTINGS_INTEGERS = (
+    *("method", "scheme", "law", "fallback", "use_gamma", "newton", "project"),
+    *("sequential", "planar"),
+)
 SETTINGS_REALS = (
     *(
         "step",
         "theta",
         "loose",
         "fallback_step",
+        "crawl",
         "tolerance",
         "gap",
         "start_gap",
@@ -54,7 +58,7 @@ SETTINGS_REALS = (
         "rest_speed",
     ),
     *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "crawl", "step_min"),
+    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
     *("flat", "imaginary_edge", "shared", "border", "stride"),
 )
@@ -70,19 +74,19 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("falls", "fall_left", "tries_at_mark", "rough", "relaxed"),
+    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
     "redundant_max",
 )
 RUN_REALS = (
     *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("t_mark", "fall_first", "fall_end", "fall_time"),
-    *("gain_max", "gain_t"),
+    *("watch_t", "fall_first", "fall_end", "fall_time"),
+    *("gain_max", "gain_t", "chain_t", "paradox_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre", "gain"),
+    *("dead_centres", "dead_centre", "gain", "chain", "paradox"),
     *("fall_cause", "fall_doublings", "shared"),
 )
 RECORD_ARRAYS = (
@@ -97,6 +101,7 @@ ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows 
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
+IMPACT_LAWS = {"newton": 0, "poisson": 1, "stronge": 2}
 SEARCHES = ("never", "moved", "always", "ahead")  # MG_SEARCH_NEVER ..
 
 
@@ -207,12 +212,19 @@ def _bodies_and_contacts(
         **{f"body_{key}": [b[key] for b in bodies] for key in ("kind", "q", "u")},
         "body_parameters": starts["bodies"],
         **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
+        "impact_law": _impact_laws(sentence),
         "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
         "pair_link": [*(p["links"][0] for p in pairs), len(links)],
         "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
         **{f"link_{key}": [entry[key] for entry in links] for key in ("kind", "o", "f", "pair", "group")},
         "link_parameters": starts["links"],
     }
+
+
+def _impact_laws(sentence: Mapping[str, Any]) -> list[int]:
+    """Of contacts, then of limits and the points of patches, which follow Newton's."""
+    laws = [IMPACT_LAWS[sentence["pairs"][c["pair"]].get("law", "newton")] for c in sentence["contacts"]]
+    return laws + [0] * (len(sentence["limits"]) + PADS * slot_count(sentence))
 
 
 def _loads_and_joints(sentence: Mapping[str, Any], starts: Mapping[str, list[int]]) -> dict[str, list[int]]:
@@ -256,8 +268,11 @@ def _row_count(manifest: Manifest) -> int:
     return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.sentence["joints"])
 
 
-def fill_settings(tables: Tables, accuracy: Any) -> Any:
-    """The mg_settings of an Accuracy, no tolerance finer than the real type resolves."""
+def fill_settings(tables: Tables, accuracy: Any, sentence: Mapping[str, Any]) -> Any:
+    """The mg_settings of an Accuracy, no tolerance finer than the real type resolves.
+
+    Patches are of event-driven runs whose contacts are all struck at once.
+    """
     settings = tables.Settings()
     epsilon = float(np.finfo(tables.dtype).eps)
     for name in ("newton", "project", "fallback", *SETTINGS_COUNTS):
@@ -266,7 +281,9 @@ def fill_settings(tables: Tables, accuracy: Any) -> Any:
         setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
     settings.method, settings.scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
     settings.law = LAWS[accuracy.solver]
+    settings.sequential = int(accuracy.impacts == "sequential")
     settings.use_gamma = int(accuracy.use_gamma)
-    settings.planar = int(accuracy.planar and accuracy.method != "time-stepping")
+    at_once = not (settings.sequential or any(_impact_laws(sentence)))
+    settings.planar = int(accuracy.planar and accuracy.method != "time-stepping" and at_once)
     settings.step = accuracy.step or 0.0
     return settings

@@ -11,10 +11,12 @@ from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.own_solid import own_fields
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
+from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run import FORMS, RUN
-from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch, Text, Whole
+from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
+from modelgen.scene.types import Restitution
 
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
@@ -132,7 +134,12 @@ _FEATURE = Text(r"^[A-Za-z][A-Za-z0-9_.]{0,63}$", "the name of a feature is allo
 CONTACT = Table(
     (
         Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
-        Field("restitution", Real(0.0, 1.0), "Newton's coefficient of restitution", default=0.0),
+        Field(
+            "restitution",
+            RestitutionValue(),
+            "Newton's coefficient of restitution, or a table of a law and its coefficient",
+            default=Restitution(),
+        ),
         Field("form", Choice(FORMS), "form of the contact's equations; auto: the cheapest", default="auto"),
         Field(
             "normal", VECTOR,

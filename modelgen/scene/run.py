@@ -8,6 +8,7 @@ from modelgen.scene.scalars import POSITIVE, Choice, Real, Switch, Whole
 ACCURACIES = ("fast", "balanced", "tight")
 METHODS = ("dop853", "rk4", "time-stepping")
 SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
+IMPACTS = ("simultaneous", "sequential")
 SOLVERS = ("coulomb", "relaxation")
 REALS = ("double", "float", "long double")
 LEVELS = ("O1", "O2", "O3")
@@ -35,6 +36,7 @@ RUN = Table(
         Field("scheme", Choice(SCHEMES), "of time-stepping; else stewart-trinkle"),
         Field("solver", Choice(SOLVERS), "friction in time-stepping: Coulomb's law or its convex relaxation"),
         Field("fallback", Switch(), "time-stepping for a while where an event-driven run ends; else true"),
+        Field("impacts", Choice(IMPACTS), "blows at several contacts: at once, or one after another"),
         Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),
         Field("project", Whole(0, 1_000_000), "drift is removed every so many steps; 0: never"),
         Field("use_gamma", Switch(), "false drops the velocity term Gamma2"),

@@ -138,10 +138,21 @@ class Friction:
     direction: Vector | None = None  # axes of the first body of the pair
 
 
+ImpactLaw = Literal["newton", "poisson", "stronge"]
+
+
+@dataclass(frozen=True, slots=True)
+class Restitution:
+    """What an impact gives back: of speed (Newton), of impulse (Poisson); of energy its square (Stronge)."""
+
+    value: float = 0.0  # 0..1
+    law: ImpactLaw = "newton"
+
+
 @dataclass(frozen=True, slots=True)
 class ContactPair:
     between: tuple[tuple[str, str], tuple[str, str]]  # ((body, shape), (body, shape))
-    restitution: float = 0.0  # Newton's coefficient, 0..1
+    restitution: Restitution = Restitution()
     form: str = "auto"  # "auto" or the name of a form
     normal: Vector | None = None  # two curves: roughly N at t = 0, world, from the first to the second
     features: tuple[str, ...] = ()  # of the two shapes, that may touch; empty: all
@@ -221,6 +232,7 @@ class RunSettings:
     scheme: str | None = None  # of time-stepping: stewart-trinkle | anitescu-potra | moreau
     solver: str | None = None  # of time-stepping: coulomb | relaxation
     fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
+    impacts: str | None = None  # of several contacts: simultaneous | sequential
     newton: int | None = None  # 0 | 1 | 2
     project: int | None = None  # every so many steps; 0 never
     use_gamma: bool | None = None

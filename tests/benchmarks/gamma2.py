@@ -55,20 +55,22 @@ def cost(library: Library, accuracy: Accuracy) -> float:
 
 def _cpu(library: Library, accuracy: Accuracy, until: float) -> float:
     begun = process_time()
-    simulate(library, until=until, accuracy=accuracy, samples=1)
+    simulate(library, until=until, accuracy=accuracy, samples=1, estimate=False)
     return process_time() - begun
 
 
 def rows(name: str) -> list[tuple[str, float, float, float]]:
     """(variant, error in m, gap in m, cost in us per simulated second) for one scene."""
     truths = [
-        simulate(scene_of(name, form, "long double"), until=UNTIL, samples=SAMPLES, accuracy=FINEST)
+        simulate(
+            scene_of(name, form, "long double"), until=UNTIL, samples=SAMPLES, accuracy=FINEST, estimate=False
+        )
         for form in ("implicit", "block")
     ]
     library = scene_of(name, "implicit")
     found = []
     for variant, accuracy in VARIANTS.items():
-        path = simulate(library, until=UNTIL, samples=SAMPLES, accuracy=accuracy)
+        path = simulate(library, until=UNTIL, samples=SAMPLES, accuracy=accuracy, estimate=False)
         gap = float(np.abs(path.gap).max())
         found.append((variant, error(path, truths[0]), gap, cost(library, accuracy)))
     reference = "long double, tolerance 1e-16: the reference (error: against the block form)"

@@ -145,7 +145,7 @@ def run(seed: int, until: float, accuracy: str, folder: Path) -> str:
     """The line of one seed."""
     scene, label = scene_of(seed)
     library = build(emit(derive(require(scene))), folder=folder, level="O1")
-    path = simulate(library, until=until, accuracy=accuracy)
+    path = simulate(library, until=until, accuracy=accuracy, estimate=False)
     kinds = ", ".join(f"{kind} {n}" for kind, n in Counter(event.kind for event in path.events).items())
     deepest = float(np.nanmin(path.gap)) if np.isfinite(path.gap).any() else 0.0
     faults = "".join(f" FAULT {fault}" for fault in faults_of(path))

@@ -38,11 +38,11 @@ def ours(accuracy: Accuracy) -> Track:
         spent = []
         for _ in range(5):
             begun = process_time()
-            simulate(library, until=span, accuracy=accuracy, samples=samples)
+            simulate(library, until=span, accuracy=accuracy, samples=samples, estimate=False)
             spent.append(process_time() - begun)
         return median(spent)
 
-    path = simulate(library, until=until, accuracy=accuracy, samples=samples)
+    path = simulate(library, until=until, accuracy=accuracy, samples=samples, estimate=False)
     cost = (timed(LONG * until) - timed(until)) / ((LONG - 1) * until) * 1e6
     return Track.of_quaternions(path.p[:, 1], path.quaternion[:, 1], path.v[:, 1], path.w[:, 1], cost)
 

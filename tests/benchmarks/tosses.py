@@ -61,7 +61,9 @@ def ours(measured: Toss) -> tuple[Array, Rotation]:
     contact = [{"between": ["cube", "ground"], "friction": MU, "restitution": RESTITUTION}]
     scene = make.scene("measured_toss", [make.fixed("ground", make.plane()), cube], contact=contact)
     frames, until = len(measured.t), float(measured.t[-1])
-    path = simulate(library_of(scene), until=until, samples=frames - 1, accuracy=Accuracy.balanced())
+    path = simulate(
+        library_of(scene), until=until, samples=frames - 1, accuracy=Accuracy.balanced(), estimate=False
+    )
     return path.p[:, 1], Rotation.from_quat(np.roll(path.quaternion[:, 1], -1, axis=1))
 
 

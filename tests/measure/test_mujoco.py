@@ -51,7 +51,7 @@ between = ["solid", "floor"]
 def test_a_body_in_flight_flies_the_same_way(shape: str, tmp_path: Path) -> None:
     """Without touching, masses, inertias, frames and starts alone decide."""
     scene = read_text(box(shape), "flight.toml")
-    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], root=tmp_path)
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
     (peer,) = found.peers
     assert not peer.cannot
     assert min(place(point)[1] for point in peer.points if is_measured(point)) < 1e-9
@@ -59,7 +59,7 @@ def test_a_body_in_flight_flies_the_same_way(shape: str, tmp_path: Path) -> None
 
 def test_an_ellipsoid_on_a_plane_rocks_the_same_way(tmp_path: Path) -> None:
     scene = read(SCENES / "ellipsoid_on_plane.toml")
-    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], root=tmp_path)
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
     (peer,) = found.peers
     assert place(peer.front[-1])[1] < 1e-4
     facts = peer.advantage(found.points)
@@ -68,12 +68,80 @@ def test_an_ellipsoid_on_a_plane_rocks_the_same_way(tmp_path: Path) -> None:
     assert facts["digits"] > 6
 
 
+def test_a_force_pushes_the_same_way(tmp_path: Path) -> None:
+    """Forces and torques of the time, in world and body axes, away from the centre."""
+    loads = """
+[[force]]
+body = "solid"
+force = ["20*t", 3.0, "5*cos(9*t)"]
+point = [0.05, 0.0, 0.02]
+
+[[torque]]
+body = "solid"
+torque = ["t", 0.2, "-0.1"]
+frame = "body"
+"""
+    scene = read_text(box('shape = { kind = "box", size = [0.2, 0.3, 0.1] }') + loads, "pushed.toml")
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
+    assert min(place(point)[1] for point in found.peers[0].points if is_measured(point)) < 1e-8
+
+
+def test_a_spring_pulls_the_same_way(tmp_path: Path) -> None:
+    spring = """
+[[spring]]
+between = ["solid", "floor"]
+anchors = [[0.1, 0.0, 0.0], [0.0, 0.0, 1.0]]
+stiffness = 40.0
+damping = 0.5
+rest_length = 0.5
+"""
+    scene = read_text(box('shape = { kind = "box", size = [0.2, 0.3, 0.1] }') + spring, "sprung.toml")
+    found = measure(scene, until=0.2, samples=4, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
+    assert min(place(point)[1] for point in found.peers[0].points if is_measured(point)) < 1e-8
+
+
+def test_rings_hang_in_each_other(tmp_path: Path) -> None:
+    scene = read(SCENES / "linked_rings.toml")
+    found = measure(scene, until=0.1, samples=4, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
+    (peer,) = found.peers
+    assert "circles are chains of capsules" in peer.differs
+    assert place(peer.front[-1])[1] < 3e-2
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.9])
+def test_a_ball_comes_back_as_fast_as_it_should(restitution: float, tmp_path: Path) -> None:
+    text = f"""
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+
+[[body]]
+name = "ball"
+density = 1000.0
+position = [0.0, 0.0, 0.15]
+velocity = [0.0, 0.0, -1.0]
+shape = {{ kind = "sphere", radius = 0.1 }}
+
+[[contact]]
+between = ["ball", "floor"]
+restitution = {restitution}
+"""
+    scene = read_text(text, "bounce.toml")
+    found = measure(scene, until=0.15, samples=3, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)
+    assert place(found.peers[0].front[-1])[1] < 3e-3
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("linked_rings", ["shape hook/circle is a circle", "shape ring/circle is a circle"]),
+        ("linked_rings", []),
+        ("rolling_disc", []),
+        ("glass_on_table", []),
+        ("bouncing_ball", []),
+        ("peg_in_hole", ["shape plate/circle is a circle", "shape peg/cylinder is a cylinder"]),
         ("ellipsoid_in_cavity", ["shape cave/ellipsoid is a cavity"]),
-        ("bouncing_ball", ["contact 0 has a restitution"]),
+        ("turntable", ["body 'table' is driven along a path"]),
         ("ellipsoid_on_ellipsoid", []),
     ],
 )

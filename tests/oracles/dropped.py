@@ -88,7 +88,7 @@ def touching(path: Trajectory, sample: int, within: float) -> set[str]:
 
 
 def run_until(library: Library, until: float, samples: int) -> Trajectory:
-    return simulate(library, until=until, samples=samples, accuracy=TIGHT)
+    return simulate(library, until=until, samples=samples, accuracy=TIGHT, estimate=False)
 
 
 def heights_when(solid: Solid, library: Library, t: float) -> Heights:

@@ -44,7 +44,9 @@ def ran(
 ) -> Trajectory:
     """The run of a scene, tight unless told otherwise. Scenes of one vocabulary share one library."""
     scene = make.scene("oracle", bodies, contact=list(contact), **keys)
-    return simulate(library_of(scene), until=until, accuracy=accuracy or Accuracy.tight(), samples=samples)
+    return simulate(
+        library_of(scene), until=until, accuracy=accuracy or Accuracy.tight(), samples=samples, estimate=False
+    )
 
 
 def imbalance(path: Trajectory) -> float:

@@ -19,7 +19,13 @@ UNTIL = 1.5
 
 @cache
 def path_of(form: str) -> Trajectory:
-    return simulate(forced("ellipsoids_in_bowl", form), accuracy=Accuracy.tight(), until=UNTIL, samples=150)
+    return simulate(
+        forced("ellipsoids_in_bowl", form),
+        accuracy=Accuracy.tight(),
+        until=UNTIL,
+        samples=150,
+        estimate=False,
+    )
 
 
 def length() -> float:
@@ -38,7 +44,7 @@ def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:
             pair for pair in scene.contacts if {stone.name, "bowl"} == {n for n, _ in pair.between}
         )
         one = replace(scene, name="one_in_bowl", bodies=(bowl, stone), contacts=contacts)
-        alone = simulate(library_of(one), accuracy=Accuracy.tight(), until=UNTIL, samples=150)
+        alone = simulate(library_of(one), accuracy=Accuracy.tight(), until=UNTIL, samples=150, estimate=False)
         (landing,) = [event for event in alone.events if event.t < BEFORE]
         same = next(event for event in together.events if event.contact == landing.contact)
         assert landing.t == pytest.approx(same.t, abs=1e-11)
@@ -72,12 +78,14 @@ def test_the_laws_hold_through_collisions(form: str) -> None:
 
 def test_a_coarse_run_ends_too() -> None:
     # events are located so coarsely that contacts are found a little below the surface, approaching slowly
-    path = simulate(forced("ellipsoids_in_bowl", "implicit"), accuracy=Accuracy.fast())
+    path = simulate(forced("ellipsoids_in_bowl", "implicit"), accuracy=Accuracy.fast(), estimate=False)
     assert path.outcome is Outcome.DONE
     assert path.gap_max < 1e-10 * length()
 
 
 def test_what_an_impact_leaves_is_removed_at_once() -> None:
     # a contact that an impact leaves separating slower than rest_speed must not drift open while it is held
-    path = simulate(forced("ellipsoids_in_bowl", "implicit"), accuracy=Accuracy.balanced(), until=0.7)
+    path = simulate(
+        forced("ellipsoids_in_bowl", "implicit"), accuracy=Accuracy.balanced(), until=0.7, estimate=False
+    )
     assert path.gap_max < 1e-13 * length()

@@ -28,7 +28,7 @@ TRACE = 1e-12
 
 @cache
 def long_run(name: str) -> Trajectory:
-    return simulate(scene_of(name), until=LONG, accuracy=Accuracy.balanced(), samples=4000)
+    return simulate(scene_of(name), until=LONG, accuracy=Accuracy.balanced(), samples=4000, estimate=False)
 
 
 @pytest.mark.slow
@@ -195,4 +195,4 @@ def test_the_motion_does_not_depend_on_how_a_surface_is_told(name: str) -> None:
 def fallen(base: Shape, stone: Body) -> Trajectory:
     """The stone let go above the base, a second of it, tight."""
     scene = make.scene("told", [make.fixed("base", base), stone], contact=[{"between": ["stone", "base"]}])
-    return simulate(library_of(scene), until=1.0, accuracy=Accuracy.tight(), samples=100)
+    return simulate(library_of(scene), until=1.0, accuracy=Accuracy.tight(), samples=100, estimate=False)

@@ -46,7 +46,7 @@ SEVERAL = [
 
 @cache
 def path_of(name: str, form: str, accuracy: str) -> Trajectory:
-    return simulate(forced(name, form), accuracy=Accuracy.named(accuracy))
+    return simulate(forced(name, form), accuracy=Accuracy.named(accuracy), estimate=False)
 
 
 def test_the_registry_lists_every_scene_file() -> None:
@@ -79,8 +79,8 @@ def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accurac
     assert all(np.isfinite(array).all() for array in numbers)
     assert np.isnan(path.gap[~followed]).all()
     assert path.energy_drift < REGISTRY[name].drift[ACCURACIES.index(accuracy)]
-    assert path.gap_max < 1e-10 * length
-    assert path.complementarity_max < COMPLEMENTARITY[accuracy]
+    assert path.gap_max < 1e-10 * length * REGISTRY[name].loose
+    assert path.complementarity_max < COMPLEMENTARITY[accuracy] * REGISTRY[name].loose
     assert path.margin_min > REGISTRY[name].margin
 
 

@@ -40,7 +40,7 @@ def pushed(
         "pushed", [table(), standing(shape, **keys)], contact=[{"between": ["body", "table"]}],
         force=[{"body": "body", "force": list(force), "point": list(point)}],
     )  # fmt: skip
-    return simulate(library_of(scene), until=until, samples=samples, accuracy=TIGHT)
+    return simulate(library_of(scene), until=until, samples=samples, accuracy=TIGHT, estimate=False)
 
 
 def events(path: Trajectory, kind: str) -> list[Event]:

@@ -85,6 +85,23 @@ def borne_twice(path: Trajectory) -> bool:
     return int((path.force[-1] > 0).sum()) == 2
 
 
+def test_a_face_turns_on_the_middle_of_a_side_that_is_nearly_straight() -> None:
+    """Bent with a radius of 3.4 m, forty times the size: by symmetry the plane motion at the half width."""
+    reach = 0.02
+    shape = make.extrusion(
+        HEIGHT, x="0.02*cos(t) + 0.03*tanh(8*cos(t))", y="0.02*sin(t)", domain=[0.0, "2*pi"]
+    )
+    start = reach * MASS * G / (RATE * ARM)
+    path = pushed(shape, ["0", f"{RATE}*t", "0"], [0, 0, ARM], start + AFTER, 60)
+    (tip,) = events(path, "tip")
+    assert tip.t == pytest.approx(start, abs=1e-9)
+    after = path.t > start + 1e-3
+    R = rotations(path, 1)[after]
+    lean = np.arctan2(-R[:, 1, 2], R[:, 2, 2])
+    assert np.abs(np.abs(lean) - leans(reach, start, path.t[after])).max() < 1e-9
+    assert path.outcome.name == "DONE"
+
+
 @pytest.mark.parametrize("angle", [0.0, 2.2])
 def test_a_ring_tips_where_a_disc_of_its_radius_does_and_rolls_like_it(angle: float) -> None:
     """The hull of an annulus is that of its outer circle."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy, simulate
+from modelgen.runtime.companion import estimate_of
 from modelgen.scene.read import read_text
 from tests.measure.cases import Verdict, judged, scene_named, true_form
 from tests.measure.test_reference import BILLIARD
@@ -95,3 +96,12 @@ def test_event_times_have_an_estimate() -> None:
     pairs = zip(path.events, fine.events, strict=True)
     error = max(abs(a.t - b.t) for a, b in pairs)
     assert error / 10 < path.estimate.events < 10 * error
+
+
+def test_a_companion_that_does_not_start_is_no_estimate() -> None:
+    egg = scene_of("ellipsoid_on_plane")
+    path = simulate(egg, until=0.1, estimate=False)
+    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.sentence, "interrupted")
+    assert none.statement == "uncertified: the companion run did not start: interrupted"
+    assert none.as_json()["position"] is None
+    assert none.status == "uncertified"

@@ -104,7 +104,7 @@ torque = [0, 0, "wz"]
     assert lift.shapes[1].pose.position == (0.0, 0.0, 2.0)
     assert (a.density, a.mass, a.velocity, a.angular_velocity) == (2.0, None, (1, 2, 3), (4, 5, 6))
     assert scene.contacts[0].between == (("a", "sphere"), ("lift", "lid"))
-    assert (scene.contacts[0].restitution, scene.contacts[0].form) == (0.5, "explicit")
+    assert (scene.contacts[0].restitution.value, scene.contacts[0].form) == (0.5, "explicit")
     force, torque, spring = scene.loads
     assert (force.frame, force.point, force.components[2].text) == ("body", (0, 0, 1), "t*qw")  # type: ignore[union-attr]
     assert (torque.body, torque.frame) == ("a", "world")  # type: ignore[union-attr]

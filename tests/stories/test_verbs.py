@@ -29,7 +29,7 @@ def test_check_says_what_a_scene_requires_and_compiles_nothing(
     path: Path, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    facts = modelgen("check", path, "--json").json
+    facts = modelgen("check", path, "--brief", "--json").json
     assert facts["scene"] == path.stem
     assert facts["kinds"]
     assert all(count > 0 for count in facts["instructions"].values())
@@ -46,6 +46,16 @@ def test_check_prints_the_same_as_text(modelgen: Modelgen) -> None:
     facts = modelgen("check", BALL, "--json").json
     for word in (*facts["instructions"], facts["contacts"][0]["name"], "left out", "orientation"):
         assert word in text
+    for each in facts["savings"]:
+        assert f"{each['decision']} " in text
+        assert str(each["saved"]["instructions"]) in text
+
+
+def test_check_tells_which_faces_rest_on_each_other_at_the_start(modelgen: Modelgen) -> None:
+    facts = modelgen("check", "scenes/glass_on_table.toml", "--json").json
+    assert facts["patches"] == ["glass-table:bottom", "glass-table:top"]
+    assert facts["patches_at_start"] == ["glass-table:bottom"]
+    assert "bottom (at the start), top" in modelgen("check", "scenes/glass_on_table.toml").out
 
 
 def test_check_cuts_no_name(modelgen: Modelgen) -> None:

@@ -1,4 +1,4 @@
-"""The same scene in Drake (`pip install drake`): compliant points in discrete steps, or continuous."""
+"""The same scene in Drake (extra `drake`): compliant points in discrete steps, or continuous."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing, sampled
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.measure.peers.setup import Setup, Solid, driven, numbers
 from modelgen.scene.types import Scene, Shape
 
@@ -99,7 +99,7 @@ class DrakeScene:
                 lambda: np.array([_sample(plant, body, context) for body in moving]),
             )
         except RuntimeError as refused:
-            raise PeerFailure(str(refused).splitlines()[0]) from None
+            raise PeerError(str(refused).splitlines()[0]) from None
 
     def _plant(self, builder: Any, settings: Settings) -> tuple[Any, dict[str, Any]]:
         """The plant, and its bodies by name."""
@@ -157,7 +157,7 @@ def unlike(scene: Scene) -> list[str]:
     for k, pair in enumerate(scene.contacts):
         if pair.friction and pair.friction.kinetic[0] != pair.friction.kinetic[1]:
             found.append(f"contact {k} has friction that depends on the direction")
-        if pair.restitution:
+        if pair.restitution.value:
             found.append(f"contact {k} has a restitution")
         if pair.rolling_resistance or pair.spinning_resistance:
             found.append(f"contact {k} resists rolling or spinning")
@@ -207,7 +207,7 @@ def _module() -> Any:
     try:
         return import_module("pydrake.all")
     except ImportError:
-        raise missing("drake", "install it with: pip install drake") from None
+        raise missing("drake", "install it with: pip install 'modelgen[drake]'") from None
 
 
 DRAKE = Peer("drake", KNOBS, DrakeScene.of)

@@ -1,4 +1,4 @@
-"""The same scene in Exudyn (`pip install exudyn`): rims that roll on planes, as joints; spheres by a penalty."""
+"""The same scene in Exudyn (extra `exudyn`): rims on planes, as joints; spheres by a penalty."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing
 from modelgen.measure.peers.setup import Setup, Solid, driven, numbers, rotation, unsteady
 from modelgen.scene.types import ContactPair, Scene
 
@@ -69,7 +69,7 @@ class ExudynScene:
         try:
             system.SolveDynamic(options, solverType=getattr(exu.DynamicSolverType, str(settings["solver"])))
         except ValueError as refused:
-            raise PeerFailure(str(refused).splitlines()[0]) from None
+            raise PeerError(str(refused).splitlines()[0]) from None
         spent = time.process_time() - begun
         return np.stack([_track(system, each, setup.samples) for each in sensors], axis=1), spent
 
@@ -81,13 +81,13 @@ def unlike(scene: Scene) -> list[str]:
     for k, pair in enumerate(scene.contacts):
         kinds = [shapes[partner].kind for partner in pair.between]
         if _rim(scene, pair):
-            found += [f"contact {k} has a restitution"] if pair.restitution else []
+            found += [f"contact {k} has a restitution"] if pair.restitution.value else []
             found += [f"contact {k} resists rolling"] if pair.rolling_resistance else []
         elif kinds != ["sphere", "sphere"]:
             found.append(
                 f"contact {k} is of a {kinds[0]} with a {kinds[1]}: it has rims on planes and spheres"
             )
-        elif pair.friction or pair.restitution:
+        elif pair.friction or pair.restitution.value:
             found.append(f"contact {k} has friction or a restitution")
     found += [f"joint {joint.name!r} is not exported" for joint in scene.joints]
     return found + (["loads are not exported"] if scene.loads else [])
@@ -190,7 +190,7 @@ def _track(system: Any, sensors: list[Any], samples: int) -> Array:
 
     p, turned, v = (system.GetSensorStoredData(sensor)[:, 1:] for sensor in sensors)
     if len(p) != samples + 1:
-        raise PeerFailure(f"it came to {len(p) - 1} of {samples} samples")
+        raise PeerError(f"it came to {len(p) - 1} of {samples} samples")
     xyzw = Rotation.from_matrix(turned.reshape(-1, 3, 3)).as_quat()
     return np.hstack([p, xyzw[:, [3, 0, 1, 2]], v])
 
@@ -199,7 +199,7 @@ def _module() -> Any:
     try:
         return import_module("exudyn")
     except ImportError:
-        raise missing("exudyn", "install it with: pip install exudyn") from None
+        raise missing("exudyn", "install it with: pip install 'modelgen[exudyn]'") from None
 
 
 EXUDYN = Peer("exudyn", KNOBS, ExudynScene.of)

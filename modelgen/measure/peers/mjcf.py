@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, log, pi, sin, sqrt
 
 import numpy as np
@@ -88,7 +89,7 @@ class Mjcf:
         frame = f'pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
         sides = f'contype="{bit if first else 0}" conaffinity="{0 if first else bit}"'
         yield f"<frame {frame}>"
-        for a, b in zip(points, points[1:], strict=False):
+        for a, b in pairwise(points):
             yield (
                 f'<geom type="capsule" fromto="{_words([*a, *b])}" size="{tube!r}" {sides} '
                 f"{self._touch(pair)}/>"
@@ -107,7 +108,7 @@ class Mjcf:
         if is_ringed(self.setup, pair):
             own = own[1:4]
         friction = f'condim="{dimension}"' + (f' friction="{_words(own)}"' if own[0] else "")
-        damping = _damping(pair.restitution)
+        damping = _damping(pair.restitution.value)
         if self.settings.get("contact", "tied") == "tied":
             return f'{friction} solref="{2 * self.dt / damping!r} {damping!r}" solimp="{HARD}"'
         return f'{friction} solref="0.02 {damping!r}"'
@@ -139,7 +140,7 @@ def different(setup: Setup) -> list[str]:
         found.append("circles are rims of thin cylinders")
     if any(pair.friction for pair in scene.contacts):
         found.append("what sticks creeps; static friction is kinetic friction")
-    if any(pair.restitution for pair in scene.contacts):
+    if any(pair.restitution.value for pair in scene.contacts):
         found.append("restitution is that of a spring and damper")
     if _motors(scene):
         found.append("loads are held over each step")

@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.measure.knobs import Facts, Knob, Settings
 from modelgen.measure.motion import Array
 from modelgen.measure.peers.mjcf import Mjcf, different, is_ringed, motors, unlike
-from modelgen.measure.peers.peer import Peer, PeerFailure, Run, missing, sampled
+from modelgen.measure.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.measure.peers.setup import Setup, tabulated
 
 
@@ -71,7 +71,7 @@ class MujocoScene:
             text = Mjcf(setup, settings, setup.until / setup.samples / per_sample).text()
             model = mujoco.MjModel.from_xml_string(text)
         except ValueError as refused:
-            raise PeerFailure(str(refused)) from None
+            raise PeerError(str(refused)) from None
         control = self._control(per_sample)
         return lambda: self._run(model, per_sample, control)
 

@@ -27,16 +27,26 @@ Run = Callable[[], tuple[Array, float]]  # (samples + 1, nb, 10) of p, quaternio
 class Adapter(Protocol):
     """A scene as a simulator has it. Raises ModelgenError where the simulator is not installed."""
 
-    cannot: list[str]  # sentences: what of the scene it cannot represent; then it is not run
-    differs: list[str]  # what it represents otherwise
-    version: str
-    knobs: tuple[Knob, ...]  # that matter here
+    @property
+    def cannot(self) -> list[str]:
+        """Sentences: what of the scene it cannot represent; then it is not run."""
+
+    @property
+    def differs(self) -> list[str]:
+        """Sentences: what it represents otherwise."""
+
+    @property
+    def version(self) -> str: ...
+
+    @property
+    def knobs(self) -> tuple[Knob, ...]:
+        """Those that matter here."""
 
     def prepare(self, settings: Settings) -> Run:
-        """A function that runs the scene from its start; raises PeerFailure where it does not get through."""
+        """A function that runs the scene from its start; raises PeerError where it does not get through."""
 
 
-class PeerFailure(Exception):
+class PeerError(Exception):
     """Why a simulator did not come to the end; finer settings need not be tried where it took too long."""
 
     def __init__(self, why: str, too_long: bool = False) -> None:
@@ -93,20 +103,23 @@ def peer_points(
     if theirs.cannot:
         return
 
+    first = {k.name: k.values(bench.space.facts)[0] for k in theirs.knobs if not k.ladder}
+
     def evaluate(settings: Settings) -> Point:
         report(f"{peer.name}: " + ", ".join(f"{name} {value}" for name, value in settings.items()))
         what = {"peer": peer.name, "version": theirs.version, "settings": dict(settings)}
         key = bench.subject.key(bench.plain, what)
-        return Point(**bench.recall(key, lambda: _measured(bench, theirs, settings).as_json()))
+        return Point(**bench.recall(key, lambda: _measured(bench, theirs, settings, first).as_json()))
 
     for point in sweep(Space(theirs.knobs, bench.space.facts, bench.space.free), evaluate, left):
         into.points.append(point)
 
 
-def _measured(bench: Bench, theirs: Adapter, settings: Settings) -> Point:
+def _measured(bench: Bench, theirs: Adapter, settings: Settings, first: Settings) -> Point:
+    """A point; the knobs that are not turned stand at their first values."""
     try:
-        states, cost = _timed(bench, theirs.prepare(settings))
-    except PeerFailure as failure:
+        states, cost = _timed(bench, theirs.prepare({**first, **settings}))
+    except PeerError as failure:
         return Point(settings, None, None, costs={"too_long": failure.too_long}, remark=str(failure))
     until = bench.subject.until
     costs = {"noise": cost.noise, "yard_s": cost.yard, "too_long": cost.seconds > SLOW * until}
@@ -134,7 +147,7 @@ def _timed(bench: Bench, run: Run) -> tuple[Array, Cost]:
 def sampled(
     setup: Setup, advance: Callable[[int, float], None], read: Callable[[], Array]
 ) -> tuple[Array, float]:
-    """What `read` gives at the start and after each `advance`(sample, t), and the CPU seconds of the latter."""
+    """What `read` gives at the start and after each `advance`(sample, t), and CPU seconds of the latter."""
     rows, spent = [read()], 0.0
     for sample, t in enumerate(setup.times[1:]):
         begun = time.process_time()
@@ -142,7 +155,7 @@ def sampled(
         spent += time.process_time() - begun
         rows.append(read())
         if spent > PATIENCE * setup.until:
-            raise PeerFailure(f"{spent:.3g} s of CPU time up to {t:.6g} s", too_long=True)
+            raise PeerError(f"{spent:.3g} s of CPU time up to {t:.6g} s", too_long=True)
     return np.array(rows), spent
 
 

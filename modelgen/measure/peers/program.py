@@ -13,26 +13,26 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.measure.motion import Array
-from modelgen.measure.peers.peer import PeerFailure
+from modelgen.measure.peers.peer import PeerError
 
 AROUND_S = 60.0  # wall time, beyond its patience, after which a program is ended
 
 
 def answer(command: Sequence[str], told: str, patience: float, samples: int) -> tuple[Array, float]:
-    """(samples + 1, nb, 10) and CPU seconds that a program writes as {rows, seconds}; raises PeerFailure."""
+    """(samples + 1, nb, 10) and CPU seconds that a program writes as {rows, seconds}; raises PeerError."""
     try:
         done = subprocess.run(
             command, input=told, capture_output=True, text=True, check=False, timeout=AROUND_S + 4 * patience
         )
     except subprocess.TimeoutExpired:
-        raise PeerFailure("it did not end", too_long=True) from None
+        raise PeerError("it did not end", too_long=True) from None
     if done.returncode:
         said = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
-        raise PeerFailure(f"it ended with {done.returncode}: {said}")
+        raise PeerError(f"it ended with {done.returncode}: {said}")
     found = json.loads(done.stdout[done.stdout.index("{") :])
     rows, seconds = np.array(found["rows"], dtype=float), float(found["seconds"])
     if len(rows) <= samples:
-        raise PeerFailure(f"it came to {len(rows) - 1} of {samples} samples", seconds > patience)
+        raise PeerError(f"it came to {len(rows) - 1} of {samples} samples", seconds > patience)
     return rows, seconds
 
 

@@ -44,7 +44,7 @@ class Solid:
         return np.array(shape.pose.position) - self.centre
 
     def placed(self, shape: Shape) -> tuple[Array, Quaternion]:
-        """Position (3,) m and quaternion of a shape's frame: in the body's, or if it is fixed in the world."""
+        """Position (3,) m and quaternion of a shape's frame: in its body's; of a fixed one in the world."""
         if not self.fixed:
             return self.at(shape), shape.pose.quaternion
         w, x, y, z = (float(part) for part in self.quaternion)
@@ -68,7 +68,7 @@ class Setup:
         scene, subject = bench.subject.scene, bench.subject
         start = (path.p, path.quaternion, path.v, path.w)
         solids = tuple(
-            _solid(body.shapes, entry, *(values[0, k].astype(float) for values in start))
+            _solid(body.shapes, entry, [values[0, k].astype(float) for values in start])
             for k, (body, entry) in enumerate(zip(scene.bodies, sentence["bodies"], strict=True))
         )
         scales = sentence["scales"]
@@ -100,14 +100,15 @@ class Setup:
         return next(shape for shape in self.solid(partner[0]).shapes if shape.name == partner[1])
 
 
-def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], *start: Array) -> Solid:
+def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], start: list[Array]) -> Solid:
     fixed = entry["motion"] not in ("point", "free")
     mass, *moments = [0.0] if fixed else entry["parameters"]
     full = {0: [mass] * 3, 1: moments * 3, 3: moments, 6: moments}[len(moments)]
     inertia = np.diag(full[:3])
     for value, (row, column) in zip(full[3:], ((0, 1), (0, 2), (1, 2)), strict=False):
         inertia[row, column] = inertia[column, row] = value
-    return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), *start, shapes)
+    p, quaternion, v, w = start
+    return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), p, quaternion, v, w, shapes)
 
 
 def numbers(shape: Shape) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """The same scene in Siconos (Debian: python3-siconos), in steps of Moreau and Jean.
 
-Its own collision by Bullet knows no smooth convex shape but spheres, and loses those that rest; so the closest points
-of spheres, ellipsoids and circles over planes are given to it as relations.
+Its own collision by Bullet knows no smooth convex shape but spheres, and loses those that rest, so that
+closest points of spheres, ellipsoids and circles over planes are given to it as relations.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def _contact(setup: Setup, pair: ContactPair) -> dict[str, Any]:
         "quaternion": list(upper.pose.quaternion),
         "origin": (ground.p + ground.turned @ ground.at(plane)).tolist(),
         "normal": (ground.turned @ rotation(np.array(plane.pose.quaternion)))[:, 2].tolist(),
-        "restitution": pair.restitution,
+        "restitution": pair.restitution.value,
         "slide": pair.friction.kinetic[0] if pair.friction else 0.0,
     }
 

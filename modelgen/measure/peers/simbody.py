@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from modelgen.measure.knobs import Knob, Settings
 from modelgen.measure.peers.peer import PATIENCE, Peer, Run, missing
 from modelgen.measure.peers.program import answer, compiled, output_of
@@ -70,8 +72,8 @@ class SimbodyScene:
         yield from self._surfaces([solid for solid in setup.solids if solid.fixed])
         yield len(setup.moving)
         for solid in setup.moving:
-            I = solid.inertia
-            yield from (solid.mass, I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+            moments = solid.inertia
+            yield from (solid.mass, *np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2])
             yield from (*solid.p, *solid.quaternion, *solid.v, *solid.w)
             yield from self._surfaces([solid])
 
@@ -115,7 +117,7 @@ def unlike(scene: Scene) -> list[str]:
     apart = [(a, b) for i, a in enumerate(bodies) for b in bodies[:i] if frozenset((a, b)) not in listed]
     found += [f"bodies {a!r} and {b!r} would touch, which the scene does not list" for a, b in apart]
     for k, pair in enumerate(scene.contacts):
-        if pair.restitution or pair.rolling_resistance or pair.spinning_resistance:
+        if pair.restitution.value or pair.rolling_resistance or pair.spinning_resistance:
             found.append(f"contact {k} has a restitution, or resists rolling or spinning")
         if pair.friction and pair.friction.kinetic[0] != pair.friction.kinetic[1]:
             found.append(f"contact {k} has friction that depends on the direction")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from math import atan2, cos, sin
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
+from modelgen import Accuracy
 from tests.oracles.friction.painleve import (
     INCONSISTENT,
     INDETERMINATE,
@@ -15,6 +19,7 @@ from tests.oracles.friction.painleve import (
     BrakeShoe,
     Rod,
 )
+from tests.running import run
 
 ROD = Rod()
 
@@ -70,3 +75,21 @@ def test_a_brake_shoe_jams_on_one_side(mu: float, side: int, expected: str) -> N
         force = shoe.force(mu, side)
         moment = np.cross([shoe.distance, -shoe.height, 0], [-side * mu * force, force, 0])[2]
         assert moment == pytest.approx(shoe.load)
+
+
+def test_the_shipped_rod_is_stopped_by_a_blow_and_turns_about_its_tip() -> None:
+    """The blow without collision of Genot and Brogliato, then a pendulum, to the order of the fallback."""
+    path, rod, theta = run("painleve_rod", Accuracy.balanced()), Rod(), atan2(2, 1)
+    assert rod.outcome(theta, 0.0, 2.0) == INCONSISTENT
+    assert path.outcome.succeeded
+    assert sum("Painleve" in warning for warning in path.warnings) == 1
+    about = rod.inertia + rod.mass * rod.half_length**2
+    rate = 3.0 * rod.mass * rod.half_length * sin(theta) / about  # the momentum about the tip stays
+
+    def falls(t: float, y: list[float]) -> list[float]:
+        return [y[1], -rod.mass * rod.g * rod.half_length * cos(y[0]) / about]
+
+    end = solve_ivp(falls, (0.0, 0.2), [theta, rate], "DOP853", rtol=1e-12).y[:, -1]
+    ahead = path.p[-1, 1] - rod.half_length * np.array([cos(end[0]), 0, sin(end[0])])
+    assert -path.w[-1, 1, 1] == pytest.approx(end[1], abs=1e-3)
+    assert np.hypot(*ahead[[0, 2]]) < 1e-3

@@ -1,6 +1,6 @@
 """A scene run by Siconos, in a Python that knows it: `python siconos_run.py < SCENE.json > TRACK.json`.
 
-Reads bodies, shapes, contacts, loads and settings as JSON, and writes {rows, seconds}: position, quaternion and
+Reads bodies, contacts, loads and settings as JSON, and writes {rows, seconds}: position, quaternion and
 velocity of each moving body at the samples, and CPU seconds.
 """
 
@@ -38,8 +38,7 @@ class Support(kernel.NewtonEuler3DR):  # type: ignore[misc]
 
 
 def body_of(told: dict[str, Any]) -> Any:
-    body = kernel.NewtonEulerDS(told["pose"], told["twist"], told["mass"], np.array(told["inertia"]))
-    return body
+    return kernel.NewtonEulerDS(told["pose"], told["twist"], told["mass"], np.array(told["inertia"]))
 
 
 def built(told: dict[str, Any]) -> tuple[Any, list[Any], Any]:

@@ -1,0 +1,60 @@
+"""A run as a C program, and its instructions."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from modelgen.measure.counts import instructions, why_not_counted
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.driver import driver_text
+from modelgen.runtime.simulate import simulate
+from tests.running import scene_of
+
+UNTIL = 0.05
+END = """
+#include <stdio.h>
+int run(void);
+int main(void) {
+  int code = run();
+  for (int i = 0; i < 7; i++) printf("%.17g\\n", (double)the_run.x[i]);
+  return code;
+}
+"""
+
+
+def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
+    library = scene_of("ellipsoid_on_plane")
+    text = driver_text(library, Accuracy.balanced(), UNTIL)
+    (tmp_path / "run.c").write_text(text.replace("int main(void)", "int run(void)") + END)
+    model, folder = library.path.parent / "model.c", library.path.parent
+    command = [
+        "cc",
+        "-std=c99",
+        "-O1",
+        '-DMG_HASH="x"',
+        f"-I{folder}",
+        "run.c",
+        str(model),
+        "-o",
+        "run",
+        "-lm",
+    ]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    found = [float(line) for line in subprocess.check_output([tmp_path / "run"], text=True).split()]
+    path = simulate(library, until=UNTIL, accuracy=Accuracy.balanced(), samples=1)
+    assert found[:3] == pytest.approx(path.p[-1, 1], abs=1e-12)
+    assert found[3:] == pytest.approx(path.quaternion[-1, 1], abs=1e-12)
+
+
+@pytest.mark.skipif(bool(why_not_counted()), reason="valgrind is not installed")
+def test_instructions_grow_with_the_steps() -> None:
+    library = scene_of("ellipsoid_on_plane")
+    coarse, fine = (
+        instructions(library, Accuracy.balanced().fixed_step(h), UNTIL, "O2") for h in (2e-3, 1e-3)
+    )
+    assert coarse is not None
+    assert fine is not None
+    assert 1.8 < fine / coarse < 2.2
