@@ -206,13 +206,14 @@ static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
   mg_press_whole(p, centre);
   mg_real level[3], from[3], merit = MG_MAX, part = 1;
   if (!mg_solve_moments(p, moment, level)) return 0;
+  int near = 0;
   for (int k = 0; k < 3; k++) from[k] = 0;
   for (int step = 0; step < MG_PRESS_STEPS; step++) {
     mg_real tried[3], change = 0;
     for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
     mg_set_level(p, tried);
     const mg_real now = p->level[0] > 0 ? mg_press_merit(p, force) : MG_MAX;
-    if (!(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_PART_LEAST) {
+    if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_PART_LEAST) {
       part /= 2;
       continue;
     }
@@ -224,7 +225,7 @@ static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
       for (int k = 0; k < 3; k++) p->level[k] = level[k];
       return 1;
     }
-    merit = now, part = 1;
+    merit = now, part = 1, near = change <= level[0] / 16; /* where rounding would tell the merit */
   }
   return 0;
 }

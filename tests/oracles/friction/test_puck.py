@@ -9,7 +9,7 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.scene import build as make
-from modelgen.scene.types import Body
+from modelgen.scene.types import Body, Shape
 from tests.oracles.friction.puck import G, Puck, disc_with_height, rectangle_with_height, uniform_ring
 from tests.oracles.pieces import TABLE, imbalance, ran, times
 from tests.running import run
@@ -143,4 +143,15 @@ def test_a_disc_on_a_belt_is_carried_along() -> None:
     assert [event.kind for event in path.events] == ["flat", "stick"]
     assert path.v[-1, 1] == pytest.approx([0.8, 0, 0], abs=1e-12)
     assert path.patch_slip[-1, 0] == pytest.approx([0, 0, 0], abs=1e-12)
+    assert imbalance(path) < 1e-9
+
+
+@pytest.mark.parametrize("shape", [make.cylinder(0.03, 0.12), make.box(0.06, 0.06, 0.12)])
+def test_a_body_pulled_at_its_top_tips_when_its_pressure_reaches_its_edge(shape: Shape) -> None:
+    body = make.dynamic("body", shape, mass=1.0, inertia=[0.01, 0.01, 0.01], position=[0, 0, 0.06])
+    force = [{"body": "body", "force": ["3*t", 0.0, 0.0], "point": [0.0, 0.0, 0.06]}]
+    path = ran([body, TABLE], 0.9, [{"between": ON_TABLE, "friction": 0.9}], force=force, samples=9)
+    tips = G * 0.03 / (3 * 0.12)
+    assert [event.kind for event in path.events][:2] == ["flat", "tip"]
+    assert times(path, "tip")[0] == pytest.approx(tips, abs=1e-8)
     assert imbalance(path) < 1e-9
