@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from modelgen.errors import nearest
@@ -201,4 +201,6 @@ def _property(field: Field) -> Schema:
 
 
 def _plain(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
     return [_plain(each) for each in value] if isinstance(value, tuple) else value

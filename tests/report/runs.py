@@ -23,7 +23,9 @@ def ball_on_table(n: int = 41) -> Record:
         **{"energy": np.full(n, 0.5), "work": np.zeros(n), "coordinates": np.zeros((n, 0))},
         **{"joint_force": np.zeros((n, 0, 3)), "joint_torque": np.zeros((n, 0, 3))},
         **{"position_error": np.full(n, 1e-9), "rotation_error": np.full(n, 1e-9)},
-        **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_point": np.zeros((n, 0, 3))},
+        **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_spin": np.zeros((n, 0))},
+        **{name: np.zeros((n, 0, 3)) for name in ("patch_point", "patch_friction", "patch_slip")},
+        "patch_torque": np.zeros((n, 0)),
     }
     meshes = {"0_o": np.zeros((3, 4, 3)) + np.linspace(0, 1, 4)[None, :, None]}
     summary = {"scene": "ring", "outcome": "done", "t_end": 2.0, "events": []}
