@@ -139,9 +139,9 @@ restitution = {restitution}
         ("rolling_disc", []),
         ("glass_on_table", []),
         ("bouncing_ball", []),
-        ("peg_in_hole", ["shape plate/circle is a circle", "shape peg/cylinder is a cylinder"]),
+        ("peg_in_hole", ["shape hole/cylinder is a cavity"]),
         ("ellipsoid_in_cavity", ["shape cave/ellipsoid is a cavity"]),
-        ("turntable", ["body 'table' is driven along a path"]),
+        ("turntable", ["body 'table' is driven along a path", "shape table/plane is a plane that moves"]),
         ("ellipsoid_on_ellipsoid", []),
     ],
 )

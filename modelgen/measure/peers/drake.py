@@ -53,7 +53,7 @@ SHAPES: Mapping[str, Callable[[Any, dict[str, float]], Any]] = {
     "cylinder": lambda drake, n: drake.Cylinder(n["radius"], n["length"]),
     "circle": lambda drake, n: drake.Cylinder(n["radius"], 2 * THIN * n["radius"]),
     "capsule": lambda drake, n: drake.Capsule(n["radius"], n["length"]),
-    "box": lambda drake, n: drake.Box(n["size_x"], n["size_y"], n["size_z"]),
+    "box": lambda drake, n: drake.Box(*n.values()),
 }
 
 

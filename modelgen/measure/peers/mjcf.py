@@ -18,7 +18,7 @@ PRIMITIVES: Mapping[str, tuple[tuple[str, ...], float]] = {  # parameters, and w
     "ellipsoid": (("a", "b", "c"), 1.0),
     "capsule": (("radius", "length"), 0.5),
     "cylinder": (("radius", "length"), 0.5),
-    "box": (("size_x", "size_y", "size_z"), 0.5),
+    "box": (("x", "y", "z"), 0.5),
 }
 FLAT = ("plane", "box")  # a circle's rim on these is that of a thin cylinder
 THIN = 1e-6  # half the thickness of that cylinder, over its radius
@@ -231,7 +231,7 @@ def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
 
 def _size(shape: Shape) -> list[float]:
     names, share = PRIMITIVES[shape.kind]
-    values = [numbers(shape)[name] for name in names]
+    values = [*numbers(shape).values()][: len(names)]
     return [share * v for v in values] if shape.kind == "box" else [*values[:-1], share * values[-1]]
 
 
