@@ -61,7 +61,7 @@ def test_tighter_tolerances_never_raise_the_error_above_its_floor(modelgen: Mode
 def test_what_was_measured_is_remembered_and_a_fresh_error_is_the_same(modelgen: Modelgen) -> None:
     first = modelgen("measure", EGG, *FEW, "--json").json
     again = modelgen("measure", EGG, *FEW, "--json").json
-    assert again["reused"] == len(again["points"]) + 1
+    assert again["reused"] >= len(again["points"]) + 1  # counts of instructions, where there are any, as well
     assert again["front"] == first["front"]
     fresh = modelgen("measure", EGG, *FEW, "--fresh", "--json").json
     assert fresh["reused"] == 0
