@@ -127,7 +127,7 @@ def test_a_load_that_jumps_beyond_the_rim_starts_too() -> None:
 
 @pytest.mark.parametrize("force", [((3.924, -2.0), (0.0,)), ((-3.924, -2.0), (0.0,))], ids=["in", "far side"])
 def test_a_load_that_does_not_go_out_there_is_refused(force: tuple[tuple[float, ...], ...]) -> None:
-    run = started(Accuracy.balanced(), glass=replace(GLASS, force=force))
+    run = started(replace(Accuracy.balanced(), fallback=False), glass=replace(GLASS, force=force))
     assert run.code == STEP_TOO_SMALL
     assert float(run.session.run.t) == 0.0
 
