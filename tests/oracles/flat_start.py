@@ -77,9 +77,10 @@ def rolled(
 
 
 def start_flat(session: Session, outward: Sequence[float], eta: Sequence[float]) -> None:
-    """Every contact starts from flat at the state, as at a hand-over, with the same way out."""
-    for i in range(session.n_contact):
-        session.link[i], session.closed[i], session.active[i], session.fresh[i] = i, 1, 1, FRESH
+    """The first contact of every pair starts from flat at the state, as at a hand-over, with the same way out."""
+    for pair in session.sentence["pairs"]:
+        i = pair["contacts"][0]
+        session.link[i], session.closed[i], session.active[i], session.fresh[i] = pair["links"][0], 1, 1, FRESH
         session.outward[3 * i : 3 * i + 3] = outward
     session.eta[: len(eta)] = eta
     session.run.margin_min, session.run.failed_contact = 1.0, -1
