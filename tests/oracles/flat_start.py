@@ -77,10 +77,11 @@ def rolled(
 
 
 def start_flat(session: Session, outward: Sequence[float], eta: Sequence[float]) -> None:
-    """The first contact of every pair starts from flat at the state, as at a hand-over, with the same way out."""
+    """The first contact of each pair starts from flat at the state, as at a hand-over, with one way out."""
     for pair in session.sentence["pairs"]:
         i = pair["contacts"][0]
-        session.link[i], session.closed[i], session.active[i], session.fresh[i] = pair["links"][0], 1, 1, FRESH
+        session.link[i], session.fresh[i] = pair["links"][0], FRESH
+        session.closed[i] = session.active[i] = 1
         session.outward[3 * i : 3 * i + 3] = outward
     session.eta[: len(eta)] = eta
     session.run.margin_min, session.run.failed_contact = 1.0, -1
