@@ -108,8 +108,7 @@ def test_rings_hang_in_each_other(tmp_path: Path) -> None:
     assert place(peer.front[-1])[1] < 3e-2
 
 
-@pytest.mark.parametrize("restitution", [0.5, 0.9])
-def test_a_ball_comes_back_as_fast_as_it_should(restitution: float, tmp_path: Path) -> None:
+def test_a_ball_comes_back_as_fast_as_it_should(tmp_path: Path) -> None:
     text = f"""
 [[body]]
 name = "floor"
@@ -125,7 +124,7 @@ shape = {{ kind = "sphere", radius = 0.1 }}
 
 [[contact]]
 between = ["ball", "floor"]
-restitution = {restitution}
+restitution = 0.9
 """
     scene = read_text(text, "bounce.toml")
     found = measure(scene, until=0.15, samples=3, knobs=FEW, against=["mujoco"], count=False, root=tmp_path)

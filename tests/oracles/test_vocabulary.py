@@ -70,7 +70,12 @@ def test_every_kind_is_used_by_the_scene(name: str) -> None:
     kinds, sentence = manifest_of(name).kinds, manifest_of(name).sentence
     users = {"body": "bodies", "contact": "links", "load": "loads", "joint": "joints"}
     for group, entries in users.items():
-        assert {entry["kind"] for entry in sentence[entries]} == set(range(len(kinds[group])))
+        used = {entry["kind"] for entry in sentence[entries]}
+        if group == "contact":
+            used |= {
+                entry[key] for entry in sentence["patches"] for key in ("kind", "rubbing") if key in entry
+            }
+        assert used == set(range(len(kinds[group])))
     limits = {entry["kind"] - len(kinds["contact"]) for entry in sentence["limits"]}
     assert limits == set(range(len(kinds["limit"])))
     in_contact = {side for kind in kinds["contact"] for side in kind["shapes"]}
