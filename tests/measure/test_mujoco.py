@@ -109,18 +109,18 @@ def test_rings_hang_in_each_other(tmp_path: Path) -> None:
 
 
 def test_a_ball_comes_back_as_fast_as_it_should(tmp_path: Path) -> None:
-    text = f"""
+    text = """
 [[body]]
 name = "floor"
 motion = "fixed"
-shape = {{ kind = "plane" }}
+shape = { kind = "plane" }
 
 [[body]]
 name = "ball"
 density = 1000.0
 position = [0.0, 0.0, 0.15]
 velocity = [0.0, 0.0, -1.0]
-shape = {{ kind = "sphere", radius = 0.1 }}
+shape = { kind = "sphere", radius = 0.1 }
 
 [[contact]]
 between = ["ball", "floor"]
