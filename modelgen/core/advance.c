@@ -24,7 +24,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
       if (c->set->method == MG_RK4) return MG_DONE;
-      if (mg_starts_rolling(c) || mg_starts_slipping(c)) run->h = c->pace;
+      if (mg_starts_slipping(c)) run->h = c->pace;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -106,8 +106,12 @@ static int mg_differs(const mg_context *c) {
 
 static int mg_step_part(mg_context *c, mg_real *h) {
   *h *= c->set->stride;
-  mg_refresh(c);
-  const int outcome = mg_accurate_step(c, h);
+  int outcome = MG_DONE;
+  if (mg_starts_rolling(c)) mg_end_earlier(c, c->run->x, c->set->stride);
+  else {
+    mg_refresh(c);
+    outcome = mg_accurate_step(c, h);
+  }
   if (!outcome) mg_finish_step(c, c->run->t, *h);
   return outcome;
 }
@@ -126,10 +130,21 @@ static mg_real mg_first_within(mg_context *c, mg_real h) {
   return mg_locate(c, h, passed);
 }
 
-/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. */
+/* Ends a step that was collocated beyond the time it may take. */
+static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
+  if (*h <= end) return 0;
+  mg_end_earlier(c, c->run->x, end / *h);
+  *h = end;
+  return 1;
+}
+
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
+   begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
+  const mg_real end = h;
   const mg_real longest = mg_longest(c);
+  if (mg_starts_rolling(c)) h = run->h;
   if (c->set->method == MG_DOP853 && h > longest) h = longest;
   c->left.count = 0;
   mg_mark_falling(c);
@@ -145,6 +160,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     outcome = mg_step_part(c, &h), event = 0;
     if (outcome) return outcome;
   }
+  event &= !mg_is_cut(c, &h, end);
   if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
     run->h = h / 2;
     return MG_DONE;

@@ -60,6 +60,30 @@ static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, 
   return most;
 }
 
+/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at the
+   start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
+static mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const mg_system *s = c->sys;
+  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x, *miss = c->K + (2 + 2 * MG_RADAU) * c->n_x, sum = 0;
+  for (int i = 0; i < c->n_x; i++) miss[i] = 0;
+  for (int stage = -1; stage < MG_RADAU; stage++) {
+    const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage), time = stage < 0 ? t : t + mg_stage_time(stage) * h;
+    mg_real share[MG_RADAU];
+    for (int k = 0; k < MG_RADAU; k++) share[k] = k == stage;
+    mg_restage(share, 0);
+    mg_poses(c, time, state);
+    mg_accelerations(c, time, state, slope);
+    for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, slope + s->n_q + s->body_u[b]);
+    for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[0]);
+  }
+  for (int i = s->n_q; i < s->n_q + s->n_u; i++) {
+    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
+    const mg_real error = mg_stage_time(0) * h * miss[i] / (c->set->tolerance * size);
+    sum += error * error;
+  }
+  return sqrt(sum / c->n_live);
+}
+
 /* The end of the step and the interpolant of the polynomial through x and the stages. */
 static void mg_collocated(mg_context *c, const mg_real *x) {
   const int n = c->n_x;
@@ -71,6 +95,15 @@ static void mg_collocated(mg_context *c, const mg_real *x) {
       c->dense[row * n + i] = sum;
     }
   }
+}
+
+/* Ends the step that was collocated at a share of it, by its polynomial. */
+static void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share) {
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share);
+  mg_collocated(c, x);
 }
 
 /* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */

@@ -1,20 +1,24 @@
 /* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
 #include "core.h"
 
-/* True if the rim of a fresh contact is still flat on the plane: then its row is that of the point where it begins to
-   roll, which its own equations do not tell. */
+/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its row is that of the point where
+   it begins to roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
-  const int patch = c->begins && c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact) : -1;
+  const mg_real lost = c->set->flat * c->set->flat;
+  const int patch = c->begins && c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
   if (patch < 0) return 0;
   const int link = c->first_pad_link + 3 * patch + 1, kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
-  mg_real none[1];
+  const int turned = o != c->o[contact]; /* the patch may name its bodies the other way round */
+  mg_real none[1], world[3], J[12] = {0}, *normal = c->normal + 3 * contact;
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
-  for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
+  mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
+  mg_into(c->pose + 12 * f, world, c->numbers + n - 3);
   mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
-                   c->d + contact, c->J + 12 * contact, c->J + 12 * contact + 6, c->gamma + contact, none,
-                   c->normal + 3 * contact, 0);
+                   c->d + contact, J, J + 6, c->gamma + contact, none, normal, 0);
+  for (int k = 0; k < 12; k++) c->J[12 * contact + k] = J[turned ? (k + 6) % 12 : k];
+  for (int k = 0; k < 3 && turned; k++) normal[k] = -normal[k];
   return 1;
 }
 

@@ -54,6 +54,8 @@ typedef struct {
 typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
   mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
   mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
+  mg_real start[3], rate[MG_RADAU][3];                            /* lean, in o's axes, and what it changes by at the stages, rad/s */
+  mg_real whole[MG_RADAU];                                        /* azimuths of the whole step, while half of it is tried */
   mg_real blur[MG_RADAU];                                         /* what rounding of the poses makes of the azimuth, rad */
 } mg_onset;
 
@@ -124,7 +126,7 @@ typedef struct {
   int rub_rounds;                           /* pressures tried for the forces that are sought */
   mg_onset *onset;                          /* per contact */
   mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
-  mg_real pace;                             /* what an explicit step after collocation can follow, s */
+  mg_real pace;                             /* what an explicit step can follow after slip has begun, s */
   int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;

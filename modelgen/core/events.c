@@ -101,12 +101,13 @@ static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, 
 }
 
 /* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
-   far as the interpolant may err. That of a collocation is the step itself. */
+   far as the interpolant may err. That of a collocation is the step itself. Where corrections do not shrink, as at a jump
+   of the loads, the event is where it was found. */
 static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
-  const mg_real t = c->run->t, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
-  mg_real moved = 0;
-  if (mg_starts_rolling(c)) {
-    mg_interpolate(c, c->run->x, h / tried, c->x_next);
+  const mg_real t = c->run->t, found = h, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
+  mg_real moved = 0, first = 0;
+  if (mg_starts_rolling(c) || mg_starts_slipping(c)) {
+    mg_end_earlier(c, c->run->x, h / tried);
     mg_finish_step(c, t, h);
     return h;
   }
@@ -115,10 +116,15 @@ static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_re
     mg_finish_step(c, t, h);
     const mg_real change = slope != 0 ? -mg_event_value(c, contact, cause, c->x_next) / slope : 0;
     moved += change;
+    if (round == 1) first = fabs(change);
+    if (round > 1 && fabs(change) > first) break;
     if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
     if (h + change <= 0 || h + change > tried) return h;
     h += change;
   }
+  mg_try_step(c, t, c->run->x, found);
+  mg_finish_step(c, t, found);
+  return found;
 }
 
 /* The first of the parts of the step h at which an event has fired; 0 when none has. */

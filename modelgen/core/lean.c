@@ -12,7 +12,29 @@ static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Notes at the flat start what leans against what, and how little it is held to lean at first in a step h. Returns 0 where
+/* Rounding of the poses leaves nothing of the direction of such a lean. */
+static int mg_is_lost(const mg_context *c, mg_real tilt) { return tilt < c->set->flat * c->set->flat; }
+
+/* N in o's axes and in f's while they lay flat: the normals of the faces of a patch; of a rim without one, N now. Needs the
+   place there. */
+static void mg_find_axes(const mg_context *c, int contact, mg_onset *onset) {
+  mg_real least = MG_MAX, face[2][12];
+  mg_turn_in(c->pose + 12 * c->o[contact], c->place + 5, onset->normal);
+  mg_turn_in(c->pose + 12 * c->f[contact], c->place + 5, onset->axis);
+  for (int patch = 0; patch < c->sys->n_patch; patch++) {
+    if (!mg_patch_covers(c, patch, c->run->link[contact])) continue;
+    const int swapped = mg_patch_body(c, patch, 0) != c->o[contact];
+    for (int side = 0; side < 2; side++) mg_face_pose(c, patch, side != swapped, face[side]);
+    const mg_real sine = mg_sine(face[0] + 9, face[1] + 9);
+    if (mg_dot3(face[0] + 9, face[1] + 9) > 0 || sine >= least) continue;
+    least = sine;
+    mg_turn_in(c->pose + 12 * c->o[contact], face[0] + 9, onset->normal);
+    mg_turn_in(c->pose + 12 * c->f[contact], face[1] + 9, onset->axis);
+    for (int k = 0; k < 3; k++) onset->axis[k] *= -1;
+  }
+}
+
+/* Notes at the start what leans against what, and how little it is held to lean at first in a step h. Returns 0 where
    no body could. */
 static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_poses(c, t, x);
@@ -20,12 +42,15 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
     if (c->run->fresh[i] != MG_FRESH) continue;
     if (!mg_is_free(c, c->f[i]) && !mg_is_free(c, c->o[i])) return 0;
     mg_onset *onset = c->onset + i;
-    const mg_real *o = c->pose + 12 * c->o[i], *f = c->pose + 12 * c->f[i], *normal = c->place + 5;
     mg_place(c, i, mg_eta_of(c, x, i), c->place + 32);
-    mg_turn_in(o, normal, onset->normal), mg_turn_in(f, normal, onset->axis);
-    mg_turn_in(o, c->run->outward + 3 * i, onset->outward);
+    mg_find_axes(c, i, onset);
+    mg_turn_in(c->pose + 12 * c->o[i], c->run->outward + 3 * i, onset->outward);
+    const mg_lean at = mg_lean_at(c, i, 0);
+    const mg_real now = mg_dot3(at.along, at.lean);
+    mg_turn_in(c->pose + 12 * c->o[i], at.lean, onset->start);
+    for (int k = 0; k < 3 && mg_is_lost(c, now); k++) onset->start[k] = (now > 0 ? now : 0) * onset->outward[k];
     for (int stage = 0; stage < MG_RADAU; stage++)
-      onset->azimuth[stage] = 0, onset->tilt[stage] = sqrt(MG_EPS) * h / c->sys->time;
+      onset->azimuth[stage] = 0, onset->tilt[stage] = (now > 0 ? now : 0) + sqrt(MG_EPS) * h / c->sys->time;
   }
   return 1;
 }
@@ -47,12 +72,35 @@ static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
   return at;
 }
 
-/* The angular velocity of f against o about a direction of the world. */
-static mg_real mg_turning(const mg_context *c, int contact, const mg_real *direction) {
+/* The angular velocity of f against o, world. */
+static void mg_turning(const mg_context *c, int contact, mg_real *out) {
   mg_real o[3], f[3];
   mg_out(c->pose + 12 * c->o[contact], c->twist + 6 * c->o[contact] + 3, 0, o);
   mg_out(c->pose + 12 * c->f[contact], c->twist + 6 * c->f[contact] + 3, 0, f);
-  return mg_dot3(f, direction) - mg_dot3(o, direction);
+  for (int k = 0; k < 3; k++) out[k] = f[k] - o[k];
+}
+
+/* At the present poses and velocities of a stage. */
+static void mg_note_rate(mg_context *c, int contact, int stage) {
+  mg_onset *onset = c->onset + contact;
+  mg_real turning[3], axis[3], rate[3];
+  mg_turning(c, contact, turning);
+  mg_out(c->pose + 12 * c->f[contact], onset->axis, 0, axis);
+  mg_cross(turning, axis, rate);
+  mg_turn_in(c->pose + 12 * c->o[contact], rate, onset->rate[stage]);
+}
+
+/* At the present poses of a stage of a step h, the lean being what its rates have made of it: the poses round it away. */
+static mg_lean mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real azimuth) {
+  const mg_onset *onset = c->onset + contact;
+  mg_lean at = mg_lean_at(c, contact, azimuth);
+  mg_real local[3];
+  for (int k = 0; k < 3; k++) {
+    local[k] = onset->start[k];
+    for (int j = 0; j < MG_RADAU; j++) local[k] += h * mg_stage_weight(stage, j) * onset->rate[j][k];
+  }
+  mg_out(c->pose + 12 * c->o[contact], local, 0, at.lean);
+  return at;
 }
 
 /* Turns the bodies of a contact in x until they lean by `tilt` along the azimuth of `at`. */
@@ -76,9 +124,11 @@ static mg_real mg_misses(const mg_lean *at, mg_real tilt) {
    spins about N goes round with it. */
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x) {
   const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
-  const mg_real spin = mg_turning(c, contact, at->normal), now = mg_turning(c, contact, at->along);
+  mg_real along[3], turning[3];
+  mg_turning(c, contact, turning);
+  const mg_real spin = mg_dot3(turning, at->normal), now = mg_dot3(turning, at->along);
   const mg_real change = (turns_f ? 1 : -1) * (tilt * (spin - rate) - now);
-  mg_real along[3], *w = x + c->sys->n_q + c->sys->body_u[body] + 3;
+  mg_real *w = x + c->sys->n_q + c->sys->body_u[body] + 3;
   mg_turn_in(c->pose + 12 * body, at->along, along);
   for (int k = 0; k < 3; k++) w[k] += change * along[k];
 }
@@ -93,4 +143,21 @@ static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope
     sum += (side ? 1 : -1) * mg_dot3(turn, direction);
   }
   return sum;
+}
+
+/* The point of f on which it rolls while its lean is lost in rounding, by leaning it clear of that. Needs the poses of x; leaves
+   eta there. Returns 0 where it is not found. */
+static int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x) {
+  const int body = mg_is_free(c, c->f[contact]) ? c->f[contact] : c->o[contact];
+  mg_real kept[4], *turn = x + c->sys->body_q[body] + 3;
+  for (int k = 0; k < 4; k++) kept[k] = turn[k];
+  mg_lean_to(c, contact, at, sqrt(c->set->flat), x);
+  mg_normalise(c, x);
+  mg_poses(c, t, x);
+  const int found = mg_settle_fully(c, contact, mg_eta_of(c, x, contact));
+  mg_place(c, contact, mg_eta_of(c, x, contact), c->place + 32);
+  mg_into(c->pose + 12 * c->f[contact], c->place + 11, c->run->point + 3 * contact);
+  for (int k = 0; k < 4; k++) turn[k] = kept[k];
+  mg_poses(c, t, x);
+  return found;
 }

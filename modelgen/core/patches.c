@@ -32,15 +32,15 @@ static int mg_patch_covers(const mg_context *c, int patch, int link) {
   return 0;
 }
 
-/* The patch that a contact's link lies in with its faces against each other, or -1. */
-static int mg_patch_flat_on(const mg_context *c, int contact) {
+/* The patch that a contact's link lies in with its faces against each other but for a lean of this size, or -1. */
+static int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean) {
   const int link = c->run->link[contact];
   mg_real o[12], f[12];
   for (int patch = 0; patch < c->sys->n_patch; patch++) {
     if (!mg_patch_covers(c, patch, link)) continue;
     mg_face_pose(c, patch, 0, o);
     mg_face_pose(c, patch, 1, f);
-    if (mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat) return patch;
+    if (mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < lean) return patch;
   }
   return -1;
 }

@@ -15,17 +15,18 @@ static mg_real mg_margin_of(const mg_context *c) {
   return c->place[3] < flat ? c->place[3] : flat;
 }
 
-/* One Newton step for every contact at the poses of x; writes d and the margin. Returns 0 if not finite. */
+/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would move;
+   writes d and the margin. Returns 0 if not finite. */
 static int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->sys;
   mg_poses(c, t, x);
   for (int i = 0; i < s->n_contact; i++) {
     mg_real *eta = mg_eta_of(c, x, i), *next = c->place + 32;
     if (!mg_present(c, i)) continue;
-    const int n = mg_place(c, i, eta, next);
+    const int n = mg_place(c, i, eta, next), flat = mg_is_flat_yet(c, i);
     c->d[i] = c->place[0];
     c->run->margin[i] = mg_margin_of(c);
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n && !flat; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return 0;
       if (c->set->newton) eta[k] = next[k];
     }

@@ -10,8 +10,9 @@ static int mg_pad_of(const mg_context *c, int slot);
 static int mg_patch_in(const mg_context *c, int slot);
 static int mg_patch_body(const mg_context *c, int patch, int side);
 static int mg_is_covered(const mg_context *c, int link);
-static int mg_patch_flat_on(const mg_context *c, int contact);
+static int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean);
 static int mg_is_flat_on(mg_context *c, int contact);
+static int mg_is_flat_yet(const mg_context *c, int contact);
 static int mg_is_flat_far(const mg_context *c, int contact);
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
@@ -58,12 +59,16 @@ static void mg_hold_patch(mg_context *c, int slot, int patch);
 static int mg_lay_patch(mg_context *c, int patch);
 static mg_real mg_weight_scale(const mg_context *c);
 
-/* collocate.c, start_rolling.c */
+/* collocate.c, onset.c, start_rolling.c */
 static mg_real *mg_stage_state(const mg_context *c, int stage);
 static mg_real *mg_stage_slope(const mg_context *c, int stage);
 static mg_real mg_stage_time(int stage);
+static mg_real mg_stage_weight(int row, int column);
+static int mg_settle_fully(mg_context *c, int contact, mg_real *eta);
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
 static void mg_collocated(mg_context *c, const mg_real *x);
+static mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share);
 static mg_real mg_derivative(const mg_real *value, int stage);
 static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
 static mg_real mg_twice(int row, int column);
@@ -87,6 +92,10 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
 static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
+static int mg_is_lost(const mg_context *c, mg_real tilt);
+static mg_lean mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real azimuth);
+static void mg_note_rate(mg_context *c, int contact, int stage);
+static int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x);
 static mg_real mg_misses(const mg_lean *at, mg_real tilt);
 static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
 

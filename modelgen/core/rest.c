@@ -33,7 +33,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
 
 /* The contact is of a patch whose faces lie on each other. */
 static int mg_is_flat_on(mg_context *c, int contact) {
-  const int patch = mg_patch_flat_on(c, contact);
+  const int patch = mg_patch_flat_on(c, contact, c->set->flat);
   return patch >= 0 && mg_lies_flat(c, patch, c->set->start_gap * c->sys->length, 1);
 }
 

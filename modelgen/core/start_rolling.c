@@ -12,47 +12,13 @@
    (if it has any) at the point where the pressure leaves, mark it closed, active and MG_FRESH, write the way out of the
    hull there, along the plane (world, unit), into run->outward, and let run->h be no shorter than the scene's own time:
    the step is tried from there down. The row of a fresh contact means nothing until its first step, which mg_try_step
-   takes: no complementarity problem may contain it. Then it is MG_YOUNG, excused from the bounds on margins until its
-   margin is above them. */
+   takes: no complementarity problem may contain it. Once the lean is clear of rounding it is MG_YOUNG, excused from the
+   bounds on margins until its margin is above them; till then it is MG_FRESH, and the next step is of this kind too. */
 #include "core.h"
 
 /* changes of the stages, against their scale: below the one the lean is held no longer, above the other it never is found */
 #define MG_ROUGHLY 0.05
 #define MG_HOPELESS 100
-
-static int mg_starts_rolling(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->fresh[i] == MG_FRESH) return 1;
-  return 0;
-}
-
-/* The conditions of its link hold, and its margin is nothing to warn of. */
-static int mg_is_grown_up(mg_context *c, int contact) {
-  const mg_real *eta = mg_eta_of(c, c->run->x, contact);
-  int which;
-  mg_place(c, contact, eta, c->place + 32);
-  return c->run->margin[contact] >= c->set->margin_warn &&
-         mg_worst_condition(c, c->run->link[contact], eta, &which) >= 0;
-}
-
-/* After a step, with the poses at its end. */
-static void mg_grow_up(mg_context *c) {
-  for (int i = 0; i < c->first_pad; i++) {
-    if (!c->run->fresh[i]) continue;
-    c->run->fresh[i] = mg_is_grown_up(c, i) ? MG_STEADY : MG_YOUNG;
-  }
-}
-
-/* Brings eta of a contact to the extremum at the present poses, as near as rounding lets it. */
-static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
-  if (!c->n_eta[contact]) return 1;
-  if (mg_settle_in(c, contact, eta) < 0) return 0;
-  for (int extra = 0; extra < 2; extra++) {
-    mg_place(c, contact, eta, c->place + 32);
-    for (int k = 0; k < c->n_eta[contact]; k++) eta[k] = c->place[32 + k];
-  }
-  return mg_finite(eta, c->n_eta[contact]);
-}
 
 /* The rates of q in a slope, of the velocities that the stage really has. */
 static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
@@ -72,14 +38,16 @@ static void mg_take_stage(mg_context *c, int stage) {
 
 /* Turns the fresh contacts of c->x_stage to lean along their azimuths at a stage plus `turned`; as far as they do, or, if
    `held`, as before. Returns 0 where one does not lean that way. */
-static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real turned) {
+static int mg_lean_stage(mg_context *c, mg_real t, int stage, mg_real h, int held, mg_real turned) {
+  const mg_real noise = stage < MG_RADAU - 1 ? 8 * MG_EPS * h / c->sys->time : 0;
   for (int twice = 0; twice < 2; twice++) {
     mg_poses(c, t, c->x_stage);
     for (int i = 0; i < c->sys->n_contact; i++) {
       if (c->run->fresh[i] != MG_FRESH) continue;
       mg_onset *onset = c->onset + i;
+      const mg_lean known = mg_lean_of_stage(c, i, stage, h, onset->azimuth[stage] + turned);
       const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-      if (!twice && !held) onset->tilt[stage] = mg_dot3(at.along, at.lean);
+      if (!twice && !held) onset->tilt[stage] = mg_dot3(known.along, known.lean) + noise;
       if (!(onset->tilt[stage] > 0)) return 0;
       mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
     }
@@ -93,19 +61,37 @@ static int mg_lean_stage(mg_context *c, mg_real t, int stage, int held, mg_real 
 static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int held, mg_real turned, mg_real *slope) {
   mg_real *x = c->x_stage;
   mg_take_stage(c, stage);
-  if (!mg_lean_stage(c, t, stage, held, turned)) return 0;
+  if (!mg_lean_stage(c, t, stage, h, held, turned)) return 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
     mg_onset *onset = c->onset + i;
     const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-    onset->blur[stage] = mg_misses(&at, onset->tilt[stage]);
+    const int flat = mg_is_lost(c, onset->tilt[stage]);
+    onset->blur[stage] = flat ? MG_EPS / sqrt(c->set->flat) : mg_misses(&at, onset->tilt[stage]);
     mg_lean_at_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
-    if (!mg_settle_fully(c, i, mg_eta_of(c, x, i))) return 0;
+    if (!(flat ? mg_point_leaning(c, t, i, &at, x) : mg_settle_fully(c, i, mg_eta_of(c, x, i)))) return 0;
   }
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
+  c->begins = 1;
   mg_slope(c, t, x, slope);
+  c->begins = 0;
   mg_follow(c, t, stage, slope);
   return 1;
+}
+
+/* Of the lean of fresh contacts at a stage, at the present poses and velocities. */
+static void mg_note_rates(mg_context *c, int stage) {
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->fresh[i] == MG_FRESH) mg_note_rate(c, i, stage);
+}
+
+/* The same at the states of all stages. */
+static void mg_note_all_rates(mg_context *c, mg_real t, mg_real h) {
+  for (int stage = 0; stage < MG_RADAU; stage++) {
+    mg_take_stage(c, stage);
+    mg_poses(c, t + mg_stage_time(stage) * h, c->x_stage);
+    mg_note_rates(c, stage);
+  }
 }
 
 /* Once round: the slopes at the stages, then the states by them. eta of fresh contacts is settled, not integrated. */
@@ -116,6 +102,7 @@ static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int held, m
   for (int stage = 0; stage < MG_RADAU; stage++) {
     if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, held, 0, mg_stage_slope(c, stage))) return 0;
     mg_watch(c);
+    mg_note_rates(c, stage);
     for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
   }
   *change = mg_collect(c, x, h, 0, first);
@@ -154,7 +141,7 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   for (int row = 0; row < MG_RADAU; row++) {
     mg_take_stage(c, row);
     mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
-    const mg_lean at = mg_lean_at(c, contact, onset->azimuth[row]);
+    const mg_lean at = mg_lean_of_stage(c, contact, row, h, onset->azimuth[row]);
     change[row] = -mg_dot3(at.across, at.lean);
     for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
     matrix[row][row] -= onset->tilt[row];
@@ -189,6 +176,7 @@ static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int stage = 0; stage < MG_RADAU; stage++)
     for (int i = 0; i < c->n_x; i++)
       mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
+  mg_note_all_rates(c, t, h);
   for (int round = 0; round < 2; round++)
     if (!mg_sweep(c, t, x, h, 1, &change)) return 0;
   return mg_find_stiffness(c, t, h);
@@ -214,6 +202,7 @@ static int mg_reuse_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_r
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share);
+  mg_note_all_rates(c, t, h);
   return mg_sweep(c, t, x, h, 0, &change) && mg_find_stiffness(c, t, h);
 }
 
@@ -232,17 +221,6 @@ static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, 
     before = most;
   }
   return (mg_real)NAN;
-}
-
-/* What the explicit method can follow afterwards: the swing about the smooth solution. */
-static mg_real mg_pace_after(const mg_context *c) {
-  mg_real pace = MG_MAX;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->run->fresh[i] != MG_FRESH) continue;
-    const mg_real each = sqrt(c->onset[i].tilt[MG_RADAU - 1] / fabs(c->onset[i].stiffness[MG_RADAU - 1]));
-    if (each < pace) pace = each;
-  }
-  return pace;
 }
 
 /* Of eta of a fresh contact, which is settled and not integrated: near flat, rounding moves its point far along a curve. */
@@ -271,9 +249,19 @@ static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_rea
 
 /* The whole step, from the polynomial of a longer one that was tried before, or from a guess. */
 static mg_real mg_solve_whole(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  const int known = c->tried > h && mg_reuse_stages(c, t, x, h, h / c->tried);
-  if (!known && !mg_guess_stages(c, t, x, h)) return (mg_real)NAN;
-  return mg_solve_stages(c, t, x, h, !known);
+  if (c->tried > h && mg_reuse_stages(c, t, x, h, h / c->tried)) {
+    const mg_real most = mg_solve_stages(c, t, x, h, 0);
+    if (most <= MG_MAX) return most;
+  }
+  return mg_guess_stages(c, t, x, h) ? mg_solve_stages(c, t, x, h, 1) : (mg_real)NAN;
+}
+
+/* Notes the azimuths of the whole step, or takes them back. */
+static void mg_keep_azimuths(mg_context *c, int back) {
+  for (int i = 0; i < c->first_pad; i++)
+    for (int k = 0; k < MG_RADAU && c->run->fresh[i] == MG_FRESH; k++)
+      if (back) c->onset[i].azimuth[k] = c->onset[i].whole[k];
+      else c->onset[i].whole[k] = c->onset[i].azimuth[k];
 }
 
 /* From K[0], of which only the rates of q count, to c->x_next and the interpolant. Returns the error relative to the
@@ -284,12 +272,14 @@ static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h)
   c->tried = whole <= MG_MAX ? h : 0;
   if (!(whole <= MG_MAX)) return MG_MAX;
   mg_collocated(c, x);
-  c->pace = mg_pace_after(c);
   if (c->set->method == MG_RK4) return 0;
+  mg_keep_azimuths(c, 0);
   const int reused = mg_reuse_stages(c, t, x, h / 2, (mg_real)1 / 2);
   const mg_real half = reused ? mg_solve_stages(c, t, x, h / 2, 0) : (mg_real)NAN;
+  mg_keep_azimuths(c, 1);
   if (!(half <= MG_MAX)) return MG_MAX;
-  const mg_real error =
-    mg_differs_half_way(c, x, mg_stage_state(c, MG_RADAU - 1)) - (half > whole ? half : whole) / c->set->tolerance;
+  const mg_real differs = mg_differs_half_way(c, x, mg_stage_state(c, MG_RADAU - 1));
+  const mg_real missed = mg_misses_start(c, t, x, h / 2), noise = (half > whole ? half : whole) / c->set->tolerance;
+  const mg_real error = (differs > missed ? differs : missed) - noise;
   return error > 0 ? error : 0;
 }
