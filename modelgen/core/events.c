@@ -100,20 +100,20 @@ static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, 
   return (value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
 }
 
-/* Steps again to the event found on the interpolant, and corrects its time by the slope of the event function as
-   far as the interpolant may err. That of a collocation is the step itself. Where corrections do not shrink, as at a jump
-   of the loads, the event is where it was found. */
-static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
-  const mg_real t = c->run->t, found = h, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
+/* The state at the end of a step h within the one that was tried: by its polynomial, or by a step of its own. */
+static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
+  if (collocated) mg_interpolate(c, c->run->x, h / tried, c->x_next);
+  else mg_try_step(c, c->run->t, c->run->x, h);
+  mg_finish_step(c, c->run->t, h);
+}
+
+/* The event found on the interpolant, its time corrected by the slope of the event function as far as the interpolant may
+   err. Where corrections do not shrink, as at a jump of the loads, the event is where it was found. */
+static mg_real mg_event_step(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried, int collocated) {
+  const mg_real found = h, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
   mg_real moved = 0, first = 0;
-  if (mg_starts_rolling(c) || mg_starts_slipping(c)) {
-    mg_end_earlier(c, c->run->x, h / tried);
-    mg_finish_step(c, t, h);
-    return h;
-  }
   for (int round = 1;; round++) {
-    mg_try_step(c, t, c->run->x, h);
-    mg_finish_step(c, t, h);
+    mg_go_to(c, h, tried, collocated);
     const mg_real change = slope != 0 ? -mg_event_value(c, contact, cause, c->x_next) / slope : 0;
     moved += change;
     if (round == 1) first = fabs(change);
@@ -122,9 +122,16 @@ static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_re
     if (h + change <= 0 || h + change > tried) return h;
     h += change;
   }
-  mg_try_step(c, t, c->run->x, found);
-  mg_finish_step(c, t, found);
+  mg_go_to(c, found, tried, collocated);
   return found;
+}
+
+/* Steps again to an event. */
+static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
+  const int collocated = mg_starts_rolling(c) || mg_starts_slipping(c);
+  h = mg_event_step(c, contact, cause, h, slope, tried, collocated);
+  if (collocated) mg_end_earlier(c, c->run->x, h / tried);
+  return h;
 }
 
 /* The first of the parts of the step h at which an event has fired; 0 when none has. */

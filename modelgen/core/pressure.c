@@ -46,9 +46,13 @@ static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_ar
 /* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
 
-/* The pose of f's face in the axes of the hull. */
+/* The pose of f's face in the axes of the hull; its own exactly, where the poses of a stage are not of unit length yet. */
 static void mg_place_between(mg_context *c, int patch, mg_real *between) {
   mg_real hull[12], f[12];
+  if (mg_is_whole(c, patch)) {
+    for (int k = 0; k < 12; k++) between[k] = k == 3 || k == 7 || k == 11;
+    return;
+  }
   mg_hull_pose(c, patch, hull);
   mg_face_pose(c, patch, 1, f);
   mg_into(hull, f, between);
