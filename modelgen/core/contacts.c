@@ -6,7 +6,7 @@
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const mg_real lost = c->set->flat * c->set->flat;
-  const int patch = c->begins && c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
+  const int patch = c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
   if (patch < 0) return 0;
   const int link = c->first_pad_link + 3 * patch + 1, kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];

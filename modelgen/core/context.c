@@ -152,7 +152,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
 static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
                     int *iwork) {
   c->sys = sys, c->set = set, c->run = run;
-  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = c->begins = 0, c->laid = -1;
+  c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0, c->laid = -1;
   c->first_pad = sys->n_contact - 3 * sys->n_slot, c->first_pad_link = sys->n_link - 3 * sys->n_patch;
   c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
   c->below = c->n_rows = c->bilateral + sys->n_row, c->leaning = c->steering = 0;

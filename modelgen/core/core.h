@@ -127,7 +127,6 @@ typedef struct {
   mg_onset *onset;                          /* per contact */
   mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
   mg_real pace;                             /* what an explicit step can follow after slip has begun, s */
-  int begins;                               /* the rows are those at run->x */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 

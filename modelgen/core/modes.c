@@ -10,9 +10,7 @@ static mg_real mg_slack(const mg_context *c) {
 
 /* The rows at run->x with the slope in K[0]. */
 static void mg_refresh(mg_context *c) {
-  c->begins = 1;
   mg_rhs(c, c->run->t, c->run->x, c->K);
-  c->begins = 0;
   mg_gap_rates(c);
   for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
 }

@@ -72,9 +72,7 @@ static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int 
     if (!(flat ? mg_point_leaning(c, t, i, &at, x) : mg_settle_fully(c, i, mg_eta_of(c, x, i)))) return 0;
   }
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
-  c->begins = 1;
   mg_slope(c, t, x, slope);
-  c->begins = 0;
   mg_follow(c, t, stage, slope);
   return 1;
 }

@@ -40,3 +40,28 @@ def test_a_ball_that_lands_while_a_glass_begins_to_roll_does_not_disturb_it(afte
     assert sum(event.contact.startswith("ball") for event in both.events) == 1
     assert np.abs(alone.p[:, 1] - both.p[:, 1]).max() < 1e-12
     assert np.abs(alone.quaternion[:, 1] - both.quaternion[:, 1]).max() < 1e-10
+
+
+def test_two_glasses_tip_each_in_its_own_time_however_near() -> None:
+    """At once; and one after the other by less than the margin of a pressure is resolved to."""
+    apart = 5e-10  # of the forces
+    bodies = [
+        standing(make.cylinder(0.04, HEIGHT), name, position=[0.0, y, HEIGHT / 2])
+        for name, y in (("first", 0.0), ("twin", 1.0), ("last", 2.0))
+    ]
+    forces = [2.0, 2.0, 2.0 * (1 - apart)]
+    scene = make.scene(
+        "twins", [table(), *bodies], contact=[{"between": [body.name, "table"]} for body in bodies],
+        force=[
+            {"body": body.name, "force": [f"{force!r}*t", "0.4*t", "0"], "point": [0, 0, 0.03]}
+            for body, force in zip(bodies, forces, strict=True)
+        ],
+        torque=[{"body": body.name, "torque": ["0", "0", "0.0004"]} for body in bodies],
+    )  # fmt: skip
+    path = simulate(library_of(scene), until=1.95, samples=40, accuracy=TIGHT, estimate=False)
+    tips = [event for event in path.events if event.kind == "tip"]
+    assert [event.contact for event in tips] == ["first-table", "twin-table", "last-table"]
+    for event, force in zip(tips, forces, strict=True):
+        assert event.t == pytest.approx(TIP * 2.0 / float(np.hypot(force, 0.4)), abs=1e-12)
+    assert path.energy_drift < 1e-14
+    assert not path.warnings
