@@ -80,8 +80,8 @@ static int mg_opens(mg_context *c, int contact) {
 static int mg_solve_modes(mg_context *c, mg_events *events) {
   const int m = c->sys->n_contact;
   int held = 0;
-  int outcome = mg_rest_patches(c, events, c->set->start_gap * c->sys->length);
-  if (!outcome) outcome = mg_choose_active(c, c->fired);
+  mg_rest_patches(c, events, c->set->start_gap * c->sys->length);
+  int outcome = mg_choose_active(c, c->fired);
   if (outcome) return outcome;
   for (int i = 0; i < m; i++)
     if (c->fired[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);

@@ -29,6 +29,19 @@ static int mg_list_bilateral(const mg_context *c, int *list, int n) {
   return mg_list_joints(c, list, n);
 }
 
+/* Contacts whose gaps the pads' and the joints' rows hold already take no part: what is left of their rows is rounding. */
+static void mg_pass_held(mg_context *c, int n, int size) {
+  mg_real most = 0;
+  for (int r = 0; r < size; r++)
+    if (fabs(c->b[r]) > most) most = fabs(c->b[r]);
+  for (int j = 0; j < n; j++) {
+    const int held = c->S[j + n * j] <= c->set->dependent * c->A[j + size * j];
+    if (!held || fabs(c->s[j]) > c->set->dependent * most) continue;
+    for (int k = 0; k < n; k++) c->S[j + n * k] = c->S[k + n * j] = 0;
+    c->s[j] = 0, c->mask[j] = 0;
+  }
+}
+
 /* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the pads' and the joints' rows held at
    zero. Starts from the active set in c->mask and leaves that of the answer there. Appends pads and joints to c->list;
    z of all is in c->z. Returns the solver's outcome. */
@@ -42,6 +55,7 @@ static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_repo
     return report->outcome;
   }
   mg_reduce(c, n, size);
+  mg_pass_held(c, n, size);
   mg_qp(n, c->S, c->s, limit, c->z, c->mask, report, c->lcp, c->lcp_i);
   for (int j = 0; j < n; j++)
     for (int r = n; r < size; r++) c->b[r] += c->A[r + size * j] * c->z[j];

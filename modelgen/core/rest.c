@@ -115,18 +115,19 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
   return 1;
 }
 
-/* Patches that lie flat rest, if the forces press them together within their hulls; what they cover gives way. */
-static int mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
-  if (!mg_try_flat(c, touching, 0)) return MG_DONE;
+/* Patches that lie flat rest, if there are forces that press them together within their hulls; what they cover gives way. */
+static void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
+  if (!mg_try_flat(c, touching, 0)) return;
   if (c->sys->n_grip) mg_refresh(c);
   do {
     mg_hide_covered(c);
-    const int outcome = mg_choose_active(c, c->hidden);
-    if (outcome) return outcome;
-    if (mg_turns_at_once(c, events)) return MG_DONE;
+    if (mg_choose_active(c, c->hidden)) {
+      mg_drop_tried(c);
+      return;
+    }
+    if (mg_turns_at_once(c, events)) return;
   } while (mg_reject(c, c->force, mg_weight_scale(c)));
   mg_give_way(c);
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (c->trying[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_RESTS, c->run->t, 0);
-  return MG_DONE;
 }

@@ -153,3 +153,23 @@ def test_a_plank_on_two_bricks_tips_over_the_far_edge_of_one(bodies: int) -> Non
     assert tip.t == pytest.approx(0.25 / speed, abs=1e-9)
     assert path.patch_force[path.t < tip.t, 0] == pytest.approx(0.7 * 0.1 * 0.03 * 700.0 * G, rel=1e-12)
     assert path.w[-1, -1, 1] > 0
+
+
+def test_a_plank_on_two_loose_bricks_tips_over_the_far_edge_of_one() -> None:
+    """More forces than there are rows; nothing rubs, so the bricks stay until it tips."""
+    bricks = [
+        make.dynamic(name, make.box(0.1, 0.2, 0.05), density=2000.0, position=[x, 0, 0.025])
+        for name, x in (("west", -0.2), ("east", 0.2))
+    ]
+    plank = make.dynamic(
+        "plank", make.box(0.7, 0.1, 0.03), density=700.0, position=[0, 0, 0.065], velocity=[0.5, 0, 0]
+    )
+    pairs = [["table", "west"], ["table", "east"], ["west", "plank"], ["east", "plank"]]
+    scene = make.scene("loose", [table(), *bricks, plank], contact=[{"between": pair} for pair in pairs])
+    path = simulate(library_of(scene), until=0.53, samples=53, accuracy=TIGHT, estimate=False)
+    assert not any(event.kind == "time-stepping" for event in path.events)
+    assert events(path, "tip")[-1].t == pytest.approx(0.5, abs=1e-9)
+    rests = path.t < 0.5
+    assert np.abs(path.v[rests, 1:3]).max() < 1e-12
+    assert np.abs(path.w[rests, 3]).max() < 1e-12
+    assert path.energy_drift < 1e-12
