@@ -36,7 +36,15 @@ from modelgen.cli.options import (
     read_configuration,
     read_option,
 )
-from modelgen.cli.output import FAILED, check_outputs, exit_with, guarded, print_facts, write_run
+from modelgen.cli.output import (
+    FAILED,
+    check_outputs,
+    exit_with,
+    guarded,
+    print_facts,
+    print_text,
+    write_run,
+)
 from modelgen.cli.street import (
     build_scene,
     derive_scene,
@@ -190,6 +198,7 @@ def inspect(
     style: Style = "text",
     at: At = None,
     verify: Verify = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="file to write the text into")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Print the formulas of a scene or of a kind of contact: source, units, cost, tree, numbers, status."""
@@ -200,7 +209,7 @@ def inspect(
     scene = read_scene(Path(source), None) if is_scene else None
     seed, given = read_configuration(at)
     facts = inspected(source, scene, formula, writing, (seed, given, n), derive_scene)
-    print_facts(facts, as_json, lambda: typer.echo(written(facts, writing)))
+    print_facts(facts, as_json, lambda: print_text(written(facts, writing), out))
     if any(entry["status"] == "failed" for entry in facts["formulas"]):
         raise typer.Exit(FAILED)
 

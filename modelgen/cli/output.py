@@ -86,6 +86,20 @@ def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) 
         show()
 
 
+def print_text(text: str, out: Path | None) -> None:
+    """Print a text, or write it into a file and name that."""
+    if out is None:
+        typer.echo(text)
+        return
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as cause:
+        raise ModelgenError(
+            str(out), f"cannot be written: {cause.strerror}", "", "name another file"
+        ) from cause
+    typer.echo(f"written: {out}")
+
+
 def _finite(value: Any) -> Any:
     """JSON has no infinity and no NaN: null stands for both."""
     if isinstance(value, dict):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -123,9 +124,18 @@ def _of_joint(formula: Formula, model: Model, drawn: list[Drawn]) -> list[Findin
 
 
 def partnership_of(model: Model, kind: int) -> Partnership:
-    """A contact kind with the numbers of the first link that is of it."""
-    link = next(link for link in model.links if link.kind == kind)
-    return partnership(model.contact_kinds[kind], link.parameters, model.scales.length)
+    """A contact kind with the numbers of the first contact that is of it."""
+    numbers = next(numbers for each, numbers in _contacts_of(model) if each == kind)
+    return partnership(model.contact_kinds[kind], numbers, model.scales.length)
+
+
+def _contacts_of(model: Model) -> Iterator[tuple[int, tuple[float, ...]]]:
+    """Kinds and parameters: of links, and of the points that faces rest on."""
+    for link in model.links:
+        yield link.kind, link.parameters
+    for patch in model.patches:
+        for number, parameters in enumerate(patch.parameters):
+            yield patch.kind if number or patch.rubbing < 0 else patch.rubbing, parameters
 
 
 def lengths_of(model: Model, shape: int) -> tuple[float, ...]:
@@ -133,9 +143,9 @@ def lengths_of(model: Model, shape: int) -> tuple[float, ...]:
     kind = model.shape_kinds[shape]
     if kind.folded is not None:
         return kind.folded
-    for link in model.links:
-        contact = model.contact_kinds[link.kind]
-        whole = partnership(contact, link.parameters, model.scales.length)
+    for index, parameters in _contacts_of(model):
+        contact = model.contact_kinds[index]
+        whole = partnership(contact, parameters, model.scales.length)
         for side, numbers in zip((contact.o, contact.f), whole.numbers, strict=True):
             if side.shape == kind:
                 return tuple(float(x) for x in numbers)

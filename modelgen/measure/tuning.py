@@ -157,15 +157,15 @@ def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
         return ModelgenError(
             "--error",
             f"{demand.error:g} is not reached",
-            f"the reachable error is {error:.2g}, at {cost:.3g} ns per simulated second",
+            f"the reachable error is {error:.2g}, at {cost / 1e3:.3g} us per simulated second",
             "ask for that, or for less of the run (--until)",
         )
     cost, error = place(known[0])
     return ModelgenError(
         "--budget",
-        f"{demand.budget:g} ns per simulated second is not enough",
-        f"the cheapest setting takes {cost:.3g} ns, with an error of {error:.2g}",
-        "ask for that, or choose forms that cost less",
+        f"{(demand.budget or 0.0) / 1e3:g} us per simulated second is not enough",
+        f"the cheapest setting takes {cost / 1e3:.3g} us, with an error of {error:.2g}",
+        "ask for that, or leave more --knobs to be turned",
     )
 
 

@@ -68,8 +68,8 @@ def pair_scene(kind: str) -> Scene:
     if len(shapes) != 2 or not all(shape in SHAPES for shape in shapes):
         unknown = next((shape for shape in shapes if shape not in SHAPES), kind)
         allowed = (
-            f"a scene file; SHAPE-SHAPE or SHAPE-SHAPE:FORM with shapes {', '.join(SHAPES)}; "
-            f"or JOINT or JOINT:motion with joints {', '.join(JOINTS)}"
+            f"the file of a scene; a pair SHAPE-SHAPE or SHAPE-SHAPE:FORM of the shapes {', '.join(SHAPES)}; "
+            f"a joint JOINT or JOINT:motion of {', '.join(JOINTS)}"
         )
         raise ModelgenError("inspect", f"no kind {kind!r}", allowed, nearest(unknown, (*SHAPES, *JOINTS)))
     if form and form not in FORMS:

@@ -23,7 +23,7 @@ pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
 math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
 mfrac>*{math-style:normal}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.3em .2em}
 .eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
-overflow-x:auto;padding:.1rem 0}
+overflow-x:auto;overflow-y:hidden;padding:.2rem 0}
 .tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
 font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}
 .proved{background:#2f7d4a}.failed{background:#c0262d}.open{background:#777}
@@ -80,7 +80,9 @@ def _formula(facts: Mapping[str, Any]) -> str:
     name = facts["name"] + (f": {facts['quantity']}" if facts["quantity"] else "")
     statement = f"<pre>{escape(facts['statement'])}</pre>" if facts["statement"] else ""
     count = f"{escape(facts['citation'])}; {facts['instructions']} instructions."
-    text = f"{_badge(facts['status'])} {escape(status_text(facts))}"
+    text = (
+        f"{_badge(facts['status'])} {escape(status_text(facts).removeprefix(facts['status']).lstrip('; '))}"
+    )
     return (
         f"<h3>{escape(name)}</h3><p>{count}</p>{statement}<p>{text}</p>{_findings(facts['findings'])}"
         f"{_ports(facts)}<p>From what is exported down to its definitions:</p>{_tree(facts['definition'])}"

@@ -62,7 +62,7 @@ def estimate_of(
     other = _other(path, twin, predicted, slow)
     reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
     if other["events_unmatched"]:
-        reasons.append(f"{other['events_unmatched']} events of the two runs are not the same")
+        reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
     return Estimate(
         position=position,
         rotation=rotation,

@@ -8,6 +8,7 @@ from modelgen.errors import SimulationError
 
 if TYPE_CHECKING:
     from modelgen.runtime.session import Session
+    from modelgen.runtime.tables import Array
 
 PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13
 REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART)
@@ -35,14 +36,23 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
         )
     if contact >= len(session.sentence["contacts"]):
         return _beyond(session, contact, label)
-    d = session.settle(contact)["d"]
-    allowed = session.settings.start_gap * session.system.length
+    settled = session.settle(contact)
+    depth, allowed = -float(settled["d"]), session.settings.start_gap * session.system.length
     return SimulationError(
         where,
-        f"the bodies interpenetrate at the start by {-float(d):.3g} m",
+        f"the bodies interpenetrate at the start by {depth:.3g} m",
         f"at most {float(allowed):.3g} m",
-        "move them apart",
+        _way_out(session, contact, depth, settled["normal"]),
     )
+
+
+def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str:
+    """Which body to move along the normal, which points from the first body of the link to the second."""
+    link = session.sentence["links"][int(session.link[contact])]
+    bodies = [session.sentence["bodies"][link[side]] for side in ("f", "o")]
+    moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
+    along = ", ".join(f"{sign * float(x) + 0.0:.3g}" for x in normal)
+    return f"move {moving['name']!r} by {depth:.3g} m along ({along}), or check the units: lengths are in m"
 
 
 def _place_of(session: Session, contact: int, label: str) -> str:

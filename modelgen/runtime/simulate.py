@@ -136,6 +136,17 @@ def _run(session: Session, end: float, recording: Recording, report: Report) -> 
         return Outcome.DONE if done else Outcome.INTERRUPTED, events + session.drain_events()
 
 
+def _in_order(events: list[Event]) -> list[Event]:
+    """By time. A touch-down ends the bounces that it leaves out; what its pair does next is later."""
+    latest: dict[str, float] = {}
+    told = []
+    for event in events:
+        pair = event.contact.partition("#")[0]
+        latest[pair] = max(event.t, latest.get(pair, event.t))
+        told.append(replace(event, t=latest[pair]))
+    return sorted(told, key=lambda event: event.t)
+
+
 def _trajectory(
     session: Session,
     recording: Recording,
@@ -156,7 +167,7 @@ def _trajectory(
         patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
-        events=tuple(events),
+        events=tuple(_in_order(events)),
         outcome=outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
         t_end=float(run.t),

@@ -23,6 +23,8 @@ MAX_NUMBER = 1e30
 MAX_EXPONENT = 64.0  # of a constant exponent
 CONSTANTS: Mapping[str, float] = {"pi": pi, "e": euler}
 LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join(FUNCTIONS)
+UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
+NUMBER_WITH_UNIT = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-z][A-Za-z0-9_/*-]*")
 
 _FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/()., \t\r\n]")
 _OPERATORS: Mapping[type[ast.operator], str] = {
@@ -83,7 +85,8 @@ def parse_expression(text: str, names: Collection[str]) -> Expression:
             tree = ast.parse(flat.strip(), mode="eval").body
     except SyntaxError as error:
         column = error.offset - 1 if error.offset else len(flat.strip())  # no offset: the end came too early
-        raise _error(text, "it is not an expression", column + indent) from None
+        remedy = UNITS if NUMBER_WITH_UNIT.fullmatch(flat.strip()) else ""
+        raise _error(text, "it is not an expression", column + indent, remedy=remedy) from None
     except (RecursionError, MemoryError, ValueError):
         raise _error(text, "it is nested too deeply", None) from None
     walker = _Walker(text, frozenset(names), indent)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,17 @@ from tests.running import library_of
 def test_bodies_that_start_inside_each_other_are_refused_by_name() -> None:
     with pytest.raises(SimulationError, match=r"'b-table'.*interpenetrate.*0.01"):
         ran([TABLE, ball("b", [0, 0, 0.09])], 1.0, [{"between": ["b", "table"]}])
+
+
+@pytest.mark.parametrize(("first", "second"), [("b", "table"), ("table", "b")])
+def test_moved_as_the_refusal_says_the_bodies_touch(first: str, second: str) -> None:
+    with pytest.raises(SimulationError) as refused:
+        ran([TABLE, ball("b", [0, 0, 0.09])], 1.0, [{"between": [first, second]}])
+    found = re.search(r"move 'b' by (\S+) m along \((.*?)\)", str(refused.value))
+    assert found is not None
+    way = float(found[1]) * np.array([float(x) for x in found[2].split(",")])
+    start = ball("b", list(np.array([0, 0, 0.09]) + way))
+    assert ran([TABLE, start], 0.01, [{"between": [first, second]}]).outcome is Outcome.DONE
 
 
 def test_a_ball_squeezed_between_rigid_walls_ends_the_run_at_that_moment() -> None:

@@ -188,3 +188,21 @@ def test_the_tree_leads_from_what_is_exported_to_definitions(modelgen: Modelgen)
     tree = text.split("tree, from what is exported to what defines it:")[1].strip().splitlines()
     assert tree[0].strip() == "gamma"
     assert all(line.startswith("      ") for line in tree[1:])
+
+
+def test_a_scene_whose_faces_rub_is_shown(modelgen: Modelgen) -> None:
+    answer = modelgen("inspect", "scenes/sliding_puck.toml", "--formula", "rates", "--verify", "3", "--json")
+    assert answer.code == 0
+    formulas = json.loads(answer.out)["formulas"]
+    assert formulas
+    assert {entry["status"] for entry in formulas} <= {"tested", "proved"}
+
+
+def test_a_page_is_written_where_it_is_asked_for(modelgen: Modelgen, shared_folder: Path) -> None:
+    target = shared_folder / "kind.html"
+    answer = modelgen("inspect", "sphere-plane", "--format", "html", "-o", str(target))
+    assert answer.code == 0
+    assert answer.out.strip() == f"written: {target}"
+    assert target.read_text(encoding="utf-8").startswith("<!")
+    refused = modelgen("inspect", "sphere-plane", "-o", str(shared_folder / "none" / "kind.html"))
+    assert refused.code == 2

@@ -123,7 +123,7 @@ def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) ->
         (("--error", "1e-18"), "--error: 1e-18 is not reached; the reachable error is"),
         (
             ("--budget", "1ns"),
-            "--budget: 1 ns per simulated second is not enough; the cheapest setting takes",
+            "--budget: 0.001 us per simulated second is not enough; the cheapest setting takes",
         ),
         (("--budget", "20"), "a time with its unit"),
         (("--error", "small"), "a number such as 1e-6"),

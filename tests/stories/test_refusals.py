@@ -67,6 +67,7 @@ def files(folder: Path) -> set[Path]:
         (("plot", "run.csv", "-o", "run.png"), "--out run.npz"),
         (("plot", EGG, "-o", "run"), ".png, .svg"),
         (("plot", "broken.npz", "-o", "run.png"), "not a run"),
+        (("check", "units.toml"), "write the number without its unit: lengths are in m"),
         (("inspect", "egg-plane"), "ellipsoid"),
         (("inspect", "sphere-plane:suport"), "support"),
         (("inspect", EGG, "--formula", "mg_nothing"), "mg_nothing"),
@@ -83,6 +84,7 @@ def test_refused(
     (tmp_path / "broken.npz").write_bytes(b"nothing")
     (tmp_path / "typo.toml").write_text(SUNK.replace('"table"]', '"tabel"]'))
     (tmp_path / "sunk.toml").write_text(SUNK)
+    (tmp_path / "units.toml").write_text(SUNK.replace("radius = 0.1", 'radius = "100 mm"'))
     weighed = SUNK.replace("density = 1000.0", "mass = 1.0\ninertia = [1.0, 1.0, 1.0]")
     (tmp_path / "tip.toml").write_text(weighed.replace('{ kind = "sphere", radius = 0.1 }', TIP))
     (tmp_path / "loose.toml").write_text("[run]\ntolerance = 7.0\n" + SUNK)
