@@ -1,24 +1,51 @@
 /* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
 #include "core.h"
 
-/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its row is that of the point where
+/* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N and t2
+   turn round, and slip along t1 and rolling about t2 change sign. */
+static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned, const mg_real *block) {
+  mg_real *normal = c->normal + 3 * contact;
+  for (int i = 0; i < mg_contact_kinds[c->kind[contact]].rows; i++) {
+    const int row = i ? c->below + c->sys->contact_below[contact] + i - 1 : contact;
+    const mg_real sign = turned && (i == 1 || i == 4) ? -1 : 1;
+    mg_real *J = c->J + 12 * row;
+    for (int k = 0; k < 12; k++) J[k] = 0;
+    for (int k = 0; k < point->n_o; k++) J[turned ? 6 + k : k] = sign * block[point->n_o * i + k];
+    for (int k = 0; k < point->n_f; k++) J[turned ? k : 6 + k] = sign * block[36 + point->n_f * i + k];
+    c->gamma[row] = sign * block[72 + i];
+  }
+  for (int k = 0; k < 3 && turned; k++) normal[k] = -normal[k];
+  for (int k = 3; k < 6 && turned && c->tangents; k++) c->tangents[6 * contact + k] *= -1;
+  if (!c->tangents) return;
+  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++)
+    if (c->sys->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
+}
+
+/* The link of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
+static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
+  const mg_system *s = c->sys;
+  for (int link = c->first_pad_link + 3 * patch + 1; link >= c->first_pad_link + 3 * patch; link--)
+    if (mg_contact_kinds[s->link_kind[link]].rows >= mg_contact_kinds[s->link_kind[contact_link]].rows) return link;
+  return -1;
+}
+
+/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the point where
    it begins to roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const mg_real lost = c->set->flat * c->set->flat;
   const int patch = c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
   if (patch < 0) return 0;
-  const int link = c->first_pad_link + 3 * patch + 1, kind = s->link_kind[link];
+  const int link = mg_rim_link(c, patch, c->run->link[contact]), kind = s->link_kind[link];
   const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
-  const int turned = o != c->o[contact]; /* the patch may name its bodies the other way round */
-  mg_real none[1], world[3], J[12] = {0}, *normal = c->normal + 3 * contact;
+  mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
   mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
   mg_into(c->pose + 12 * f, world, c->numbers + n - 3);
   mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
-                   c->d + contact, J, J + 6, c->gamma + contact, none, normal, 0);
-  for (int k = 0; k < 12; k++) c->J[12 * contact + k] = J[turned ? (k + 6) % 12 : k];
-  for (int k = 0; k < 3 && turned; k++) normal[k] = -normal[k];
+                   c->d + contact, block, block + 36, block + 72, none, c->normal + 3 * contact,
+                   c->tangents ? c->tangents + 6 * contact : 0);
+  mg_take_rim_rows(c, contact, mg_contact_kinds + kind, o != c->o[contact], block);
   return 1;
 }
 

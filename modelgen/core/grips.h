@@ -13,6 +13,7 @@ static mg_real mg_slip_rest(const mg_context *c, int grip);
 static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip);
 static void mg_take_rows(mg_context *c, int contact);
 static void mg_scatter(mg_context *c, int contact);
+static void mg_turn_to_axes(mg_context *c, int contact, int grip);
 static void mg_slip_rates(mg_context *c);
 static int mg_list_stuck(const mg_context *c, int *list, int n);
 static mg_real mg_product(const mg_context *c, int row, int column);

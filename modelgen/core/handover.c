@@ -1,13 +1,13 @@
 /* How a patch ends: lifted as a whole, or turning over the edge of its hull, on contacts that begin there. */
 #include "core.h"
 
-/* Follows again what a patch covered: contacts that are found on its links stand open at their places. With friction these
-   may be links for faces that lie flat: then what has friction is on them again. */
-static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
+/* Follows again what a patch covered: contacts that are found on its links stand open at their places; if `flat`, on links
+   for faces that lie flat as well. */
+static void mg_uncover(mg_context *c, int patch, int flat, mg_founds *found) {
   const mg_system *s = c->sys;
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
-    if (mg_has_rubbing(c, patch) || !mg_is_for_flat(c, s->covered[k]))
+    if (flat || !mg_is_for_flat(c, s->covered[k]))
       mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->set->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_found *each = found->list + k;
@@ -155,9 +155,10 @@ static void mg_turn_over(mg_context *c, int slot) {
   for (int k = 0; k < brink.n; k++) mg_at_brink(o, brink.at + k, world[k]);
   const int rubs = mg_has_rubbing(c, patch);
   if (!rubs && mg_turn_on_edge(c, slot, &brink, world, outward)) return;
+  const int on_points = rubs && brink.n == 2 && (mg_is_curved(c, brink.at) || mg_is_curved(c, brink.at + 1));
   mg_drop_patch(c, slot);
-  mg_uncover(c, patch, &found);
-  if (rubs && (mg_is_curved(c, brink.at) || (brink.n == 2 && mg_is_curved(c, brink.at + 1)))) {
+  mg_uncover(c, patch, rubs && (on_points || !mg_is_curved(c, brink.at)), &found);
+  if (on_points) {
     mg_close_covered(c, patch);
     return;
   }
@@ -180,7 +181,7 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
     if (patch < 0 || c->trying[slot] || fabs(mg_resultant(c, slot, impulse, centre)) <= floor) continue;
     if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
     mg_drop_patch(c, slot);
-    mg_uncover(c, patch, &found);
+    mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
     mg_close_covered(c, patch);
     mg_refresh(c);
     count++;
@@ -198,7 +199,7 @@ static int mg_stand_on_points(mg_context *c) {
     const int patch = mg_patch_in(c, slot);
     if (patch < 0 || !mg_has_rubbing(c, patch)) continue;
     mg_drop_patch(c, slot);
-    mg_uncover(c, patch, &found);
+    mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
     mg_close_covered(c, patch);
     count++;
   }
@@ -218,7 +219,7 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);
     else if (cause == MG_ROLLS_OFF || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
-    else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
+    else mg_drop_patch(c, slot), mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
     mg_search_around(c, patch);
     count++;
   }

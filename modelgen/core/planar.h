@@ -39,7 +39,7 @@ static int mg_stand_on_points(mg_context *c);
 static int mg_patch_covers(const mg_context *c, int patch, int link);
 static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
 static void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
-static void mg_uncover(mg_context *c, int patch, mg_founds *found);
+static void mg_uncover(mg_context *c, int patch, int flat, mg_founds *found);
 static int mg_end_patches(mg_context *c, mg_events *events);
 static void mg_turn_over(mg_context *c, int slot);
 static int mg_turns_on_curve(mg_context *c, int slot);
