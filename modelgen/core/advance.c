@@ -63,7 +63,8 @@ static int mg_settle_end(mg_context *c, mg_real h) {
    leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
 static int mg_leaps(const mg_context *c, mg_real h) {
   const mg_real most = c->set->leap * c->set->tolerance * c->sys->length / c->sys->time;
-  if (c->set->method == MG_RK4 || !c->set->project || mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
+  if (c->set->method == MG_RK4 || !c->set->project || !c->set->use_gamma) return 0;
+  if (mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && c->run->active[i] && fabs(c->d_dot[i]) > most) return 1;
   return 0;
@@ -162,7 +163,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   }
   event &= !mg_is_cut(c, &h, end);
   if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
-    run->h = h / 2;
+    run->rejected++, run->h = h / 2;
     return MG_DONE;
   }
   mg_record_until(c, record, h);

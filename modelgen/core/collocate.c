@@ -17,15 +17,8 @@ static mg_real mg_twice(int row, int column) {
 
 /* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
 static mg_real mg_derivative(const mg_real *value, int stage) {
-  const mg_real *time = mg_radau_time;
   mg_real sum = 0;
-  for (int k = 0; k < MG_RADAU; k++) {
-    if (k == stage) continue;
-    mg_real share = (value[k] - value[stage]) / (time[k] - time[stage]);
-    for (int j = 0; j < MG_RADAU; j++)
-      if (j != k && j != stage) share *= (time[stage] - time[j]) / (time[k] - time[j]);
-    sum += share;
-  }
+  for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_slope[stage][k] * (value[k] - value[stage]);
   return sum;
 }
 
@@ -46,17 +39,21 @@ static void mg_restage(mg_real *value, mg_real share) {
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
-  mg_real most = 0;
-  for (int stage = 0; stage < MG_RADAU; stage++)
-    for (int i = from; i < to; i++) {
-      mg_real sum = 0;
-      for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[stage][k] * mg_stage_slope(c, k)[i];
-      mg_real *value = mg_stage_state(c, stage) + i;
-      const mg_real next = x[i] + h * sum, size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
-      const mg_real change = fabs(next - *value) / size;
-      if (!(change <= most)) most = change;
-      *value = next;
+  const int n = c->n_x;
+  mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
+  for (int i = from; i < to; i++) {
+    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
+    mg_real slopes[MG_RADAU], all = 0;
+    for (int k = 0; k < MG_RADAU; k++) slopes[k] = h * slope[k * n + i];
+    for (int stage = 0; stage < MG_RADAU; stage++) {
+      mg_real next = x[i];
+      for (int k = 0; k < MG_RADAU; k++) next += mg_radau_weight[stage][k] * slopes[k];
+      const mg_real change = fabs(next - state[stage * n + i]);
+      if (!(change <= all)) all = change;
+      state[stage * n + i] = next;
     }
+    if (!(all / size <= most)) most = all / size;
+  }
   return most;
 }
 

@@ -60,17 +60,18 @@ static long mg_lay_size(const mg_system *s) {
 }
 
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
+static long mg_table_size(const mg_system *s) { return s->n_table ? (long)MG_IN * s->table_first[s->n_table] : 0; }
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
-         m * mg_onset_size() + mg_grip_size(s);
+         mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 7 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+  return 7 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + s->n_table + MG_SAMPLES + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
          mg_grip_isize(s);
 }
 
@@ -131,6 +132,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
   c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
+  c->table = mg_take(&work, mg_table_size(s)), c->tabled = mg_take_int(&iwork, s->n_table);
   c->onset = (mg_onset *)(void *)mg_take(&work, m * mg_onset_size());
   c->mate = mg_take_int(&iwork, MG_SAMPLES), c->way = mg_take_int(&iwork, m), c->upright = mg_take_int(&iwork, m);
   c->n_eta = mg_take_int(&iwork, m);
@@ -166,6 +168,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = 0, mg_take_link(c, i);
   for (int slot = 0; slot < sys->n_slot; slot++) c->barred[slot] = -1;
+  for (int table = 0; table < sys->n_table; table++) c->tabled[table] = 0;
   mg_open_joints(c);
   mg_incidence(c);
   mg_set_fixed(c);

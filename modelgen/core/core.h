@@ -11,6 +11,7 @@
 #define MG_GRID 17      /* samples along each side of a chart at the start */
 #define MG_COARSE 9     /* and during a run */
 #define MG_SAMPLES 289  /* MG_GRID squared */
+#define MG_IN 9          /* of a sample: in its shape's axes, in its body's, its direction there */
 #define MG_STARTS 8     /* of Newton's method on one link */
 #define MG_FOUNDS 24    /* closest points of one pair */
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
@@ -108,6 +109,8 @@ typedef struct {
   mg_sample *sample;                        /* of both sides of a link: 2 MG_SAMPLES */
   mg_real *merit;                           /* of the samples of o with their best mate */
   int *mate;
+  mg_real *table;                           /* samples kept: MG_IN each */
+  int *tabled;                              /* per table of samples: they have been taken */
   mg_starts starts;
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */

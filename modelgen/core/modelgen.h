@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 5
+#define MG_ABI 6
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -37,6 +37,7 @@ typedef struct {
   int n_joint, n_row; /* joints, and the rows of all of them */
   int n_patch, n_slot; /* patches, with three links each, the last; how many rest at a time, with three contacts each,
                           the last */
+  int n_table;         /* sides whose samples are kept */
   int n_grip, n_below; /* grips of friction and resistance, and the rows of contacts below their normal ones */
   const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
   const int *contact_pair, *contact_eta, *contact_link; /* pair; offset into eta; link at the start or -1: searched */
@@ -45,6 +46,7 @@ typedef struct {
   const int *link_pair, *link_group;                    /* links of one flat face of two convex solids, else -1 */
   const int *link_condition;                            /* first condition (n_link + 1) */
   const int *side_shape, *side_parameters, *side_numbers; /* two a link: kind of shape, its parameters, numbers */
+  const int *side_table, *table_first; /* the table that keeps a side's samples, or -1; its first (n_table + 1) */
   const int *condition_kind, *condition_side, *condition_next, *condition_numbers; /* next: a link, MG_ENDS, MG_WATCHED */
   const int *load_kind, *load_a, *load_b, *load_parameters; /* load_b: -1 for a load on one body */
   const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */

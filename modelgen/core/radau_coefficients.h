@@ -1,6 +1,7 @@
 /* Collocation at Radau's seven points (Radau IIA; Hairer, Wanner, Solving Ordinary Differential Equations II, section
    IV.5): the zeros of the sixth derivative of x^6 (x - 1)^7; the integrals of their Lagrange polynomials from 0 to each
-   of them; and the rows of the interpolant (step.c) of a polynomial of degree 7 from its increments to each of them. */
+   of them; the rows of the interpolant (step.c) of a polynomial of degree 7 from its increments to each of them; and the
+   derivatives of their Lagrange polynomials at each of them. */
 #ifndef MG_RADAU_COEFFICIENTS_H
 #define MG_RADAU_COEFFICIENTS_H
 
@@ -73,6 +74,37 @@ static const mg_real mg_radau_dense[MG_RADAU][MG_RADAU] = {
      (mg_real)-1362.19807751020025178026L, (mg_real)1085.50325126088713054947L,
      (mg_real)-853.8999845427502538673586L, (mg_real)616.4256282165146074092542L,
      (mg_real)-245.1428571428571428571429L},
+};
+
+static const mg_real mg_radau_slope[MG_RADAU][MG_RADAU] = {
+    {(mg_real)-17.0552843044216554720458L, (mg_real)27.65598550297258747780673L,
+     (mg_real)-18.60516799863847799544797L, (mg_real)14.28586123724095521114258L,
+     (mg_real)-11.07000968214062683666951L, (mg_real)7.937867329850124555107143L,
+     (mg_real)-3.149252084862906939893176L},
+    {(mg_real)-2.563625566634664979224514L, (mg_real)-3.376585145452421994964219L,
+     (mg_real)9.225779336612254656432944L, (mg_real)-5.607571169675804031519664L,
+     (mg_real)4.014799120082952541080045L, (mg_real)-2.785288675057247743704917L,
+     (mg_real)1.092492100124931551900325L},
+    {(mg_real)0.5678073427969153320940557L, (mg_real)-3.037421174810439678523295L,
+     (mg_real)-1.483746931004011403533388L, (mg_real)5.959328638163623138356776L,
+     (mg_real)-3.310402460046210355281119L, (mg_real)2.109896949951227296351729L,
+     (mg_real)-0.8054623650511043294647582L},
+    {(mg_real)-0.2498039970967200648687119L, (mg_real)1.057796911995113685001912L,
+     (mg_real)-3.414466713983075668285166L, (mg_real)-0.8949802937859413769491874L,
+     (mg_real)5.14395350491194120715365L, (mg_real)-2.558444900411494071896428L,
+     (mg_real)0.9159454883701762898439308L},
+    {(mg_real)0.1650005825746992775373195L, (mg_real)-0.6455588540096206782232695L,
+     (mg_real)1.61677976244140168344922L, (mg_real)-4.384716871462206176968223L,
+     (mg_real)-0.649997386595111504527872L, (mg_real)5.515759905283822843595452L,
+     (mg_real)-1.617267138232985444862627L},
+    {(mg_real)-0.156351545192564957927391L, (mg_real)0.5918383453186264974954731L,
+     (mg_real)-1.361733674775872537095938L, (mg_real)2.881916901989660821091691L,
+     (mg_real)-7.288970932689100398342456L, (mg_real)-0.539405938740858247979537L,
+     (mg_real)5.872706844090108822758158L},
+    {(mg_real)0.3370056751893728123037494L, (mg_real)-1.261196157681289399765065L,
+     (mg_real)2.824279237529275791559261L, (mg_real)-5.605398086200861414115427L,
+     (mg_real)11.61111894777015734653688L, (mg_real)-31.9058096166066551365194L,
+     (mg_real)24.0L},
 };
 
 #endif

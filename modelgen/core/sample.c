@@ -10,19 +10,28 @@ static void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real 
     out[k] = is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
 
-/* The sample at uv; a direction of length 0 where the shape has none there. */
-static void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
+/* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
+   length 0 where the shape has none. */
+static void mg_sample_in(mg_context *c, int link, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->sys;
   const mg_real *place = mg_side(c, link, side) + MG_PLACEMENT;
-  const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
-  mg_real direction[3] = {0, 0, 0}, x[3];
-  mg_shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], at->local,
-                 direction);
+  mg_real direction[3] = {0, 0, 0};
+  mg_shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in, direction);
   const mg_real size = sqrt(mg_dot3(direction, direction));
   for (int k = 0; k < 3; k++) direction[k] = size > 0 && size < MG_MAX ? direction[k] / size : 0;
-  mg_out(place, at->local, 1, x), mg_out(pose, x, 1, at->point);
-  mg_out(place, direction, 0, x), mg_out(pose, x, 0, at->direction);
+  mg_out(place, in, 1, in + 3), mg_out(place, direction, 0, in + 6);
+}
+
+static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
+  for (int k = 0; k < 3; k++) at->local[k] = in[k];
+  mg_out(pose, in + 3, 1, at->point), mg_out(pose, in + 6, 0, at->direction);
   at->uv[0] = uv[0], at->uv[1] = uv[1];
+}
+
+static void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
+  mg_real in[MG_IN];
+  mg_sample_in(c, link, side, uv, in);
+  mg_sample_out(c->pose + 12 * mg_side_body(c, link, side), uv, in, at);
 }
 
 /* The parameter at which a curve without ends is farther than `reach` on both sides. */
@@ -54,16 +63,33 @@ static void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real 
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
 }
 
+/* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
+   taken; 0 where none are kept of so many within this window. */
+static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real *window, int count, int *fresh) {
+  const mg_system *s = c->sys;
+  const mg_real *domain = mg_side(c, link, side) + MG_DOMAIN;
+  const int table = s->n_table ? s->side_table[2 * link + side] : -1;
+  if (table < 0 || s->table_first[table + 1] - s->table_first[table] != count) return 0;
+  for (int k = 0; k < 4; k++)
+    if (window[k] != domain[k]) return 0;
+  *fresh = !c->tabled[table], c->tabled[table] = 1;
+  return c->table + (long)MG_IN * s->table_first[table];
+}
+
 /* A grid of n by n samples over the window, as many along a curve, one of a point. */
 static int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out) {
   const int dimension = mg_dimension(c, link, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
-  int count = 0;
+  const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
+  int count = 0, fresh = 1;
+  mg_real lone[MG_IN], *kept = mg_kept_samples(c, link, side, window, along * across, &fresh);
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
-      mg_sample_at(c, link, side, uv, out + count++);
+      mg_real *in = kept ? kept + MG_IN * count : lone;
+      if (fresh) mg_sample_in(c, link, side, uv, in);
+      mg_sample_out(pose, uv, in, out + count++);
     }
   return count;
 }

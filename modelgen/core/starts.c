@@ -24,26 +24,40 @@ static int mg_has_foot(const mg_context *c, int link, int side) {
   return mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
 }
 
-/* The foot of a point on a plane or sphere; `base` is the sample at (0, 0), `centre` the shape's origin. */
-static void mg_foot(const mg_context *c, int link, int side, const mg_sample *base, const mg_real *point,
-                    mg_sample *foot) {
-  mg_real span[3], origin[3];
+typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the centre and the radius, else 0 */
+  mg_sample base;
+  mg_real centre[3], radius;
+} mg_ground;
+
+static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) {
+  const mg_real zero[2] = {0, 0};
+  mg_real arm[3], turned[3];
+  mg_sample_at(c, link, side, zero, &ground->base);
+  ground->radius = 0;
+  if (mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) return;
+  ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
+  mg_out(mg_side(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
+  mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
+  for (int k = 0; k < 3; k++) ground->centre[k] = ground->base.point[k] - turned[k];
+}
+
+/* The foot of a point; its coordinates in the shape's axes are left out. */
+static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *foot) {
+  const mg_sample *base = &ground->base;
+  mg_real span[3];
   *foot = *base;
-  if (mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) {
+  if (ground->radius > 0) {
+    for (int k = 0; k < 3; k++) span[k] = base->point[k] - ground->centre[k];
+    const mg_real sign = mg_dot3(span, base->direction) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) span[k] = point[k] - ground->centre[k];
+    const mg_real distance = sqrt(mg_dot3(span, span));
+    for (int k = 0; k < 3 && distance > 0; k++)
+      foot->direction[k] = sign * span[k] / distance, foot->point[k] = ground->centre[k] + ground->radius * span[k] / distance;
+  } else {
     for (int k = 0; k < 3; k++) span[k] = point[k] - base->point[k];
     const mg_real height = mg_dot3(span, base->direction);
     for (int k = 0; k < 3; k++) foot->point[k] = point[k] - height * base->direction[k];
-  } else {
-    const mg_real radius = sqrt(mg_dot3(base->local, base->local));
-    mg_out(mg_side(c, link, side) + MG_PLACEMENT, base->local, 0, origin); /* the arm to the sample, body axes */
-    mg_out(c->pose + 12 * mg_side_body(c, link, side), origin, 0, span);
-    const mg_real sign = mg_dot3(span, base->direction) < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++) origin[k] = base->point[k] - span[k], span[k] = point[k] - origin[k];
-    const mg_real distance = sqrt(mg_dot3(span, span));
-    for (int k = 0; k < 3 && distance > 0; k++)
-      foot->direction[k] = sign * span[k] / distance, foot->point[k] = origin[k] + radius * span[k] / distance;
   }
-  mg_point_in(c, link, side, foot->point, foot->local);
 }
 
 /* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is tried
@@ -74,13 +88,12 @@ static void mg_match(mg_context *c, int n, int others, int curves, mg_real size)
 
 /* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
 static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, mg_real size) {
-  const mg_real zero[2] = {0, 0};
-  mg_sample base;
-  mg_sample_at(c, link, side, zero, &base);
-  const mg_real width = 2 * sqrt(mg_dot3(base.local, base.local)); /* of a plane: 0 */
+  mg_ground ground;
+  mg_lay_ground(c, link, side, &ground);
+  const mg_real width = 2 * ground.radius;
   if (width > 0 && (width < size || !(size > 0))) size = width;
   for (int i = 0; i < n; i++) {
-    mg_foot(c, link, side, &base, c->sample[i].point, c->sample + MG_SAMPLES + i);
+    mg_foot(&ground, c->sample[i].point, c->sample + MG_SAMPLES + i);
     c->mate[i] = i, c->merit[i] = mg_merit(c->sample + i, c->sample + MG_SAMPLES + i, curves, size);
     if (!(c->merit[i] <= MG_MAX)) c->merit[i] = MG_MAX;
   }
@@ -154,6 +167,28 @@ static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_
   return rows;
 }
 
+/* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
+static int mg_is_dense(const mg_context *c, int link, int feet) {
+  return feet || (mg_dimension(c, link, 0) < 2 && mg_dimension(c, link, 1) < 2);
+}
+
+/* A contact of the pair is on the link already, with its points next to sample i of the rows and its mate. */
+static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, int across) {
+  const int pair = c->sys->link_pair[link], beside = i + across < rows ? i + across : i - across;
+  const mg_sample *own = c->sample + i, *mate = c->sample + MG_SAMPLES + c->mate[i];
+  const mg_real near = beside >= 0 ? mg_between(own, c->sample + beside) : 0;
+  mg_real next[6];
+  for (int k = mg_first_contact(c, pair); k < mg_first_contact(c, pair + 1); k++) {
+    if (!mg_present(c, k) || c->run->link[k] != link) continue;
+    mg_place(c, k, mg_eta_of(c, c->run->x, k), next);
+    const mg_real *points[2] = {c->place + 8, c->place + 11}, *p = points[row], *q = points[1 - row];
+    const mg_real a[3] = {own->point[0] - p[0], own->point[1] - p[1], own->point[2] - p[2]};
+    const mg_real b[3] = {mate->point[0] - q[0], mate->point[1] - q[1], mate->point[2] - q[2]};
+    if (mg_dot3(a, a) <= near * near && mg_dot3(b, b) <= 4 * near * near) return 1;
+  }
+  return 0;
+}
+
 /* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
 static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
   const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
@@ -165,12 +200,14 @@ static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts 
     const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
     int best = 0;
     for (int i = 0; i < rows; i++) {
-      const mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];
+      mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];
       if (c->merit[i] < c->merit[best]) best = i;
       if (!mg_is_lowest(c, i, rows, across)) continue;
+      if (feet) mg_point_in(c, link, 1 - row, other->point, other->local);
       mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
       mg_keep_start(kept, c->merit[i], eta);
     }
+    if (mg_is_dense(c, link, feet) && mg_is_known_start(c, link, row, best, rows, across)) return;
     mg_zoom(window[row], c->sample[best].uv);
     mg_zoom(window[1 - row], c->sample[MG_SAMPLES + c->mate[best]].uv);
   }

@@ -23,3 +23,4 @@ def add_limits(
             integers[name].append(value)
         for name in ("side_shape", "side_parameters", "side_numbers"):
             integers[name] += [0, 0]
+        integers["side_table"] += [-1, -1]

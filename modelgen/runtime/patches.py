@@ -88,6 +88,7 @@ def _add_link(integers: dict[str, list[int]], kind: int, pair: int, o: int, f: i
         integers[name].append(value)
     for name in ("side_shape", "side_parameters", "side_numbers"):
         integers[name] += [0, 0]
+    integers["side_table"] += [-1, -1]
 
 
 def point_restitutions(sentence: Mapping[str, Any]) -> Sequence[float]:

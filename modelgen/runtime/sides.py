@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from math import hypot, pi
 from typing import Any
 
+from modelgen.codegen.kinds_c import FEET
 from modelgen.codegen.manifest import Manifest
 
+COARSE, GRID = 9, 17  # MG_COARSE, MG_GRID
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_QUADRIC ..
 
 
@@ -31,11 +33,40 @@ class Sides:
                 append(self.numbers, _side_numbers(side, endless, spans(side, kinds, length)))
                 for side in sides
             ],
+            **_kept(links, manifest.kinds),
             "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
             "condition_side": [each["side"] for each in conditions],
             "condition_next": [each["next"] for each in conditions],
             "condition_numbers": [append(self.numbers, each["numbers"]) for each in conditions],
         }
+
+
+def _kept(
+    links: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
+) -> dict[str, list[int]]:
+    """Which sides keep their samples: those with ends, of links that are searched by samples; alike, the same."""
+    tables: dict[tuple[Any, ...], int] = {}
+    side_table, table_first = [], [0]
+    for link in links:
+        for side, other in (("o", "f"), ("f", "o")):
+            shape, mate = link[f"shape_{side}"], link[f"shape_{other}"]
+            count = _samples(shape, kinds["shape"][mate["kind"]]["kind"])
+            if kinds["contact"][link["kind"]]["convex"] or count == 0:
+                side_table.append(-1)
+                continue
+            key = (link[side], shape["kind"], *(tuple(shape[k]) for k in ("parameters", "placement")))
+            key = (*key, *(tuple(ends) for ends in shape["domain"]), count)
+            if key not in tables:
+                table_first.append(table_first[-1] + count)
+            side_table.append(tables.setdefault(key, len(tables)))
+    return {"side_table": side_table, "table_first": table_first}
+
+
+def _samples(shape: Mapping[str, Any], mate: str) -> int:
+    """How many a search during a run takes of a whole side; 0 where it has no ends."""
+    if not shape["domain"] or any(None in ends for ends in shape["domain"]):
+        return 0
+    return (GRID if mate in FEET else COARSE) ** 2
 
 
 def append(pool: list[float], values: Sequence[float]) -> int:

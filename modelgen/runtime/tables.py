@@ -20,14 +20,14 @@ Array = np.ndarray[Any, Any]
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
     *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
-    *("n_patch", "n_slot", "n_grip", "n_below"),
+    *("n_patch", "n_slot", "n_table", "n_grip", "n_below"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
     *("contact_pair", "contact_eta", "contact_link"),
     *("pair_contact", "pair_link", "pair_search"),
     *("link_kind", "link_o", "link_f", "link_parameters", "link_pair", "link_group", "link_condition"),
-    *("side_shape", "side_parameters", "side_numbers"),
+    *("side_shape", "side_parameters", "side_numbers", "side_table", "table_first"),
     *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
@@ -188,7 +188,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
     rows = _room(manifest), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
-    counts = *rows, *patches, grips.count, grips.rows
+    counts = *rows, *patches, len(integers["table_first"]) - 1, grips.count, grips.rows
     system = tables.System(*_sizes(sentence, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))

@@ -7,7 +7,7 @@
 int main(void) {
   const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, link_parameters[] = {13};
   const int ends[] = {0, 1}, sides[] = {0, 1}, side_parameters[] = {13, 13}, side_numbers[] = {0, SIDE};
-  const int no_grips[] = {0, 0};
+  const int no_grips[] = {0, 0}, law[] = {MG_NEWTON};
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0};
@@ -30,7 +30,7 @@ int main(void) {
                       .link_kind = zeros, .link_o = zeros, .link_f = f, .link_parameters = link_parameters,
                       .link_pair = zeros, .link_group = groups, .link_condition = zeros,
                       .side_shape = sides, .side_parameters = side_parameters, .side_numbers = side_numbers,
-                      .contact_below = no_grips, .contact_grip = no_grips,
+                      .contact_below = no_grips, .contact_grip = no_grips, .impact_law = law,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
                       .numbers = numbers, .pair_normal = pair_normal, .scale = scale,
                       .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};

@@ -47,7 +47,7 @@ def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
-@pytest.mark.parametrize("real", REAL_TYPES)
+@pytest.mark.parametrize("real", ["double", pytest.param("long double", marks=pytest.mark.slow)])
 def test_a_bouncing_ball_comes_to_rest_at_the_right_time(tmp_path: Path, real: str) -> None:
     lines = run_driver(tmp_path, REAL_TYPES[real])
     events, end = lines[:-1], lines[-1]

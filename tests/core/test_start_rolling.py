@@ -80,6 +80,14 @@ def test_the_interpolant_of_the_stages_is_their_polynomial() -> None:
                 assert abs(y - theta**k) < mpf("1e-19")
 
 
+def test_the_slopes_at_the_stages_are_those_of_the_polynomial() -> None:
+    with mp.workdps(DIGITS):
+        time, slope = table("mg_radau_time", (STAGES,)), table("mg_radau_slope", (STAGES, STAGES))
+        for k in range(STAGES):
+            exact = k * time ** (k - 1) if k else 0 * time
+            assert max(abs(slope @ time**k - exact)) < mpf("1e-21")
+
+
 @pytest.mark.parametrize("step", [0.02, 0.005, 0.001])
 def test_the_motion_does_not_depend_on_the_first_step(step: float) -> None:
     other = started(Accuracy.tight(), step)
