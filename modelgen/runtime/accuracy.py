@@ -94,6 +94,7 @@ class Accuracy:
         residual: the extremality residual reached at the start, against L and 1.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        arrest: slip is stopped only where that takes no more energy than a speed of arrest slip_speed L/T has.
         leap: a step is shortened at whose end a loaded contact parts or nears faster than leap tolerance L/T.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
@@ -149,6 +150,7 @@ class Accuracy:
     margin_refuse: float = 1e-5
     margin_appear: float = 1e-4
     lean: float = 0.5
+    arrest: float = 100.0
     leap: float = 1e3
     leave: float = 100.0
     polish: float = 1e-3
