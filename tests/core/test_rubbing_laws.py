@@ -193,9 +193,7 @@ def test_a_centre_outside_the_hull_has_no_pressure(plane_core: CoreBuild) -> Non
 
 
 @settings(max_examples=60, deadline=None)
-@given(
-    st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit), st.tuples(unit, unit, unit)
-)
+@given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit), st.tuples(unit, unit, unit))
 def test_a_turn_tells_how_much_holds_easily(
     plane_core: CoreBuild,
     name: str,
