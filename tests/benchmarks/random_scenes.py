@@ -6,8 +6,8 @@
 Each seed makes one scene file of 1 to 8 bodies, random friction, restitution, poses and velocities. A run
 passes that is over in time, with finite numbers, no energy gained beyond what its warnings name, and no
 penetration; one that ends early says why, and is counted apart. One line a seed, then a summary. The folder
-keeps the lines (a seed that has one is not run again) and the files of those that do not pass. Of the registered shapes only those without bound do not fall:
-plane, line, cone, paraboloid, helix, height field.
+keeps the lines (a seed that has one is not run again) and the files of those that do not pass. Of the
+registered shapes only those without bound do not fall: plane, line, cone, paraboloid, helix, height field.
 """
 
 from __future__ import annotations
@@ -258,9 +258,8 @@ def main() -> None:
     early = sum(verdict.startswith("ends early") for verdict in verdicts)
     failed = [seed for seed, verdict in zip(seeds, verdicts, strict=True) if verdict.startswith("FAILS")]
     fell = sum("time-stepping" in verdict for verdict in verdicts)
-    print(
-        f"{len(seeds) - len(failed) - early} of {len(seeds)} pass, {early} end early and say why, fail: {failed}"
-    )
+    whole = len(seeds) - len(failed) - early
+    print(f"{whole} of {len(seeds)} pass, {early} end early and say why, fail: {failed}")
     print(f"{fell} fell back on time-stepping")
     sys.exit(bool(failed))
 
