@@ -91,7 +91,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     }
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
-    if (worst > best) {
+    if (worst > best && to != c->run->link[contact]) {
       best = worst, found.link = to;
       mg_note_place(c, &found);
       for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
@@ -100,7 +100,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->place[k];
     link = to;
   }
-  const int nowhere = found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border;
+  const int nowhere = found.link < 0 || best < -100 * c->set->border;
   if (nowhere || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
