@@ -13,7 +13,7 @@ from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
-from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
+from modelgen.require.pads import is_pad, lies_flat, pads_of, tilted
 from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.poses import compose, rotation_of, to_outer
@@ -138,10 +138,10 @@ def _touch_in_points(a: Feature, b: Feature) -> bool:
 
 
 def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
-    """A rim against a plane gives way to its pads where it is flat."""
+    """A rim or ring against a plane gives way to its pads where it is flat."""
     return (
-        tilted(a) if is_rim(a) and b.shape.kind == "plane" else a,
-        tilted(b) if is_rim(b) and a.shape.kind == "plane" else b,
+        tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
+        tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
     )
 
 
