@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
+from modelgen.geometry.composites.conditions import vertex
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, lies_flat, pads_of, tilted
@@ -88,7 +89,7 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 def _candidates(
     a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: Vocabulary[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
-    sides = [_with_pads(features_of(whole.shape).features) for whole in (a, b)]
+    sides = _ended([_with_pads(features_of(whole.shape).features) for whole in (a, b)])
     _check_restriction(pair, sides, where)
     alone = len(sides[0]) == len(sides[1]) == 1
     found: dict[tuple[str, str], Candidate] = {}
@@ -126,6 +127,19 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
 
 def _with_pads(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
     return (*features, *(pad for feature in features for pad in pads_of(feature)))
+
+
+def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
+    """A segment touches a plane with its ends, nowhere or all along between them."""
+    kinds = [tuple(feature.shape.kind for feature in features) for features in sides]
+    if sorted(kinds) != [("plane",), ("segment",)]:
+        return sides
+    return [_ends_of(one[0].shape) if one[0].shape.kind == "segment" else one for one in sides]
+
+
+def _ends_of(segment: Shape) -> tuple[Feature, ...]:
+    ((_, length),) = segment.parameters
+    return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
 
 
 def _touch_in_points(a: Feature, b: Feature) -> bool:
