@@ -4,19 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-NUMBER = ["number", "null"]
-TEXTS = {"type": "array", "items": {"type": "string"}}
-
-
-def entry(kind: str | list[str], meaning: str, **more: Any) -> dict[str, Any]:
-    return {"type": kind, "description": meaning, **more}
-
-
-def record(meaning: str, properties: dict[str, Any]) -> dict[str, Any]:
-    return entry(
-        "object", meaning, properties=properties, required=list(properties), additionalProperties=False
-    )
-
+from modelgen.report.schema import NUMBER, TEXTS, entry, record
 
 _ERRORS = entry(
     "object",

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modelgen.errors import SimulationError
+from modelgen.runtime.arrays import C_REALS, frozen, pointer
 
 Method = Literal["auto", "qp", "lemke", "enumerate"]
 ENUMERATE_MAX = 20  # rows, as in the core
 LEMKE_PIVOTS = 20_000  # per path
 QP_ITERATIONS = 1000  # active sets
 _EIGENVALUE_SLACK = 1e-12  # per row: eigenvalues of the scaled matrix down to -n times this count as zero
-_C_REALS: dict[str, Any] = {"f": ctypes.c_float, "d": ctypes.c_double, "g": ctypes.c_longdouble}
 
 
 class Outcome(Enum):
@@ -165,34 +165,25 @@ def _call(
     work = np.empty(int(cdll.mg_lcp_work_size(n)), dtype=problem.b.dtype)
     iwork = np.empty(int(cdll.mg_lcp_iwork_size(n)), dtype=np.intc)
     limit = [] if iterations is None else [ctypes.c_int(iterations)]
-    start = [] if active is None else [_pointer(active)]
+    start = [] if active is None else [pointer(active)]
     getattr(cdll, name)(
-        ctypes.c_int(n), _pointer(problem.A), _pointer(problem.b), *limit, _pointer(z), *start,
-        ctypes.byref(report), _pointer(work), _pointer(iwork),
+        ctypes.c_int(n), pointer(problem.A), pointer(problem.b), *limit, pointer(z), *start,
+        ctypes.byref(report), pointer(work), pointer(iwork),
     )  # fmt: skip
     with np.errstate(invalid="ignore", over="ignore"):
         w = problem.A @ z + problem.b if n else z.copy()
     return LcpSolution(
-        z=_frozen(z),
-        w=_frozen(w),
+        z=frozen(z),
+        w=frozen(w),
         outcome=list(Outcome)[report.outcome],
         residual=float(report.residual),
         rank=int(report.rank),
         iterations=int(report.iterations),
-        active=_frozen(z > 0),
+        active=frozen(z > 0),
     )
 
 
 def _report(dtype: np.dtype[Any]) -> Any:
     integers = [(name, ctypes.c_int) for name in ("outcome", "iterations", "rank")]
-    fields = [*integers, ("residual", _C_REALS[dtype.char])]
+    fields = [*integers, ("residual", C_REALS[dtype.char])]
     return type("LcpReport", (ctypes.Structure,), {"_fields_": fields})()
-
-
-def _pointer(array: NDArray[Any]) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modelgen.errors import SimulationError
+from modelgen.runtime.arrays import C_REALS, frozen, pointer
 from modelgen.runtime.complementarity import CoreLibrary
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 Law = Literal["coulomb", "relaxed"]
 LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/friction.h
-_REALS: dict[str, Any] = {"f": ctypes.c_float, "d": ctypes.c_double, "g": ctypes.c_longdouble}
 _COUNTS = ("outcome", "sweeps", "newton", "starts", "rank", "active", "unique")
 _UNDECIDED = -1
 
@@ -71,8 +71,8 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     forces = np.ascontiguousarray(z, dtype=library.dtype)
     record, alive = _record(problem, library, law)
     function = library.cdll.mg_friction_residual
-    function.restype = _REALS[forces.dtype.char]
-    value = float(function(ctypes.byref(record), _pointer(forces)))
+    function.restype = C_REALS[forces.dtype.char]
+    value = float(function(ctypes.byref(record), pointer(forces)))
     del alive
     return value
 
@@ -93,16 +93,16 @@ def _call(
     report = _report(z.dtype)
     cdll.mg_friction(
         ctypes.byref(record),
-        _pointer(z),
-        _pointer(marks),
+        pointer(z),
+        pointer(marks),
         ctypes.byref(report),
-        _pointer(work),
-        _pointer(iwork),
+        pointer(work),
+        pointer(iwork),
     )
     del alive
     return FrictionSolution(
-        z=_frozen(z),
-        w=_frozen(motion(problem, z)),
+        z=frozen(z),
+        w=frozen(motion(problem, z)),
         outcome=list(Outcome)[report.outcome],
         residual=float(report.residual),
         coulomb_residual=residual(problem, z, library),
@@ -129,19 +129,10 @@ def _record(
     A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
     cone = np.ascontiguousarray(problem.cone, dtype=real)
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
-    pointers = (_pointer(array) for array in (first, rows, cone, A, b))
+    pointers = (pointer(array) for array in (first, rows, cone, A, b))
     return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts), (A, b, cone, first, rows)
 
 
 def _report(dtype: np.dtype[Any]) -> Any:
-    fields = [*((name, ctypes.c_int) for name in _COUNTS), ("residual", _REALS[dtype.char])]
+    fields = [*((name, ctypes.c_int) for name in _COUNTS), ("residual", C_REALS[dtype.char])]
     return type("FrictionReport", (ctypes.Structure,), {"_fields_": fields})()
-
-
-def _pointer(array: NDArray[Any]) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
