@@ -25,14 +25,40 @@ static void mg_sort_out(mg_context *c, int contact, int grip) {
   }
 }
 
-/* Takes the slip of stuck grips away, as an impulse would. */
+/* The kinetic energy that the correction of the first n rows of c->list takes. */
+static mg_real mg_energy_taken(const mg_context *c, int n) {
+  mg_real sum = 0;
+  for (int r = 0; r < n; r++) sum -= c->amount[c->list[r]] * c->d_dot[c->list[r]] / 2;
+  return sum;
+}
+
+/* The stuck grip that slips most, against what counts as slip, goes on slipping; returns 0 if there is none. */
+static int mg_release_fastest(mg_context *c) {
+  mg_real most = 0;
+  int contact = -1, fastest = -1;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
+      if (!c->run->active[i] || c->run->grip[g] != MG_STUCK) continue;
+      const mg_real size = mg_slip_size(c, i, g) / mg_slip_rest(c, g);
+      if (size > most) most = size, contact = i, fastest = g;
+    }
+  if (fastest < 0) return 0;
+  mg_set_on_course(c, contact, fastest);
+  c->run->grip[fastest] = MG_STARTING;
+  return 1;
+}
+
+/* Takes the slip of stuck grips away, as an impulse would. Where that would take far more energy than so little slip has, as
+   at two points that nearly are one, a grip slips on. */
 static void mg_arrest(mg_context *c) {
-  mg_real worst = 0;
-  const int n = mg_list_stuck(c, c->list, 0);
-  for (int r = 0; r < n; r++)
-    if (fabs(c->d_dot[c->list[r]]) > worst) worst = fabs(c->d_dot[c->list[r]]);
-  if (!(worst > c->set->drift * c->sys->length / c->sys->time)) return;
-  mg_correction(c, c->run->closed, c->d_dot);
+  const mg_real fast = c->set->arrest * c->set->slip_speed * c->sys->length / c->sys->time;
+  do {
+    mg_real worst = 0;
+    const int n = mg_list_stuck(c, c->list, 0);
+    for (int r = 0; r < n; r++)
+      if (fabs(c->d_dot[c->list[r]]) > worst) worst = fabs(c->d_dot[c->list[r]]);
+    if (!(worst > c->set->drift * c->sys->length / c->sys->time)) return;
+  } while (mg_energy_taken(c, mg_correction(c, c->run->closed, c->d_dot)) > c->sys->mass * fast * fast / 2 && mg_release_fastest(c));
   mg_push(c);
   mg_refresh(c);
 }

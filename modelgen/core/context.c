@@ -100,7 +100,7 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
   const long n = mg_held_of(s), k = s->n_closed;
   c->rub = mg_part_of_memory(&work, s->n_slot, sizeof(mg_rub_state));
   c->press_room = mg_most_strips(s), c->strips = mg_part_of_memory(&work, c->press_room, sizeof(mg_strip));
-  for (int i = 0; i < s->n_slot; i++) c->rub[i].leans = c->rub[i].known = c->rub[i].fired = c->rub[i].stopped = c->rub[i].before = 0;
+  for (int i = 0; i < s->n_slot; i++) c->rub[i].leans = c->rub[i].known = c->rub[i].fired = c->rub[i].stopped = c->rub[i].before = 0, c->rub[i].spread = 0;
   c->reduced = mg_take(&work, s->n_slot ? n * n + 2 * n : 0);
   c->lean = mg_take(&work, s->n_below), c->over = mg_take(&work, s->n_grip);
   c->steer = mg_take(&work, s->n_grip);

@@ -47,15 +47,25 @@ static int mg_first_slipped(const mg_context *c) {
   return -1;
 }
 
-/* Notes where a grip slips, in world axes. Returns 0 where it hardly does. */
-static int mg_aim(mg_context *c, int contact, int grip) {
-  const mg_real *t = c->tangents + 6 * contact;
+static mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
+  mg_real slip[2];
+  mg_slip_along(c, contact, grip, slip);
+  return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
+}
+
+/* The course of a grip along its slip, in world axes. */
+static void mg_set_on_course(mg_context *c, int contact, int grip) {
+  const mg_real *t = c->tangents + 6 * contact, size = mg_slip_size(c, contact, grip);
   mg_real slip[2], *course = c->run->course + 3 * grip;
   mg_slip_along(c, contact, grip, slip);
-  const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
-  if (!(size > 2 * mg_slip_rest(c, grip))) return 0;
   for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
   if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
+}
+
+/* Notes where a grip slips. Returns 0 where it hardly does. */
+static int mg_aim(mg_context *c, int contact, int grip) {
+  if (!(mg_slip_size(c, contact, grip) > 2 * mg_slip_rest(c, grip))) return 0;
+  mg_set_on_course(c, contact, grip);
   return 1;
 }
 

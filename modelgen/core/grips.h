@@ -34,6 +34,8 @@ static int mg_put_contact(mg_context *c, int contact, int k, int size);
 
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
 static mg_real mg_grip_value(const mg_context *c, int contact, int grip);
+static mg_real mg_slip_size(const mg_context *c, int contact, int grip);
+static void mg_set_on_course(mg_context *c, int contact, int grip);
 static int mg_aim(mg_context *c, int contact, int grip);
 static void mg_slip_lean(mg_context *c, int contact, int grip);
 static mg_real mg_stage_weight(int row, int column);
@@ -60,7 +62,7 @@ static mg_real mg_rebound(const mg_context *c, int contact);
 static int mg_nearing(const mg_context *c, int contact);
 static void mg_rate_pads(mg_context *c);
 static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
-static void mg_correction(mg_context *c, const int *marked, const mg_real *value);
+static int mg_correction(mg_context *c, const int *marked, const mg_real *value);
 static void mg_push(mg_context *c);
 static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
 

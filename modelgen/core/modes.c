@@ -139,6 +139,18 @@ static int mg_is_passing(mg_context *c, int contact) {
   return passing;
 }
 
+/* A contact that seemed to leave its link, by what the step erred in eta or pose, but on its extremum is well within it,
+   stays. */
+static void mg_let_stay(mg_context *c) {
+  mg_real eta[6];
+  int which;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (c->fired[i] != MG_WALKS) continue;
+    for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_eta_of(c, c->run->x, i)[k];
+    if (mg_settle_in(c, i, eta) >= 0 && mg_worst_condition(c, c->run->link[i], eta, &which) > c->set->border) c->fired[i] = 0;
+  }
+}
+
 /* Open contacts whose gaps have closed where they leave their links walk. */
 static void mg_let_pass(mg_context *c) {
   for (int i = 0; i < c->first_pad; i++)
@@ -150,6 +162,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
   const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_refresh(c);
+  mg_let_stay(c);
   mg_let_pass(c);
   if (mg_walk_all(c, events)) {
     mg_refresh(c);

@@ -17,11 +17,13 @@ static void mg_clear(mg_context *c) {
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
 }
 
-/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. */
-static void mg_correction(mg_context *c, const int *marked, const mg_real *value) {
+/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how many
+   rows that are, in c->list; their z are in c->amount. */
+static int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
   const int n = mg_hold(c, marked, value, c->amount);
   mg_clear(c);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
+  return n;
 }
 
 static void mg_turn(mg_real *e, const mg_real *angle) {

@@ -6,6 +6,35 @@
 
 static mg_real mg_rub_rest(const mg_context *c) { return c->set->slip_speed * c->sys->length / c->sys->time; }
 
+/* The mean distance of the pressure at hand from its centre: what it rubs in a turn about that. */
+static void mg_note_spread(mg_context *c, int slot) {
+  const mg_press *p = &c->press;
+  const mg_real turn[3] = {0, 0, 1};
+  mg_rub_state *r = c->rub + slot;
+  mg_real G[3][3];
+  mg_rub(p, turn, G);
+  r->spread = G[2][0] * p->level[0] + G[2][1] * p->level[1] + G[2][2] * p->level[2];
+  for (int k = 0; k < 2; k++) r->spread_at[k] = p->centre[k];
+}
+
+/* A stuck patch is told to be within its bound without its limit surface. By the triangle inequality a twist rubs N |v| at
+   least, and N (|w| spread - |v|), so that force and torque about the centre hold where |F| + 2 |T| / spread <= mu N; near
+   the centre that the spread is of, half of it is left. */
+static int mg_holds_easily(const mg_context *c, int slot) {
+  const mg_rub_state *r = c->rub + slot;
+  const mg_real *force = c->force + mg_rub_row(c, slot);
+  mg_rub_frame at;
+  mg_real world[3], x[3], F[2];
+  const mg_real N = mg_resultant(c, slot, c->force, world);
+  if (!(r->spread > 0 && N > 0)) return 0;
+  mg_rub_axes(c, slot, &at);
+  mg_into(at.pose, world, x);
+  if (!(8 * mg_apart2(x, r->spread_at) <= r->spread)) return 0;
+  for (int k = 0; k < 2; k++) F[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
+  const mg_real arm[2] = {x[0] - at.pad[0][0], x[1] - at.pad[0][1]}, torque = at.sign * force[2] - mg_cross2(arm, F);
+  return sqrt(mg_dot2(F, F)) + 4 * fabs(torque) / r->spread <= c->sys->patch_friction[2 * mg_patch_in(c, slot)] * N;
+}
+
 /* N (1 - what it needs of its bound): what is left of the bound of a stuck patch; the twist against which it rubs, of the
    first pad's point and about N, along which slip would begin. */
 static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
@@ -21,6 +50,7 @@ static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
   mg_into(at.pose, world, local);
   r->centre[0] = local[0], r->centre[1] = local[1], r->known = 1;
   mg_press_rub(c, slot);
+  mg_note_spread(c, slot);
   const mg_real arm[2] = {r->centre[0] - at.pad[0][0], r->centre[1] - at.pad[0][1]};
   mg_real wrench[3];
   for (int k = 0; k < 2; k++) wrench[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
@@ -41,6 +71,7 @@ static mg_real mg_rub_value(mg_context *c, int slot, int cause) {
 static int mg_rub_fires(mg_context *c, int slot) {
   const int mode = c->run->rub[slot];
   if (!mg_rubs(c, slot) || mode == MG_LOOSE) return 0;
+  if (mode == MG_STUCK && mg_holds_easily(c, slot)) return 0;
   if (mode == MG_STUCK) /* at the edge of its hull it tips */
     return mg_rub_value(c, slot, MG_GIVES) < -mg_weight_scale(c) && !c->rub[slot].clipped ? MG_GIVES : 0;
   return mg_rub_along(c, slot) < (mode == MG_SLIPPING ? mg_rub_rest(c) : -mg_rub_rest(c)) ? MG_CALMS : 0;
@@ -90,6 +121,7 @@ static void mg_sort_rubs(mg_context *c) {
     int *mode = c->run->rub + slot;
     mg_rub_state *r = c->rub + slot;
     const int patch = mg_patch_in(c, slot);
+    r->spread = 0;
     if (patch < 0 || !mg_has_rubbing(c, patch)) continue;
     const int slips = *mode != MG_STUCK && mg_aim_rub(c, slot);
     r->stopped = *mode >= MG_ONSET && r->fired && !slips;

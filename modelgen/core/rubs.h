@@ -10,6 +10,7 @@ struct mg_rub_state { /* a patch with friction in a slot */
   int leans;                 /* it slips */
   int known, cut, clipped;   /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
   mg_real centre[2], extent; /* of pressure, axes of the hull; m, of what is pressed about it */
+  mg_real spread, spread_at[2]; /* m, mean distance of the pressure from that centre, its own; 0: not known */
   mg_real lean[MG_RUB_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
   int fired, before, stopped; /* its event has fired; its mode before; slip has died */
   mg_real over;              /* s, slip that was stopped had left */

@@ -91,7 +91,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     }
     const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
     if (worst == -MG_MAX) break;
-    if (worst > best) {
+    if (worst > best && to != c->run->link[contact]) {
       best = worst, found.link = to;
       mg_note_place(c, &found);
       for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
@@ -100,7 +100,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->place[k];
     link = to;
   }
-  const int nowhere = found.link < 0 || found.link == c->run->link[contact] || best < -100 * c->set->border;
+  const int nowhere = found.link < 0 || best < -100 * c->set->border;
   if (nowhere || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
@@ -218,6 +218,12 @@ static mg_real mg_pair_clearance(const mg_context *c, int pair) {
   return clear > 0 ? clear : 0;
 }
 
+/* What the last search of a pair has seen all of, less what the pair has moved since. */
+static mg_real mg_still_seen(const mg_context *c, int pair) {
+  const mg_real length = c->sys->length, most = c->set->search * length, moved = c->run->moved[pair];
+  return c->set->reach * length - (moved < most ? moved : most);
+}
+
 /* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
    its own and one ends where the next begins, those that are there do for the others. */
 static mg_real mg_sight(const mg_context *c) {
@@ -227,7 +233,7 @@ static mg_real mg_sight(const mg_context *c) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     const int unwatched = mg_is_unwatched(c, pair);
     if (mg_has_own_links(c, pair) && !unwatched && s->pair_search[pair] != MG_SEARCH_AHEAD) continue;
-    const mg_real way = c->set->reach * s->length / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
+    const mg_real way = mg_still_seen(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
     if (mean * sight > way) sight = way / mean;

@@ -11,9 +11,10 @@ import numpy as np
 
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
+from modelgen.geometry.composites.conditions import vertex
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
-from modelgen.require.pads import is_pad, is_rim, pads_of, tilted
+from modelgen.require.pads import is_pad, lies_flat, pads_of, tilted
 from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.poses import compose, rotation_of, to_outer
@@ -88,7 +89,7 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 def _candidates(
     a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: Vocabulary[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
-    sides = [_with_pads(features_of(whole.shape).features) for whole in (a, b)]
+    sides = _ended([_with_pads(features_of(whole.shape).features) for whole in (a, b)])
     _check_restriction(pair, sides, where)
     alone = len(sides[0]) == len(sides[1]) == 1
     found: dict[tuple[str, str], Candidate] = {}
@@ -128,6 +129,19 @@ def _with_pads(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
     return (*features, *(pad for feature in features for pad in pads_of(feature)))
 
 
+def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
+    """A segment touches a plane with its ends, nowhere or all along between them."""
+    kinds = [tuple(feature.shape.kind for feature in features) for features in sides]
+    if sorted(kinds) != [("plane",), ("segment",)]:
+        return sides
+    return [_ends_of(one[0].shape) if one[0].shape.kind == "segment" else one for one in sides]
+
+
+def _ends_of(segment: Shape) -> tuple[Feature, ...]:
+    ((_, length),) = segment.parameters
+    return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
+
+
 def _touch_in_points(a: Feature, b: Feature) -> bool:
     orders = ((a, b), (b, a))
     if a.shape.kind == b.shape.kind == "point":
@@ -138,10 +152,10 @@ def _touch_in_points(a: Feature, b: Feature) -> bool:
 
 
 def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
-    """A rim against a plane gives way to its pads where it is flat."""
+    """A rim or ring against a plane gives way to its pads where it is flat."""
     return (
-        tilted(a) if is_rim(a) and b.shape.kind == "plane" else a,
-        tilted(b) if is_rim(b) and a.shape.kind == "plane" else b,
+        tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
+        tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
     )
 
 

@@ -1,9 +1,10 @@
-"""Rims that come to lie flat on a plane and have no lowest point there: three points of the rim hold them."""
+"""What comes to lie flat on a plane, without a lowest point there: three points hold a rim or a crest."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from modelgen.geometry.regions import JOINED, point_of
 from modelgen.scene.expression import Number
 from modelgen.scene.poses import rotation_of, to_outer
 from modelgen.scene.types import Condition, Feature, Shape
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
 
 RIMS = ("circle", "ellipse_curve")
 PADS = 3
@@ -41,23 +44,43 @@ def bearer_of(name: str) -> str:
     return name.rsplit(".", 1)[0]
 
 
+def lies_flat(feature: Feature) -> bool:
+    """Whether it gives way to its pads on a plane: a rim, or the ring of a half torus."""
+    return is_rim(feature) or (bool(feature.name) and feature.shape.kind == "torus")
+
+
 def pads_of(feature: Feature) -> tuple[Feature, ...]:
-    """Points of a rim a third of a turn apart, there while it is flat on a plane; none of other features."""
-    if not is_rim(feature):
+    """Points of a rim a third of a turn apart, or of both crests of a half torus, its ends and middle.
+
+    They are there while it is flat on a plane. None of other features.
+    """
+    if not lies_flat(feature):
         return ()
     axis = tuple(float(x) for x in rotation_of(feature.shape.pose.quaternion)[:, 2])
     flat = Condition("tilt", (*axis, -1.0), None)
+    points = _on_rim(feature.shape) if is_rim(feature) else _on_crests(feature.shape)
     return tuple(
-        Feature(f"{feature.name}.{k + 1}", 0, _point(feature.shape, k), (flat,)) for k in range(PADS)
+        Feature(f"{feature.name}.{k}", 0, _point(feature.shape, at), (flat,))
+        for k, at in enumerate(points, start=1)
     )
 
 
-def _point(rim: Shape, k: int) -> Shape:
+def _on_rim(rim: Shape) -> list[Array]:
     low, high = (0.0, 2 * pi) if rim.kind in RIMS else domain_of(rim)[0]
-    at = to_outer(rim.pose, point_of(rim, low + (high - low) * k / PADS))
-    return Shape("point", tuple(zip("xyz", map(float, at), strict=True)))
+    return [point_of(rim, low + (high - low) * k / PADS) for k in range(PADS)]
+
+
+def _on_crests(torus: Shape) -> list[Array]:
+    (_, major), (_, minor) = torus.parameters
+    return [
+        np.array([major * x, major * abs(1 - abs(x)), z]) for z in (minor, -minor) for x in (1.0, 0.0, -1.0)
+    ]
+
+
+def _point(bearer: Shape, at: Array) -> Shape:
+    return Shape("point", tuple(zip("xyz", map(float, to_outer(bearer.pose, at)), strict=True)))
 
 
 def tilted(feature: Feature) -> Feature:
-    """A rim as it touches a plane: not while it is flat."""
+    """A rim or ring as it touches a plane: not while it is flat."""
     return replace(feature, conditions=(*feature.conditions, Condition("tilt", (0.0, 0.0, 1.0, 1.0), None)))

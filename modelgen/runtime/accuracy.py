@@ -52,7 +52,6 @@ TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
 
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
-
 CHOICES = ("impacts", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
 
 
@@ -82,8 +81,7 @@ class Accuracy:
         project: remove drift off d = 0 and its rate every so many steps; 0 never.
         use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
         planar: a face on another rests as one planar contact; False: on vertices or points of a rim.
-        gap: |d| <= gap L counts as touching.
-        start_gap: the same at t = 0; deeper penetration is refused.
+        gap, start_gap: |d| <= gap L counts as touching; at t = 0 start_gap L, deeper penetration is refused.
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
         rest_speed: approach below rest_speed L/T is caught without bounce.
@@ -94,6 +92,7 @@ class Accuracy:
         residual: the extremality residual reached at the start, against L and 1.
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
+        arrest: slip is stopped only where that takes less energy than a speed of arrest slip_speed L/T has.
         leap: a step is shortened at whose end a loaded contact parts or nears faster than leap tolerance L/T.
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
@@ -149,6 +148,7 @@ class Accuracy:
     margin_refuse: float = 1e-5
     margin_appear: float = 1e-4
     lean: float = 0.5
+    arrest: float = 100.0
     leap: float = 1e3
     leave: float = 100.0
     polish: float = 1e-3

@@ -58,7 +58,7 @@ SETTINGS_REALS = (
         "rest_speed",
     ),
     *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
+    *("event", "residual", "arrest", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
     *("flat", "imaginary_edge", "shared", "border", "stride"),
 )

@@ -190,3 +190,23 @@ def test_friction_does_not_depend_on_whose_face_is_cut(plane_core: CoreBuild) ->
 
 def test_a_centre_outside_the_hull_has_no_pressure(plane_core: CoreBuild) -> None:
     assert np.isnan(rubbed(plane_core, disc(0.5), np.array([0.6, 0.0]), np.array([1.0, 0, 0])).friction).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit), st.tuples(unit, unit, unit))
+def test_a_turn_tells_how_much_holds_easily(
+    plane_core: CoreBuild,
+    name: str,
+    x: float,
+    y: float,
+    off: tuple[float, float],
+    wrench: tuple[float, float, float],
+) -> None:
+    """Half the mean distance of the pressure is left of it while its centre moves by an eighth of that."""
+    arcs = (ARCS | ROUND)[name]
+    at = centre_in(plane_core, arcs, x, y)
+    spread = -rubbed(plane_core, arcs, at, np.array([0.0, 0.0, 1.0])).friction[0, 2] / 2
+    near = at + spread / 8 * np.array(off) / max(1.0, float(np.hypot(*off)))
+    assume(overlap(plane_core, [], arcs, points=near[None]).margin[0] > 1e-3)
+    needed = rubbed(plane_core, arcs, near, np.array([1.0, 0, 0]), np.array(wrench)).needed[0]
+    assert needed <= (np.hypot(*wrench[:2]) + 4 * abs(wrench[2]) / spread) / 2 * (1 + 1e-9)

@@ -10,6 +10,7 @@ from modelgen import require
 from modelgen.errors import SceneError, SimulationError
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import build as make
+from modelgen.scene.types import Shape
 from tests.oracles.pieces import TABLE, G, ball, ran, rotations, times
 
 BOWL = make.fixed("bowl", make.ellipsoid(0.5, 0.4, 0.3, cavity=True))
@@ -138,3 +139,25 @@ def test_two_points_are_refused_with_the_reason() -> None:
         scene = make.scene("points", bodies, contact=[{"between": ["tip", "pin"], "form": form}])
         with pytest.raises(SceneError, match=r"no normal where they touch.*make it a sphere"):
             require(scene)
+
+
+def test_a_segment_falls_on_a_table_as_its_two_ends_do() -> None:
+    def fell(*shapes: Shape) -> Trajectory:
+        rod = make.dynamic(
+            "rod",
+            *shapes,
+            mass=0.3,
+            inertia=[2e-3, 2e-3, 1e-5],
+            position=[0, 0, 0.15],
+            rpy=[0.3, 1.2, 0],
+            angular_velocity=[1, 2, 0],
+        )
+        names = ["rod"] if len(shapes) == 1 else ["rod/low", "rod/high"]
+        law = {"restitution": 0.4, "friction": 0.3}
+        return ran([TABLE, rod], 0.5, [{"between": [name, "table"], **law} for name in names])
+
+    whole = fell(make.segment(0.2))
+    ends = fell(make.point(0, 0, -0.1, name="low"), make.point(0, 0, 0.1, name="high"))
+    assert sum(event.kind == "impact" for event in whole.events) > 4
+    assert same(whole, ends, tolerance=1e-9)
+    assert whole.gap.min() > -1e-10
