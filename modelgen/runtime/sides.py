@@ -44,7 +44,7 @@ class Sides:
 def _kept(
     links: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
 ) -> dict[str, list[int]]:
-    """Which sides keep their samples: those with ends, of links that are searched by samples; alike, the same."""
+    """Which sides keep their samples: those with ends, of links searched by samples; alike, the same."""
     tables: dict[tuple[Any, ...], int] = {}
     side_table, table_first = [], [0]
     for link in links:

@@ -1,4 +1,4 @@
-"""A face with friction that turns over a curved edge: it rolls without slip or slides on its rim from the first moment."""
+"""A face with friction that turns over a curved edge: it rolls or slides on its rim from the first moment."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_glass_that_sticks_turns_over_the_edge_of_its_base_as_a_pendulum() -> 
 
 
 def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> None:
-    """Friction mu N against the slip, in the plane of the load: unknown are the lean and where the edge is."""
+    """Friction mu N against the slip, in the plane of the load."""
     mu = 0.3
     slip = mu * MASS * G / GROWTH
     tip = MASS * G * (RADIUS - mu * HALF) / (GROWTH * ABOVE)
@@ -68,7 +68,7 @@ def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> Non
     assert [event.t for event in path.events[1:3]] == pytest.approx([slip, tip], abs=1e-11)
 
     def rates(t: float, y: np.ndarray) -> list[float]:
-        x, v, lean, turn = y
+        _, v, lean, turn = y
         c, s, force = cos(lean), sin(lean), GROWTH * t
         arm, z = RADIUS * c - HALF * s, RADIUS * s + HALF * c
         # I lean'' = F a c - N arm + mu N z, N = m (g + arm lean'' - z turn^2)
