@@ -4,6 +4,7 @@
 #define MG_PRESS_STEPS 60
 #define MG_EDGE 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
 #define MG_PART_LEAST 1e-6 /* of a Newton step */
+#define MG_WAY_LEAST 1e-3  /* of what is left of the way to a centre */
 
 static void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips) {
   p->hull = h, p->room = room, p->strip = strips, p->n = p->cut = 0;
@@ -182,32 +183,38 @@ static mg_real mg_press_merit(const mg_press *p, mg_real force) {
          m[4] * l[1] * l[2] - force * l[0];
 }
 
+/* The middle of a hull's corners, and how far they are from it at most. */
+static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
+  mg_real reach = 0;
+  middle[0] = middle[1] = 0;
+  for (int i = 0; i < h->n_edge; i++)
+    for (int k = 0; k < 2; k++) middle[k] += h->spot[h->edge[i].u].point[k] / h->n_edge;
+  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_apart2(h->spot[h->edge[i].u].point, middle));
+  return reach;
+}
+
 /* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether it
    had to. */
 static int mg_inside_hull(const mg_hull *h, mg_real *x) {
-  const mg_real least = h->size / MG_EDGE;
   mg_brink brink;
-  const mg_real margin = mg_hull_margin(h, x, &brink);
-  mg_real middle[2] = {0, 0};
+  mg_real middle[2];
+  const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
   if (margin >= least || h->n_edge == 0) return 0;
-  for (int i = 0; i < h->n_edge; i++)
-    for (int k = 0; k < 2; k++) middle[k] += h->spot[h->edge[i].u].point[k] / h->n_edge;
   for (int k = 0; k < 2; k++) {
     const mg_real at = brink.n == 2 ? x[k] + margin * brink.normal[k] : brink.at[0].point[k];
-    x[k] = at + least / h->size * (middle[k] - at);
+    x[k] = at + least / reach * (middle[k] - at);
   }
   return 1;
 }
 
-/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. Newton's
-   method for the least of a convex function, whose Hessian the moments are. */
-static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
+/* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a convex
+   function, whose Hessian the moments are; 0 where it is not found. */
+static int mg_press_from(mg_press *p, mg_real force, const mg_real *centre, const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_press_whole(p, centre);
-  mg_real level[3], from[3], merit = MG_MAX, part = 1;
-  if (!mg_solve_moments(p, moment, level)) return 0;
+  mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1;
   int near = 0;
-  for (int k = 0; k < 3; k++) from[k] = 0;
+  for (int k = 0; k < 2; k++) p->centre[k] = centre[k];
+  for (int k = 0; k < 3; k++) level[k] = start[k];
   for (int step = 0; step < MG_PRESS_STEPS; step++) {
     mg_real tried[3], change = 0;
     for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
@@ -228,4 +235,34 @@ static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
     merit = now, part = 1, near = change <= level[0] / 16; /* where rounding would tell the merit */
   }
   return 0;
+}
+
+/* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
+static int mg_press_along(mg_press *p, mg_real force, const mg_real *centre) {
+  mg_press_whole(p, centre);
+  const mg_real area = p->moments[0];
+  const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
+  mg_real level[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
+  for (int step = 0; step < MG_PRESS_STEPS; step++) {
+    const mg_real next = left * (1 - part);
+    mg_real at[2], start[3] = {level[0], level[1], level[2]};
+    for (int k = 0; k < 2; k++) at[k] = centre[k] - next * way[k], start[0] += level[1 + k] * (left - next) * way[k];
+    if (!mg_press_from(p, force, at, start)) {
+      if ((part /= 2) < MG_WAY_LEAST) return 0;
+      continue;
+    }
+    if (next == 0) return 1;
+    for (int k = 0; k < 3; k++) level[k] = p->level[k];
+    left = next, part = 1;
+  }
+  return 0;
+}
+
+/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
+static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
+  const mg_real moment[3] = {force, 0, 0};
+  mg_real level[3];
+  mg_press_whole(p, centre);
+  if (!mg_solve_moments(p, moment, level)) return 0;
+  return mg_press_from(p, force, centre, level) || mg_press_along(p, force, centre);
 }

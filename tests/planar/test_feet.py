@@ -37,11 +37,11 @@ def stool(shapes: Sequence[Shape], **keys: object) -> Body:
     )
 
 
-def pushed(shapes: Sequence[Shape], angle: float, until: float) -> Trajectory:
+def pushed(shapes: Sequence[Shape], angle: float, until: float, friction: float = 0.0) -> Trajectory:
     force = [f"{RATE * cos(angle)!r}*t", f"{RATE * sin(angle)!r}*t", "0"]
     scene = make.scene(
         "stool", [table(), stool(shapes)],
-        contact=[{"between": [f"stool/{shape.name}", "table"]} for shape in shapes],
+        contact=[{"between": [f"stool/{shape.name}", "table"], "friction": friction} for shape in shapes],
         force=[{"body": "stool", "force": force, "point": [0, 0, ARM]}],
     )  # fmt: skip
     return simulate(library_of(scene), until=until, samples=40, accuracy=TIGHT)
@@ -92,6 +92,17 @@ def test_a_body_on_feet_tips_where_the_ray_of_its_pressure_leaves_the_hull_of_al
     assert path.patch_force[rests, 0] == pytest.approx(np.full(rests.sum(), MASS * G), rel=1e-12)
     assert path.outcome.name == "DONE"
     assert not path.warnings
+
+
+@pytest.mark.parametrize("n", [3, 4, 5])
+def test_a_body_on_feet_with_friction_tips_at_the_same_place_and_not_before(n: int) -> None:
+    """Its load acts at the height of the load over the table; nothing slips."""
+    places = [(0.1 * cos(2 * pi * k / n), 0.1 * sin(2 * pi * k / n)) for k in range(n)]
+    reach = reach_of_hull(outer(places), np.array([cos(0.7), sin(0.7)]))
+    tip = reach * MASS * G / (RATE * (HEIGHT + ARM))
+    path = pushed(feet(places), 0.7, tip + 0.02, friction=1.5)
+    assert [event.kind for event in path.events] == ["flat", "tip"]
+    assert path.events[1].t == pytest.approx(tip, abs=1e-9)
 
 
 def test_a_body_on_two_feet_turns_about_the_outer_edge_of_one() -> None:
