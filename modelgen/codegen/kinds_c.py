@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from modelgen.codegen.manifest import FEET
 from modelgen.codegen.sentence import J_SIZE
 from modelgen.contact.kinds import eta_layout
 from modelgen.derive import Derivation, Formula
@@ -48,7 +49,6 @@ class Dispatcher:
 TURN = 6  # MG_TURN
 CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
 
-FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND
 ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
 
 DISPATCHERS = (

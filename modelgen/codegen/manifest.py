@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from modelgen.errors import LibraryError
 
+FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND: shapes that know their point nearest to another
 Json = dict[str, Any]
 Record = TypeVar("Record", "Manifest", "BuildRecord")
 

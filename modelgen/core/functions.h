@@ -62,6 +62,7 @@ static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
+static mg_real mg_pair_speed(const mg_context *c, int pair);
 
 static void mg_leave(mg_context *c, mg_events *events, int contact);
 static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which);

@@ -107,7 +107,7 @@ typedef struct {
   mg_real event;          /* an event is located to event * time */
   mg_real residual;       /* extremality residual (length, 1) to which eta is brought at the start */
   mg_real arrest;         /* slip is stopped only where that takes no more than a speed arrest * slip_speed * length / time has */
-  mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * length / time */
+  mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * its speed */
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
   mg_real polish;         /* the interpolant finds an event to this part of the step */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */

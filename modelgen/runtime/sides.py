@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import hypot, pi
 from typing import Any
 
-from modelgen.codegen.kinds_c import FEET
-from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.manifest import FEET, Manifest
 
 COARSE, GRID = 9, 17  # MG_COARSE, MG_GRID
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_QUADRIC ..
