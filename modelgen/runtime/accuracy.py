@@ -93,7 +93,7 @@ class Accuracy:
         step_min: a step below step_min T ends the run.
         margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
         arrest: slip is stopped only where that takes less energy than a speed of arrest slip_speed L/T has.
-        leap: a step is shortened if a loaded contact parts at its end by leap tolerance (its speed, L/T) or more.
+        leap: a step is shortened if a loaded contact parts at its end by leap tolerance (its speed, L/T).
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
         polish: the interpolant finds an event to this part of the step; further steps do the rest.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
