@@ -124,19 +124,23 @@ static void mg_open_far(mg_context *c, mg_events *events) {
     if (c->run->closed[i] && (c->d[i] > far || c->d_dot[i] > rest)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
 }
 
-/* The contact is at a border of its link and about to pass it: there it does not strike. Which border is in c->way. Needs
-   the slope in K[0]. */
+/* The contact is about to pass a border of its link, before it is any deeper than what counts as touching: there it does not
+   strike. Which border is in c->way. Needs the slope in K[0]. */
 static int mg_is_passing(mg_context *c, int contact) {
   const int link = c->run->link[contact];
+  const mg_real soon = sqrt(sqrt(c->set->event)) * c->sys->time, moment = sqrt(c->set->event) * c->sys->time;
+  const mg_real deep = c->set->start_gap * c->sys->length;
   mg_real *x = c->x_stage, next[6];
   if (mg_is_endless(c, link)) return 0;
   mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
-  if (mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact) > c->set->apart) return 0;
+  const mg_real now = mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact);
   mg_look_ahead(c);
   mg_place(c, contact, mg_eta_of(c, x, contact), next);
-  const int passing = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->way + contact) < -c->set->border;
+  const mg_real then = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->way + contact);
   mg_poses(c, c->run->t, c->run->x);
-  return passing;
+  if (now <= c->set->apart) return then < -c->set->border;
+  const mg_real left = then < now ? moment * now / (now - then) : MG_MAX;
+  return left < soon && left * fabs(c->d_dot[contact]) < deep;
 }
 
 /* A contact that seemed to leave its link, by what the step erred in eta or pose, but on its extremum is well within it,
@@ -151,15 +155,20 @@ static void mg_let_stay(mg_context *c) {
   }
 }
 
+/* An open contact whose gap has closed, or is closed and goes on closing. */
+static int mg_is_about_to_strike(const mg_context *c, int contact) {
+  if (c->run->closed[contact]) return 0;
+  return c->fired[contact] || (fabs(c->d[contact]) <= c->set->gap * c->sys->length && mg_approaching(c, contact));
+}
+
 /* Open contacts whose gaps have closed where they leave their links walk. */
 static void mg_let_pass(mg_context *c) {
   for (int i = 0; i < c->first_pad; i++)
-    if (c->fired[i] == 1 && mg_present(c, i) && !c->run->closed[i] && mg_is_passing(c, i)) c->fired[i] = MG_WALKS;
+    if (c->fired[i] <= 1 && mg_present(c, i) && mg_is_about_to_strike(c, i) && mg_is_passing(c, i)) c->fired[i] = MG_WALKS;
 }
 
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
 static int mg_transition(mg_context *c, mg_events *events) {
-  const mg_real touching = c->set->gap * c->sys->length;
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_refresh(c);
   mg_let_stay(c);
@@ -169,7 +178,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     mg_open_far(c, events);
   }
   for (int i = 0; i < c->first_pad; i++)
-    if (!c->run->closed[i] && (c->fired[i] || (fabs(c->d[i]) <= touching && mg_approaching(c, i)))) {
+    if (mg_is_about_to_strike(c, i)) {
       mg_befalls(c, events, i, MG_STRIKES, c->run->t, 0);
       c->fired[i] = MG_NEW;
     }
