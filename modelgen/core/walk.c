@@ -38,7 +38,7 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
   mg_real next[6];
   *which = -1;
   mg_eta_near(c, to, at + (turned ? 11 : 8), at + (turned ? 8 : 11), eta);
-  if (mg_settle_in(c, spare, eta) < 0) return -MG_MAX;
+  if (mg_settle_in(c, spare, eta) < 0 || !(mg_margin_of(c) > c->set->lost)) return -MG_MAX;
   if (mg_has_signs(c, to) && (mg_dot3(c->place + 5, at + 5) < 0) != turned)
     mg_turn_round(c, to, eta), mg_place(c, spare, eta, next);
   return mg_worst_condition(c, to, eta, which);
