@@ -99,3 +99,18 @@ def test_an_elliptic_base_rolls_without_slip_alike_on_both_sides(azimuth: float)
     assert path.energy_drift < 1e-10
     coarse = glass(1.2, azimuth, tip + 0.12, ELLIPSE, Accuracy.balanced())
     assert np.abs(path.p[:, 1] - coarse.p[:, 1]).max() < 1e-8
+
+
+def test_a_cup_that_falls_on_its_side_passes_where_that_is_parallel_to_the_table() -> None:
+    """Its straight side has no closest points of its own there; it comes to lie on both of its rims."""
+    top = make.fixed("table", make.box(2.0, 2.0, 0.1), position=[0, 0, -0.05])
+    scene = make.scene(
+        "falling_cup", [top, standing(ELLIPSE)], contact=[{"between": ["body", "table"], "friction": 0.5}],
+        force=[{"body": "body", "force": ["0", "2.0*t", "0"], "point": [0, 0, ABOVE]}],
+    )  # fmt: skip
+    path = simulate(library_of(scene), until=1.2, samples=60, accuracy=Accuracy.balanced(), estimate=False)
+    assert path.outcome.name == "DONE"
+    assert path.energy_drift < 1e-9
+    _, x, y, _ = path.quaternion[-1, 1]
+    assert abs(1 - 2 * (x * x + y * y)) < 0.3
+    assert path.p[-1, 1, 2] > 0.025
