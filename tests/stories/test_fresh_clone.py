@@ -21,12 +21,13 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The tracked parts of the tree that a build could touch, in a repository of their own."""
     shutil.copy(ROOT / ".gitignore", tmp_path)
     shutil.copytree(ROOT / "scenes", tmp_path / "scenes")
-    for manifest in (ROOT / "generated").glob("*/manifest.json"):
-        (tmp_path / "generated" / manifest.parent.name).mkdir(parents=True)
-        shutil.copy(manifest, tmp_path / "generated" / manifest.parent.name)
+    for scene in (ROOT / "scenes").glob("*.toml"):
+        (tmp_path / "generated" / scene.stem).mkdir(parents=True)
+        shutil.copy(ROOT / "generated" / scene.stem / "manifest.json", tmp_path / "generated" / scene.stem)
     monkeypatch.chdir(tmp_path)
     git("init", "--quiet")
     git("add", ".")
+    git("add", "--force", "generated")
     return tmp_path
 
 
@@ -37,8 +38,14 @@ def git(*arguments: str) -> str:
 @pytest.mark.skipif(shutil.which("git") is None, reason="needs git")
 def test_builds_of_a_shipped_scene_leave_the_tree_clean(modelgen: Modelgen, clone: Path) -> None:
     assert git("ls-files").count("manifest.json") == len(list((clone / "scenes").glob("*.toml")))
-    for more in ((), ("--real", "float"), ("--form", "implicit")):
-        answer = modelgen("build", EGG, *more, "--json")
+    shutil.copy(EGG, "scenes/my_egg_tuned.toml")
+    for source, *more in (
+        (EGG,),
+        (EGG, "--real", "float"),
+        (EGG, "--form", "implicit"),
+        ("scenes/my_egg_tuned.toml",),
+    ):
+        answer = modelgen("build", source, *more, "--json")
         assert Path(answer.json["library"]).is_relative_to(clone / "generated")
     assert git("diff", "--name-only") == ""
     assert git("ls-files", "--others", "--exclude-standard") == ""
