@@ -15,8 +15,9 @@ from modelgen.report.frames import draw_frames, frame_samples
 from modelgen.report.record import Array, Record
 
 FORMATS = (".png", ".svg")
-CURVES = 4  # contacts whose curves are drawn
+CURVES = 4  # contacts whose curves are drawn, and faces whose pressure is
 POINT = 1e-6  # half the box around a curve that is a point
+NOISE = 1e-9  # a range so small, against the values in it, is rounding, and not spread over a panel
 ENTRIES = 8  # lines that a legend names
 RESIDUAL: dict[str, Any] = {"linewidth": 0.8, "color": "tab:red", "alpha": 0.7}
 
@@ -41,12 +42,13 @@ def draw(record: Record, path: str | Path, frames: int = 0) -> None:
     path = Path(path)
     check_suffix(path, FORMATS)
     figure_class = require_matplotlib()
-    shaped = [k for k in _contacts(record) if k < len(record.pairs)]
-    curves = shaped[:CURVES] if len(record.columns["t"]) else []
+    curves = _curves(record)[: 2 * CURVES]
     panels = _panels(record)
+    if frames and not record.meshes:
+        raise ModelgenError("frames", "no body of this run has a shape to draw", "", "leave the frames out")
     shown = frame_samples(record, frames) if frames and len(record.columns["t"]) and record.meshes else []
     above, rows = -(-len(shown) // 2), -(-len(panels) // 2)
-    heights = [1.7] * above + [1.0] * rows + [1.7] * len(curves)
+    heights = [1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // 2)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
@@ -55,16 +57,16 @@ def draw(record: Record, path: str | Path, frames: int = 0) -> None:
     draw_frames(record, shown, places)
     for k, panel in enumerate(panels):
         panel(record, figure.add_subplot(grid[above + k // 2, k % 2]))
-    for row, contact in enumerate(curves, start=above + rows):
-        for column, side in enumerate("of"):
-            _curve(record, contact, side, figure.add_subplot(grid[row, column], projection="3d"))
+    for k, (contact, side) in enumerate(curves):
+        place = grid[above + rows + k // 2, k % 2]
+        _curve(record, contact, side, figure.add_subplot(place, projection="3d"))
     figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
 def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
     """What is drawn over time, two a row; force and gap where there are contacts, friction and slip
     where there is any, likewise of joints."""
-    contacts = (_force, _gap) if record.contact_names else ()
+    contacts = (_force, _gap) if _contacts(record) else (_force,) if record.contact_names else ()
     grips = (_friction, _slip) if record.has_friction else ()
     joints = (_joint_force, _coordinates) if record.joint_names else ()
     over_time = (_position, _velocity, _rotation, *contacts, *grips, *joints, _energy)
@@ -96,19 +98,43 @@ def _pressure(record: Record, axes: Any, patch: int) -> None:
 
 
 def _contacts(record: Record) -> list[int]:
-    """The contacts that ever carried a force or an impact; all if none did."""
+    """The contacts that ever carried a force or an impact; all if none did and no face rested on another."""
     loaded = np.atleast_1d(record.columns["force"].any(axis=0))
     struck = {event["contact"] for event in record.summary["events"] if event["kind"] == "impact"}
     found = [k for k, name in enumerate(record.contact_names) if loaded[k] or name in struck]
-    return found or list(range(len(record.contact_names)))
+    return found or ([] if record.rested else list(range(len(record.contact_names))))
+
+
+def _curves(record: Record) -> list[tuple[int, str]]:
+    """Those of them with each side, o or f, that has a surface to show or whose point moved on its body."""
+    found = [k for k in _contacts(record) if k < len(record.pairs)] if len(record.columns["t"]) else []
+    return [(k, side) for k in found for side in "of" if _is_more_than_a_point(record, k, side)]
+
+
+def _is_more_than_a_point(record: Record, contact: int, side: str) -> bool:
+    mesh = record.meshes.get(f"{contact}_{side}", np.zeros((0, 3)))
+    return max(_extent(mesh.reshape(-1, 3)), _extent(record.contact_curve(contact, side))) > POINT
+
+
+def _extent(curve: Array) -> float:
+    known = curve[np.isfinite(curve).all(axis=1)]
+    return float(np.ptp(known, axis=0).max()) if len(known) else 0.0
 
 
 def _finish(axes: Any) -> None:
     axes.set_xlabel("t [s]")
     axes.grid(alpha=0.3)
+    low, high = axes.get_ylim()
+    size = max(abs(low), abs(high))
+    if high - low < NOISE * max(size, NOISE):
+        middle, half = (low + high) / 2, 0.1 * size if size > NOISE else NOISE
+        axes.set_ylim(middle - half, middle + half)
     handles, labels = axes.get_legend_handles_labels()
+    if len(handles) > ENTRIES:
+        more = axes.plot([], [], " ", label=f"and {len(handles) - ENTRIES + 1} more")
+        handles, labels = [*handles[: ENTRIES - 1], *more], [*labels[: ENTRIES - 1], more[0].get_label()]
     if handles:
-        axes.legend(handles[:ENTRIES], labels[:ENTRIES], fontsize="x-small", loc="best")
+        axes.legend(handles, labels, fontsize="x-small", loc="best")
 
 
 def _components(record: Record, axes: Any, column: str, symbol: str) -> None:

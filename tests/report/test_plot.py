@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen.errors import ModelgenError
-from modelgen.report.plot import draw, require_matplotlib
+from modelgen.report.plot import _finish, draw, require_matplotlib
 from modelgen.report.record import Record
 
 from .runs import ball_on_table
@@ -28,7 +28,9 @@ def comments(record: Record, path: Path) -> set[str]:
 
 
 def test_svg_has_motion_forces_gap_energy_and_both_curves(tmp_path: Path) -> None:
-    texts = comments(ball_on_table(), tmp_path / "run.svg")
+    record = ball_on_table()
+    shown = replace(record, meshes={**record.meshes, "0_f": record.meshes["0_o"]})
+    texts = comments(shown, tmp_path / "run.svg")
     assert {"normal contact force", "gap", "position of the centre of mass", "ring: done at t = 2 s"} <= texts
     assert {"ball-table: contact curve on table", "ball-table: contact curve on ball"} <= texts
     assert any(text.startswith("energy") for text in texts)
@@ -40,6 +42,33 @@ def test_friction_and_slip_are_drawn_where_there_are_any(tmp_path: Path) -> None
     assert not {"friction force", "slip"} & comments(record, tmp_path / "run.svg")
     record.columns["slip"][:5, 0, 1] = 0.3
     assert {"friction force", "slip"} <= comments(record, tmp_path / "run.svg")
+
+
+def test_a_point_that_stays_on_its_body_is_not_drawn_as_a_curve(tmp_path: Path) -> None:
+    texts = comments(ball_on_table(), tmp_path / "run.svg")
+    assert "ball-table: contact curve on table" in texts
+    assert "ball-table: contact curve on ball" not in texts
+
+
+def test_frames_of_a_run_without_shapes_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ModelgenError, match="no body of this run has a shape"):
+        draw(replace(ball_on_table(), meshes={}), tmp_path / "run.png", frames=2)
+
+
+def test_a_legend_tells_how_many_lines_it_leaves_out() -> None:
+    axes = require_matplotlib()().add_subplot()
+    for k in range(12):
+        axes.plot([0, 1], [k, k], label=str(k))
+    _finish(axes)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [*"0123456", "and 5 more"]
+
+
+def test_rounding_is_not_spread_over_a_panel() -> None:
+    axes = require_matplotlib()().add_subplot()
+    axes.plot([0, 1], [0.02, 0.02 + 1e-15])
+    _finish(axes)
+    low, high = axes.get_ylim()
+    assert low < 0.019 < 0.021 < high
 
 
 def test_png_is_a_picture(tmp_path: Path) -> None:
