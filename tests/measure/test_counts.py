@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from modelgen import read
 from modelgen.measure.counts import instructions, why_not_counted
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import driver_text
 from modelgen.runtime.simulate import simulate
-from tests.running import scene_of
+from tests.running import SCENES, library_of, scene_of
 
 UNTIL = 0.05
 END = """
@@ -26,7 +28,10 @@ int main(void) {
 
 
 def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
-    library = scene_of("ellipsoid_on_plane")
+    alone = replace(
+        read(SCENES / "ellipsoid_on_plane.toml"), name="alone"
+    )  # no other form is built in its folder
+    library = library_of(alone)
     text = driver_text(library, Accuracy.balanced(), UNTIL)
     (tmp_path / "run.c").write_text(text.replace("int main(void)", "int run(void)") + END)
     model, folder = library.path.parent / "model.c", library.path.parent
