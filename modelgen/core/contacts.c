@@ -35,9 +35,9 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const mg_real lost = c->set->flat * c->set->flat;
   const int patch = c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
-  if (patch < 0) return 0;
-  const int link = mg_rim_link(c, patch, c->run->link[contact]), kind = s->link_kind[link];
-  const int n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
+  const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
+  if (link < 0) return 0;
+  const int kind = s->link_kind[link], n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
   mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
   mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);

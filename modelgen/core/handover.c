@@ -3,7 +3,7 @@
 
 /* Follows again what a patch covered: contacts that are found on its links stand open at their places; if `flat`, on links
    for faces that lie flat as well. */
-static void mg_uncover(mg_context *c, int patch, int flat, mg_founds *found) {
+static void mg_uncover_links(mg_context *c, int patch, int flat, mg_founds *found) {
   const mg_system *s = c->sys;
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
@@ -18,6 +18,11 @@ static void mg_uncover(mg_context *c, int patch, int flat, mg_founds *found) {
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
   }
+}
+
+/* With friction the faces are taken to lie flat yet: then what has friction is on points of them. */
+static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
+  mg_uncover_links(c, patch, mg_has_rubbing(c, patch), found);
 }
 
 /* The contact of what a patch covers at a point of the world, or -1. */
@@ -157,7 +162,7 @@ static void mg_turn_over(mg_context *c, int slot) {
   if (!rubs && mg_turn_on_edge(c, slot, &brink, world, outward)) return;
   const int on_points = rubs && brink.n == 2 && (mg_is_curved(c, brink.at) || mg_is_curved(c, brink.at + 1));
   mg_drop_patch(c, slot);
-  mg_uncover(c, patch, rubs && (on_points || !mg_is_curved(c, brink.at)), &found);
+  mg_uncover_links(c, patch, rubs && (on_points || !mg_is_curved(c, brink.at)), &found);
   if (on_points) {
     mg_close_covered(c, patch);
     return;
@@ -181,7 +186,7 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
     if (patch < 0 || c->trying[slot] || fabs(mg_resultant(c, slot, impulse, centre)) <= floor) continue;
     if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
     mg_drop_patch(c, slot);
-    mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
+    mg_uncover(c, patch, &found);
     mg_close_covered(c, patch);
     mg_refresh(c);
     count++;
@@ -199,7 +204,7 @@ static int mg_stand_on_points(mg_context *c) {
     const int patch = mg_patch_in(c, slot);
     if (patch < 0 || !mg_has_rubbing(c, patch)) continue;
     mg_drop_patch(c, slot);
-    mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
+    mg_uncover(c, patch, &found);
     mg_close_covered(c, patch);
     count++;
   }
@@ -219,7 +224,7 @@ static int mg_end_patches(mg_context *c, mg_events *events) {
     c->barred[slot] = cause == MG_SETTLES ? -1 : patch;
     if (cause == MG_TURNS) mg_turn_over(c, slot);
     else if (cause == MG_ROLLS_OFF || cause == MG_YIELDS) mg_leave_edge(c, slot, events);
-    else mg_drop_patch(c, slot), mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
+    else mg_drop_patch(c, slot), mg_uncover(c, patch, &found);
     mg_search_around(c, patch);
     count++;
   }

@@ -84,7 +84,7 @@ static void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
   for (int end = 0; end < 2; end++) mg_pad_point(c, pad + end, ends[end]);
   for (int k = 0; k < 3; k++) middle[k] = (ends[0][k] + ends[1][k]) / 2;
   mg_drop_patch(c, slot);
-  mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
+  mg_uncover(c, patch, &found);
   for (int end = 0; end < 1 + hinged; end++)
     mg_take_over(c, patch, hinged ? ends[end] : middle, events);
 }

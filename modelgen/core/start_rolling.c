@@ -196,10 +196,7 @@ static mg_real mg_rounding(const mg_context *c, mg_real h) {
 /* The stages on the polynomial of a longer step, found before, of which the step is a share. */
 static int mg_reuse_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_real share) {
   mg_real change;
-  for (int stage = 0; stage < MG_RADAU; stage++)
-    mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share);
+  mg_share_stages(c, x, share);
   mg_note_all_rates(c, t, h);
   return mg_sweep(c, t, x, h, 0, &change) && mg_find_stiffness(c, t, h);
 }

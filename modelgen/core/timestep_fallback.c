@@ -48,7 +48,7 @@ static void mg_release_patches(mg_context *c) {
     const int patch = mg_patch_in(c, slot);
     if (patch < 0) continue;
     mg_drop_patch(c, slot);
-    mg_uncover(c, patch, mg_has_rubbing(c, patch), &found);
+    mg_uncover(c, patch, &found);
   }
 }
 
