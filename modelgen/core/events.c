@@ -1,6 +1,8 @@
 /* Which event functions have fired at a state, and when the first of them fires within a step. */
 #include "core.h"
 
+#define MG_CORRECTIONS 8 /* of the time of an event at most */
+
 static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
@@ -53,6 +55,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
 
 static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->x_stage);
+  mg_normalise(c, c->x_stage);
   mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
   mg_gap_rates(c);
   return mg_fired(c, c->x_stage);
@@ -107,18 +110,20 @@ static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
   mg_finish_step(c, c->run->t, h);
 }
 
-/* The event found on the interpolant, its time corrected by the slope of the event function as far as the interpolant may
-   err. Where corrections do not shrink, as at a jump of the loads, the event is where it was found. */
+/* The event found on the interpolant, its time corrected by the slope of the event function, which is that of the last two
+   steps once they differ. Where corrections do not shrink, fast beyond what the interpolant may err, as at a jump of the
+   loads, the event is where it was found. */
 static mg_real mg_event_step(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried, int collocated) {
   const mg_real found = h, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
-  mg_real moved = 0, first = 0;
+  mg_real moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
   for (int round = 1;; round++) {
     mg_go_to(c, h, tried, collocated);
-    const mg_real change = slope != 0 ? -mg_event_value(c, contact, cause, c->x_next) / slope : 0;
-    moved += change;
+    const mg_real value = mg_event_value(c, contact, cause, c->x_next), before = fabs(change);
+    if (round > 1 && fabs(value) < fabs(old) / 2) slope = (value - old) / change;
+    change = slope != 0 ? -value / slope : 0, old = value, moved += change;
     if (round == 1) first = fabs(change);
-    if (round > 1 && fabs(change) > first) break;
-    if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
+    else if (fabs(change) > (fabs(moved) > reach ? before / 4 : first)) break;
+    if (fabs(change) <= close || round == MG_CORRECTIONS) return h;
     if (h + change <= 0 || h + change > tried) return h;
     h += change;
   }

@@ -17,8 +17,9 @@ static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h
   return 0;
 }
 
-/* The slope, forces and gaps at the end of the step. */
+/* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
+  mg_normalise(c, c->x_next);
   mg_rhs(c, t + h, c->x_next, c->K + mg_end_row(c) * c->n_x);
   mg_gap_rates(c);
 }
