@@ -105,8 +105,9 @@ static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, 
 
 /* The state at the end of a step h within the one that was tried: by its polynomial, or by a step of its own. */
 static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
+  c->suspect = 1;
   if (collocated) mg_interpolate(c, c->run->x, h / tried, c->x_next);
-  else mg_try_step(c, c->run->t, c->run->x, h);
+  else mg_take_step(c, c->run->t, c->run->x, h);
   mg_finish_step(c, c->run->t, h);
 }
 

@@ -22,16 +22,6 @@
 
 enum { MG_HELD = 1, MG_STIFF = 2 }; /* how stages are looked at: with the lean as before; for the stiffness as well */
 
-/* The rates of q in a slope, of the velocities that the stage really has. */
-static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
-  mg_real *x = c->x_stage, *real = c->K + (2 + 2 * MG_RADAU) * c->n_x;
-  const int n_q = c->sys->n_q;
-  for (int i = n_q; i < n_q + c->sys->n_u; i++) x[i] = mg_stage_state(c, stage)[i];
-  mg_poses(c, t, x);
-  mg_accelerations(c, t, x, real);
-  for (int i = 0; i < n_q; i++) slope[i] = real[i];
-}
-
 /* The state at a stage, with quaternions of unit length, to c->x_stage. */
 static void mg_take_stage(mg_context *c, int stage) {
   for (int i = 0; i < c->n_x; i++) c->x_stage[i] = mg_stage_state(c, stage)[i];
@@ -75,23 +65,31 @@ static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int 
   }
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
   mg_slope(c, t, x, slope);
-  mg_follow(c, t, stage, slope);
   return 1;
 }
 
-/* Of the lean of fresh contacts at a stage, at the present poses and velocities. */
-static void mg_note_rates(mg_context *c, int stage) {
+/* Of the lean of fresh contacts at the state of a stage. */
+static void mg_note_rates(mg_context *c, mg_real t, int stage) {
+  mg_take_stage(c, stage);
+  mg_poses(c, t, c->x_stage);
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->fresh[i] == MG_FRESH) mg_note_rate(c, i, stage);
 }
 
-/* The same at the states of all stages. */
 static void mg_note_all_rates(mg_context *c, mg_real t, mg_real h) {
+  for (int stage = 0; stage < MG_RADAU; stage++) mg_note_rates(c, t + mg_stage_time(stage) * h, stage);
+}
+
+/* The poses by the velocities of the stages, and the rates of the leans. Returns by how much they changed. */
+static mg_real mg_follow(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  mg_real *rate = c->K + (1 + 2 * MG_RADAU) * c->n_x;
   for (int stage = 0; stage < MG_RADAU; stage++) {
-    mg_take_stage(c, stage);
-    mg_poses(c, t + mg_stage_time(stage) * h, c->x_stage);
-    mg_note_rates(c, stage);
+    const mg_real time = t + mg_stage_time(stage) * h;
+    mg_note_rates(c, time, stage);
+    mg_accelerations(c, time, c->x_stage, rate);
+    for (int i = 0; i < c->sys->n_q; i++) mg_stage_slope(c, stage)[i] = rate[i];
   }
+  return mg_collect(c, x, h, 0, c->sys->n_q);
 }
 
 /* d(acceleration of the lean across its azimuth) / d(azimuth) at a stage, by a difference from the slope just found. */
@@ -111,24 +109,25 @@ static int mg_find_stiffness(mg_context *c, mg_real t, int stage, mg_real h) {
   return 1;
 }
 
-/* The slope at a stage, the rates of the leans there and eta of fresh contacts, which is settled, not integrated. */
+/* The slope at a stage, and eta of fresh contacts, which is settled, not integrated. */
 static int mg_look_at_stage(mg_context *c, mg_real t, int stage, mg_real h, int how) {
   const int first = c->sys->n_q + c->sys->n_u;
   if (!mg_slope_leaning(c, t, stage, h, how & MG_HELD, 0, mg_stage_slope(c, stage))) return 0;
   mg_watch(c);
-  mg_note_rates(c, stage);
   for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
   return !(how & MG_STIFF) || mg_find_stiffness(c, t, stage, h);
 }
 
-/* Once round: the slopes at the stages, then the states by them. */
+/* Once round: the slopes at the stages, the velocities by them, and the poses by these. */
 static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int how, mg_real *change) {
   const mg_system *s = c->sys;
   const int first = s->n_q + s->n_u;
   c->suspect = 0;
   for (int stage = 0; stage < MG_RADAU; stage++)
     if (!mg_look_at_stage(c, t + mg_stage_time(stage) * h, stage, h, how)) return 0;
-  *change = mg_collect(c, x, h, 0, first);
+  *change = mg_collect(c, x, h, s->n_q, first);
+  const mg_real moved = mg_follow(c, t, x, h);
+  if (!(moved <= *change)) *change = moved;
   for (int i = 0; i < s->n_contact; i++) {
     if (c->run->fresh[i] == MG_FRESH) continue;
     const int from = first + s->contact_eta[i];
@@ -160,16 +159,15 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   return most;
 }
 
-/* Newton's step for the azimuths, and substitutions, by which the poses follow. Returns the largest change of the last,
-   and of the velocities by the azimuths; NAN where it fails. */
+/* Newton's step for the azimuths, and a substitution. Returns the largest change of it, and of the velocities by the
+   azimuths; NAN where it fails. */
 static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int how) {
   mg_real most = 0, change = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
     if (!(effect <= most)) most = effect;
   }
-  for (int sweep = 0; sweep < 2; sweep++)
-    if (!mg_sweep(c, t, x, h, how, &change)) return (mg_real)NAN;
+  if (!mg_sweep(c, t, x, h, how, &change)) return (mg_real)NAN;
   return most <= change ? change : most;
 }
 

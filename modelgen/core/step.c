@@ -4,8 +4,7 @@
 static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
 
 /* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
-static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  c->suspect = 0;
+static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
   if (c->sys->n_grip && mg_starts_slipping(c)) {
     const mg_real error = mg_start_slipping(c, t, x, h), least = c->sys->time * sqrt(c->set->tolerance);
@@ -15,6 +14,12 @@ static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h
   if (c->set->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
   return 0;
+}
+
+/* The same, watching for events. */
+static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  c->suspect = 0;
+  return mg_take_step(c, t, x, h);
 }
 
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
