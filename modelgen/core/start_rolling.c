@@ -37,9 +37,12 @@ static int mg_lean_stage(mg_context *c, mg_real t, int stage, mg_real h, int hel
     for (int i = 0; i < c->sys->n_contact; i++) {
       if (c->run->fresh[i] != MG_FRESH) continue;
       mg_onset *onset = c->onset + i;
-      const mg_lean known = mg_lean_of_stage(c, i, stage, h, onset->azimuth[stage] + turned);
       const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-      if (!twice && !held) onset->tilt[stage] = mg_dot3(known.along, known.lean) + noise;
+      mg_real lean[3];
+      if (!twice && !held) {
+        mg_lean_of_stage(c, i, stage, h, lean);
+        onset->tilt[stage] = mg_dot3(at.along, lean) + noise;
+      }
       if (!(onset->tilt[stage] > 0)) return 0;
       mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
     }
@@ -141,12 +144,12 @@ static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int how, mg
 /* Newton's step for the azimuths of one contact; returns what it changes of the velocities, against their scale. */
 static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   mg_onset *onset = c->onset + contact;
-  mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], most = 0;
+  mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], lean[3], most = 0;
   for (int row = 0; row < MG_RADAU; row++) {
     mg_take_stage(c, row);
     mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
-    const mg_lean at = mg_lean_of_stage(c, contact, row, h, onset->azimuth[row]);
-    change[row] = -mg_dot3(at.across, at.lean);
+    mg_lean_of_stage(c, contact, row, h, lean);
+    change[row] = -mg_dot3(mg_lean_at(c, contact, onset->azimuth[row]).across, lean);
     for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
     matrix[row][row] -= onset->tilt[row];
   }
