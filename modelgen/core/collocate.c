@@ -100,7 +100,8 @@ static void mg_collocated(mg_context *c, const mg_real *x) {
   }
 }
 
-/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its polynomial. */
+/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
+   polynomial. */
 static void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));

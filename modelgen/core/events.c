@@ -101,10 +101,10 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 /* The first of what has fired at theta, its function there and the rate of that; 0 if nothing has. Needs the state there, and
    leaves another. */
 static int mg_tell_event(mg_context *c, mg_real h, mg_real theta, mg_crossing *event) {
-  const int contact = event->contact = mg_first_event(c), grip = mg_is_grip(c, contact);
+  const int contact = mg_first_event(c), grip = mg_is_grip(c, contact);
   if (contact < 0) return 0;
-  const int cause = event->cause = !grip && c->fired[contact] >= MG_WALKS ? c->fired[contact] : 0, way = grip ? 0 : c->way[contact];
-  event->slope = 0;
+  const int way = grip ? 0 : c->way[contact], cause = !grip && c->fired[contact] >= MG_WALKS ? c->fired[contact] : 0;
+  event->contact = contact, event->cause = cause, event->slope = 0;
   if (!grip && mg_held(c, contact) && !cause) return 1;
   event->value = mg_event_value(c, contact, cause, c->x_stage), event->slope = grip ? 0 : c->d_dot[contact];
   if (!grip && !c->run->closed[contact] && !cause) return 1;
@@ -126,7 +126,7 @@ static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
 /* The event found on the interpolant, its time corrected by the slope of the event function, which is that of the last two
    steps once they differ. Where corrections do not shrink, fast beyond what the interpolant may err, as at a jump of the
    loads, the event is where it was found. */
-static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real found, mg_real tried, int collocated) {
+static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, int collocated) {
   const mg_real close = c->set->event * c->sys->time, reach = tried * c->set->polish, noise = tried * (mg_real)MG_NEARLY;
   mg_real h = event.start, moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
   for (int round = 1;; round++) {
@@ -143,14 +143,14 @@ static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real found, mg
     mg_go_to(c, h, tried, collocated);
     return h;
   }
-  mg_go_to(c, found, tried, collocated);
-  return found;
+  mg_go_to(c, event.start, tried, collocated);
+  return event.start;
 }
 
-/* Steps again to an event found at a time of the step. */
-static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real found, mg_real tried) {
+/* Steps again to an event. */
+static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried) {
   const int collocated = mg_starts_rolling(c) || mg_starts_slipping(c);
-  const mg_real h = mg_event_step(c, *event, found, tried, collocated);
+  const mg_real h = mg_event_step(c, *event, tried, collocated);
   if (collocated) mg_end_earlier(c, c->run->x, h / tried);
   return h;
 }
@@ -175,8 +175,8 @@ static mg_real mg_dip(mg_context *c, int contact, mg_real h) {
   return 0;
 }
 
-/* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many have
-   there. */
+/* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many
+   have there. */
 static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_real width) {
   for (int j = 0; j < 60 && *high - *low > width; j++) {
     const mg_real middle = (*low + *high) / 2;
@@ -212,5 +212,5 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
     event.start = high * h;
   }
   mg_fired_at(c, h, high);
-  return mg_polish(c, &event, high * h, h);
+  return mg_polish(c, &event, h);
 }
