@@ -20,13 +20,14 @@ _EVENT = record(
         "features": entry("string", "that touch after the event, where the shapes have several"),
     },
 )
+_UNKNOWN = "nulls where `observe` leaves the turning out"
 _STATE = record(
     "a body at t_end, world axes",
     {
         "p": numbers(3, "centre of mass, m"),
-        "quaternion": numbers(4, "orientation of the body axes (w, x, y, z), unit"),
+        "quaternion": numbers(4, f"orientation of the body axes (w, x, y, z), unit; {_UNKNOWN}"),
         "v": numbers(3, "velocity of the centre of mass, m/s"),
-        "w": numbers(3, "angular velocity, rad/s"),
+        "w": numbers(3, f"angular velocity, rad/s; {_UNKNOWN}"),
     },
 )
 _JOINT = record(
