@@ -7,6 +7,7 @@ without slip, and K need not be symmetric.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from modelgen.model import Model, Scales
 from modelgen.report.forces import Friction, resting_forces
 from modelgen.report.held import Array
 from modelgen.report.small_motions import Mode, small_motions
-from modelgen.report.touching import DEPENDENT, Place, Touching
+from modelgen.report.touching import DEPENDENT, NoPlaceError, Place, Touching
 
 STEPS = 100  # of Newton's method towards the equilibrium
 FARTHEST = 0.2  # of one step, rad or characteristic lengths
@@ -97,20 +98,28 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
 
 def equilibrium(touching: Touching) -> Place:
     """The place at rest near the start. Raises SimulationError if there is none."""
-    scales = touching.model.scales
-    place = touching.at(np.array(touching.model.initial_q), tuple(each.eta for each in touching.contacts))
-    for _ in range(STEPS):
-        if _unrest(place, scales) < AT_REST:
-            if touching.stands(place.q):
-                return place
-            break
-        place = _nearer(place, touching)
+    try:
+        place = _sought(touching)
+    except NoPlaceError:
+        place = None
+    if place is not None and touching.stands(place.q):
+        return place
     raise SimulationError(
         f"{touching.model.scene.name}: linearise",
         "no equilibrium near the start",
         "the contacts that touch at the start, loads and gravity must hold all bodies at rest",
         "start near a state of rest",
     )
+
+
+def _sought(touching: Touching) -> Place | None:
+    """Where Newton's method ends; None where it does not."""
+    place = touching.at(np.array(touching.model.initial_q), tuple(each.eta for each in touching.contacts))
+    for _ in range(STEPS):
+        if _unrest(place, touching.model.scales) < AT_REST:
+            return place
+        place = _nearer(place, touching)
+    return None
 
 
 def _unrest(place: Place, scales: Scales) -> float:
@@ -128,15 +137,23 @@ def _nearer(place: Place, touching: Touching) -> Place:
     along = unit * _eased(K * square, place.push * square / unit)
     size = np.abs(Z @ along).max(initial=0.0)
     along *= min(1.0, FARTHEST / size if size else 1.0)
-    turn = touching.turning(place.q)
     for _ in range(HALVINGS):
-        found = touching.at(_moved(place, Z @ along - back, touching.model), place.etas)
-        seen = touching.turning(found.q).T @ found.motions @ found.push
-        missed = turn @ seen - Z @ (place.push - K @ along)
-        if missed @ place.mass @ missed <= (MISSED**2) * (place.push @ place.push):
-            break
+        q = _moved(place, Z @ along - back, touching.model)
+        with suppress(NoPlaceError):
+            found = touching.at(q, place.etas)
+            if _missed(found, Z @ (place.push - K @ along), place, touching) <= MISSED:
+                return found
         along = along / 2
-    return found
+    return touching.at(q, place.etas)
+
+
+def _missed(found: Place, expected: Array, place: Place, touching: Touching) -> float:
+    """How far what drives the place found is from what was expected to (n,), over what drives the place
+    before; as the bodies see it."""
+    driven = touching.turning(found.q).T @ found.motions @ found.push
+    missed = touching.turning(place.q) @ driven - expected
+    size = float(np.linalg.norm(place.push))
+    return float(np.sqrt(missed @ place.mass @ missed)) / size if size else 0.0
 
 
 def _moved(place: Place, step: Array, model: Model) -> Array:

@@ -36,6 +36,10 @@ from modelgen.scene.types import Restitution
 DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
 
 
+class NoPlaceError(ArithmeticError):
+    """A contact has no point there, or a load no value."""
+
+
 @dataclass(frozen=True)
 class Place:
     """The motion linearised at one place; coordinates: of each body v in world, then w in body axes."""
@@ -99,7 +103,10 @@ class Touching:
         return list(np.cumsum([0, *(contact.rows for contact in self.contacts)])[:-1])
 
     def at(self, q: Array, etas: tuple[Array, ...]) -> Place:
-        """The place q with the contact points brought onto their extrema from `etas`."""
+        """The place q with the contact points brought onto their extrema from `etas`.
+
+        Raises NoPlaceError where they have none.
+        """
         found = [
             contact.settled(self._sides(contact.link, q), eta)
             for contact, eta in zip(self.contacts, etas, strict=True)
@@ -111,6 +118,8 @@ class Touching:
         gaps[self.first] = [gap for _, gap in found]
         eta = np.concatenate([*etas, np.zeros(0)])
         free = np.array(self.motion(q, still, eta, force)[3]).ravel()
+        if not (np.isfinite(rows).all() and np.isfinite(free).all()):
+            raise NoPlaceError
         wanted = -self.root.T @ self.mass @ free
         force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
         B, C, D = (np.array(each) for each in self.motion(q, still, eta, force)[:3])
@@ -216,7 +225,7 @@ def _refuse(model: Model) -> None:
             found, allowed = f"body {body.name!r} is driven", "fixed and dynamic bodies have an equilibrium"
             raise SimulationError(where, found, allowed, "make it fixed")
     for joint in model.joints:
-        found, allowed = f"joint {joint.name!r}", "bodies that contacts, springs and other loads hold"
+        found, allowed = f"there is a joint, {joint.name!r}", "bodies that contacts and loads alone hold"
         raise SimulationError(where, found, allowed, "leave it out, or run the scene from a small push")
 
 

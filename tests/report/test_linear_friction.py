@@ -126,6 +126,20 @@ def test_a_run_along_a_mode_stays_on_it(scene: Scene) -> None:
         assert np.abs(path.p[:, index] - found.p["stone"] - swing).max() < 1e-4 * size
 
 
+@pytest.mark.slow
+def test_a_rod_on_two_balls_swings_in_a_trough_as_one_roller() -> None:
+    """w^2 = g/((R - r)(1 + I/(m r^2))); along itself the rod is held twice, which changes no motion."""
+    r, R, m, inertia = 0.05, 0.3, 1.3, 0.002
+    ends = [make.sphere(r, name=name, position=[0, y, 0]) for name, y in (("a", 0.1), ("b", -0.1))]
+    across = {"axis": [1.0, 0.0, 0.0], "angle": np.pi / 2}
+    trough = make.fixed("trough", make.cylinder(R, cavity=True, axis_angle=across))
+    rod = make.dynamic("rod", *ends, mass=m, inertia=[0.01, inertia, 0.01], position=[0, 0, r - R])
+    pairs = [{"between": [f"rod/{end}", "trough"], "friction": 0.5} for end in "ab"]
+    found = linear(make.scene("trough", [trough, rod], contact=pairs))
+    assert found.redundant == 1
+    assert found.frequencies == pytest.approx([np.sqrt(G / ((R - r) * (1 + inertia / (m * r * r))))])
+
+
 def test_a_stone_that_leans_on_its_friction_has_a_stiffness_without_symmetry() -> None:
     """Its centre of mass is above its foot along gravity, which friction and N balance."""
     found = linear(LEANING)
@@ -169,6 +183,13 @@ def test_a_stone_on_a_slope_that_is_too_smooth_is_refused_with_what_it_lacks() -
     with pytest.raises(SimulationError, match=r"stone-table.*would slip") as refused:
         linear(scene)
     assert f"takes {np.tan(0.05) / 0.02:.6g} times its static friction" in str(refused.value)
+
+
+def test_a_stone_without_rest_is_refused() -> None:
+    """No point of a ball can stand above its foot along gravity on a slope."""
+    scene = on(TABLE, stone((0.1, 0.1, 0.1), (0, 0, -1e-3)), slope(0.2))
+    with pytest.raises(SimulationError, match="no equilibrium near the start"):
+        linear(scene)
 
 
 def test_slip_at_the_start_is_refused() -> None:
