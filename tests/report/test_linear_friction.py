@@ -178,6 +178,20 @@ def test_many_random_stones_have_the_eigenvalues_of_the_compiled_equations(seed:
     assert_as_differenced(random_stone(seed, curved=seed % 2 == 1))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("damping", [0.3, 2.0, 40.0])
+def test_a_damped_stone_that_leans_has_the_eigenvalues_of_the_compiled_equations(damping: float) -> None:
+    spring = {
+        "between": ["post", "stone"], "anchors": [[0, 0, 0], [0.01, 0.02, 0.03]], "stiffness": 3.0,
+        "damping": damping, "rest_length": 0.3,
+    }  # fmt: skip
+    post = make.fixed("post", make.sphere(0.01), position=[0.1, 0.2, 0.5])
+    contact = [{"between": ["stone", "table"], "friction": 9.0}]
+    bodies = [*LEANING.bodies, post]
+    scene = make.scene("damped", bodies, contact=contact, gravity=[-1.3, 0.9, -G], spring=[spring])
+    assert any(mode.growth for mode in assert_as_differenced(scene).modes)
+
+
 def test_a_stone_on_a_slope_that_is_too_smooth_is_refused_with_what_it_lacks() -> None:
     scene = on(TABLE, stone(AXES, (0, 0, -0.03), INERTIA), slope(0.05), friction=0.02)
     with pytest.raises(SimulationError, match=r"stone-table.*would slip") as refused:
