@@ -117,7 +117,7 @@ static int mg_walk_all(mg_context *c, mg_events *events) {
     if (cause != MG_WALKS && cause != MG_TIPS) continue;
     c->fired[i] = 0;
     if (cause == MG_WALKS) mg_walk(c, events, i);
-    else c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    else c->upright[i] = MG_TIPS, c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
     count += cause == MG_WALKS;
   }
   return count;
