@@ -155,7 +155,8 @@ static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
   if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
   const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
-  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear);
+  const int flat = mg_is_for_leaning(c, found->link); /* its margin is small near flat, not near a fold */
+  return found->margin >= (own || flat ? c->set->margin_refuse : c->set->margin_appear);
 }
 
 /* The link has a contact of its own, which is on it. */
@@ -250,7 +251,7 @@ static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_speed(c, pair);
     if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->set->search * s->length) continue;
-    c->run->moved[pair] = 0;
+    c->run->moved[pair] = mg_pair_unfolds(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair(c, events, pair);
   }
   return count;
