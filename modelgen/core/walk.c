@@ -166,6 +166,12 @@ static int mg_is_taken(const mg_context *c, int pair, int link) {
   return 0;
 }
 
+/* What was found touches there already, and as itself is below zero, or ends in a moment. */
+static int mg_is_idle(mg_context *c, const mg_found *found) {
+  if (found->d > c->set->start_gap * c->sys->length || !mg_touches_there(c, found)) return 0;
+  return found->d < -c->set->start_gap * c->sys->length || mg_goes_off(c, found);
+}
+
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
   const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
@@ -175,7 +181,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (!mg_is_taken_up(c, each) || (each->d < -c->set->start_gap * s->length && mg_touches_there(c, each))) continue;
+    if (!mg_is_taken_up(c, each) || mg_is_idle(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
