@@ -111,8 +111,9 @@ def _table(record: Record) -> tuple[list[str], Array]:
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
     for i, body in enumerate(record.body_names):
         for name, axes in vectors:
-            header += [f"{body}.{name}_{axis}" for axis in axes]
-            parts.append(columns[name][:, i])
+            if len(columns["t"]) == 0 or not np.isnan(columns[name][:, i]).all():
+                header += [f"{body}.{name}_{axis}" for axis in axes]
+                parts.append(columns[name][:, i])
     for k, contact in enumerate(record.contact_names):
         header += [f"{contact}.force", f"{contact}.gap"]
         parts += [columns["force"][:, k : k + 1], columns["gap"][:, k : k + 1]]

@@ -48,8 +48,8 @@ def _meshes_by_body(record: Record) -> dict[int, list[Array]]:
 
 
 def _placed(record: Record, body: int, sample: int, grid: Array) -> Array:
-    """A grid of a body in the world at a sample."""
-    w, *axis = record.columns["quaternion"][sample, body]
+    """A grid of a body in the world at a sample; not turned where its turning was left out."""
+    w, *axis = np.nan_to_num(record.columns["quaternion"][sample, body])
     inner = 2.0 * np.cross(axis, grid)
     placed: Array = grid + w * inner + np.cross(axis, inner) + record.columns["p"][sample, body]
     return placed

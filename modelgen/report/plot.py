@@ -141,7 +141,8 @@ def _components(record: Record, axes: Any, column: str, symbol: str) -> None:
     t, values = record.columns["t"], record.columns[column]
     for i in record.moving:
         for k, axis in enumerate("xyz"):
-            axes.plot(t, values[:, i, k], linewidth=1.0, label=f"{record.body_names[i]} {symbol}_{axis}")
+            if not np.isnan(values[:, i, k]).all():
+                axes.plot(t, values[:, i, k], linewidth=1.0, label=f"{record.body_names[i]} {symbol}_{axis}")
 
 
 def _position(record: Record, axes: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Any
 
 from rich.console import Console
@@ -55,7 +56,8 @@ def _print_bodies(final: dict[str, Any], console: Console) -> None:
     noise = {key: NOISE * _largest(final, key) for key in keys}
     for name, state in final.items():
         moves = any(state["v"]) or any(state["w"])
-        parts = [f"{key} ({_vector(state[key], noise[key])})" for key in (keys if moves else keys[:2])]
+        known = [key for key in (keys if moves else keys[:2]) if not isnan(state[key][0])]
+        parts = [f"{key} ({_vector(state[key], noise[key])})" for key in known]
         parts += [] if moves else ["at rest"]
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
 
@@ -70,7 +72,9 @@ def _print_joints(joints: dict[str, Any], length: float, console: Console) -> No
 
 
 def _largest(named: dict[str, Any], key: str) -> float:
-    return max((abs(value) for each in named.values() for value in each[key]), default=0.0)
+    return max(
+        (abs(value) for each in named.values() for value in each[key] if not isnan(value)), default=0.0
+    )
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:

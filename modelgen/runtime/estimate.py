@@ -53,7 +53,8 @@ class Estimate:
         last = self.predicted - 1
         if not np.isfinite(self.position[last]):
             return "; ".join(f"uncertified: {reason}" for reason in self.uncertified)
-        parts = [f"estimated error {self.position[last]:.2g} m, {self.rotation[last]:.2g} rad"]
+        turned = f", {self.rotation[last]:.2g} rad" if self.rotation[last] else ""
+        parts = [f"estimated error {self.position[last]:.2g} m{turned}"]
         if self.horizon is not None:
             parts = [f"beyond predictable horizon ({self.horizon:.6g} s)", f"{parts[0]} up to there"]
         return "; ".join([*parts, *(f"uncertified: {reason}" for reason in self.uncertified)])

@@ -50,12 +50,17 @@ class Recording:
         """The samples taken so far, as the fields of a Trajectory."""
         kept = {name: array[: self.record.count] for name, array in self.arrays.items()}
         rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)
+        turning = {
+            "quaternion": quaternions(rotation),
+            "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
+        }
+        for column in turning.values():
+            column[:, self._unknown_turning()] = np.nan
         return {
             "t": kept["t"],
             "p": kept["pose"][..., :3],
-            "quaternion": quaternions(rotation),
             "v": kept["twist"][..., :3],
-            "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
+            **turning,
             **{name: kept[name] for name in ("eta", "energy", "work", "patch")},
             **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "link")},
             "patch_force": kept["pressure"][..., 0],
@@ -72,6 +77,11 @@ class Recording:
             "contact_torque": kept["torque"][:, : self.session.n_shown],
             "slip": kept["slip"][:, : self.session.n_shown],
         }
+
+    def _unknown_turning(self) -> list[int]:
+        """The bodies that may turn, but whose orientation and spin nobody observes."""
+        sentence = self.session.sentence
+        return [k for k, b in enumerate(sentence["bodies"]) if sentence["observe"] and b["motion"] == "point"]
 
 
 def quaternions(rotation: Array) -> Array:

@@ -85,7 +85,7 @@ class Trajectory:
     scene: str
     t: Array
     p: Array  # (n, nb, 3) m, centre of mass
-    quaternion: Array  # (n, nb, 4), (w, x, y, z)
+    quaternion: Array  # (n, nb, 4), (w, x, y, z); NaN, as w, where `observe` left the turning out
     v: Array  # (n, nb, 3) m/s
     w: Array  # (n, nb, 3) rad/s
     eta: Array  # (n, n_eta) contact parameters

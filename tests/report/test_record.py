@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from modelgen import draw, record_of, simulate
 from modelgen.errors import ModelgenError
 from modelgen.report.export import load, save
 from modelgen.report.record import COLUMNS, rotate_inverse
+from modelgen.scene.build import dynamic, fixed, plane, scene, sphere
+from tests.running import library_of
 
 from .runs import ball_on_table
 
@@ -43,6 +46,24 @@ def test_csv_has_one_exact_row_a_sample(tmp_path: Path) -> None:
         "energy": record.columns["energy"],
     }.items():
         np.testing.assert_array_equal(table[:, header.index(name)], column)
+
+
+def test_turning_that_nobody_observes_is_not_told(tmp_path: Path) -> None:
+    spinning = {"density": 1.0, "position": [0.0, 0.0, 0.1], "angular_velocity": [0.0, 0.0, 3.0]}
+    bodies = [fixed("table", plane()), dynamic("ball", sphere(0.1), **spinning)]
+    made = scene("seen", bodies, contact=[{"between": ["ball", "table"]}], observe=["ball.position"])
+    library = library_of(made)
+    path = simulate(library, until=0.1, samples=2)
+    record = record_of(path, library)
+    assert np.isnan(path.quaternion[:, 1]).all()
+    assert path.estimate is not None
+    assert "rad" not in path.estimate.statement
+    save(record, tmp_path / "run.csv")
+    header = (tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    assert {"table.w_x", "ball.v_x"} <= set(header)
+    assert not {"ball.w_x", "ball.quaternion_w"} & set(header)
+    draw(record, tmp_path / "run.png")
+    draw(record, tmp_path / "frames.png", frames=2)
 
 
 def test_csv_has_friction_and_slip_where_there_are_any(tmp_path: Path) -> None:

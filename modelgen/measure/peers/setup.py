@@ -108,6 +108,8 @@ def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], start: list[Arra
     for value, (row, column) in zip(full[3:], ((0, 1), (0, 2), (1, 2)), strict=False):
         inertia[row, column] = inertia[column, row] = value
     p, quaternion, v, w = start
+    if entry["motion"] == "point":
+        quaternion, w = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
     return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), p, quaternion, v, w, shapes)
 
 
