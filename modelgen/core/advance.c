@@ -122,8 +122,9 @@ static int mg_step_part(mg_context *c, mg_real *h) {
 
 /* The longest step in which nothing passes unseen. */
 static mg_real mg_longest(const mg_context *c) {
-  const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c);
-  return (mg_differs(c) ? 1 : c->set->stride) * (sight < reach ? sight : reach);
+  const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), unfolding = mg_unfolding(c);
+  const mg_real seen = sight < reach ? sight : reach;
+  return (mg_differs(c) ? 1 : c->set->stride) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */

@@ -35,13 +35,27 @@ static void mg_point_in(const mg_context *c, int link, int side, const mg_real *
   mg_unturn(place + 3, arm, local);
 }
 
-/* The chart coordinates of one side; those of a plane or a straight edge are its first axes. */
+/* The parameter of a curve at a point of it that eta does not tell: on a straight edge its first axis, on a circle or an ellipse
+   the angle. */
+static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg_real *point) {
+  const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
+  const int shape = c->sys->side_shape[2 * link + side];
+  const mg_real *parameters = c->sys->parameters + c->sys->side_parameters[2 * link + side];
+  mg_real x[3], y[3], T[3];
+  mg_shape_point(shape, turns[0], parameters, x, T);
+  if (!(x[0] > 0)) return point[0];
+  mg_shape_point(shape, turns[1], parameters, y, T);
+  return atan2(point[1] / y[1], point[0] / x[0]);
+}
+
+/* The chart coordinates of one side; those of a plane are its first axes. */
 static void mg_coordinates(const mg_context *c, int link, int side, const mg_real *eta, const mg_real *point,
                            mg_real *uv) {
   const int carrier = mg_carrier(c, link, side);
   const mg_real *own = eta + (side ? mg_carried[mg_carrier(c, link, 0)] : 0);
   const int charted = carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
-  uv[0] = charted ? own[0] : point[0];
+  const int curve = mg_shape_kinds[c->sys->side_shape[2 * link + side]].dimension == 1;
+  uv[0] = charted ? own[0] : curve ? mg_parameter_at(c, link, side, point) : point[0];
   uv[1] = carrier == MG_CHART ? own[1] : point[1];
 }
 

@@ -97,7 +97,7 @@ typedef struct {
   mg_real *over, *cone, *coulomb;           /* per grip: s, slip that was stopped had left; MG_CONE a contact; scratch */
   int *cone_contact, *cone_first, *cone_rows, *marks, *coulomb_i; /* per contact of the problem; scratch */
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
-  int *upright;                             /* per contact: it had passed no watched border at the start of the step */
+  int *upright;                             /* per contact: it had passed no watched border at the start of the step; MG_TIPS: is on one */
   int *way;                                 /* per contact: the condition that leads it off its link */
   int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
   int *column;                              /* per row: its place in A while assembled, else -1 */

@@ -21,21 +21,40 @@ static int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const mg_real *eta = mg_eta_of(c, x, contact);
   mg_place(c, contact, eta, c->place + 32);
   if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
-  if (!c->upright[contact]) return 0;
+  const int touching = !c->run->closed[contact] && c->d[contact] < c->set->start_gap * c->sys->length;
+  if (!c->upright[contact] || touching) return 0;
   return mg_least_condition(c, link, eta, 1, c->way + contact) < -c->set->border ? MG_TIPS : 0;
 }
 
-/* Notes which closed contacts have not passed a watched border; beyond it other contacts may begin at any time.
+/* The least of the watched conditions of a contact at a state, and which it is; needs the poses there. */
+static mg_real mg_watched(mg_context *c, int contact, mg_real *x, int *which) {
+  const mg_real *eta = mg_eta_of(c, x, contact);
+  mg_place(c, contact, eta, c->place + 32);
+  return mg_least_condition(c, c->run->link[contact], eta, 1, which);
+}
+
+/* A contact on a watched border comes back from it in a moment. Needs the slope in K[0]. */
+static int mg_comes_back(mg_context *c, int contact, mg_real now) {
+  int which;
+  mg_look_ahead(c);
+  const mg_real then = mg_watched(c, contact, c->x_stage, &which);
+  mg_poses(c, c->run->t, c->run->x);
+  return then > now;
+}
+
+/* Notes which contacts, closed or nearly, have not passed a watched border; beyond it other contacts may begin at any time.
    Needs the poses of run->x. */
 static void mg_mark_upright(mg_context *c) {
   int which;
   for (int i = 0; i < c->sys->n_contact; i++) {
-    const int link = c->run->link[i];
+    const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->set->search * c->sys->length;
+    const int tipped = c->upright[i] == MG_TIPS;
     c->upright[i] = 0;
-    if (!c->run->closed[i] || mg_is_endless(c, link)) continue;
-    const mg_real *eta = mg_eta_of(c, c->run->x, i);
-    mg_place(c, i, eta, c->place + 32);
-    c->upright[i] = mg_least_condition(c, link, eta, 1, &which) >= 0;
+    if (link < 0 || !near || mg_is_endless(c, link)) continue;
+    const mg_real value = mg_watched(c, i, c->run->x, &which);
+    if (which < 0) continue;
+    const int there = tipped && (value < 0 || !c->run->closed[i]);
+    c->upright[i] = value >= -c->set->border && (!there || mg_comes_back(c, i, value));
     if (!c->upright[i]) c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
   }
 }
@@ -53,7 +72,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
     else
       c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
     const int leaves = mg_leaves(c, i, x);
-    if (leaves) c->fired[i] = leaves;
+    if (leaves == MG_WALKS || (leaves && (c->run->closed[i] || !c->fired[i]))) c->fired[i] = leaves;
     count += c->fired[i] != 0;
   }
   return c->sys->n_grip ? count + mg_grips_fired(c) : count;
@@ -147,10 +166,17 @@ static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, in
   return event.start;
 }
 
+/* An open contact passes a watched border: there its pair is searched, beyond it, and no more happens. */
+static int mg_only_looks(const mg_context *c, const mg_crossing *event) {
+  return event->cause == MG_TIPS && !c->run->closed[event->contact];
+}
+
 /* Steps again to an event. */
 static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried) {
   const int collocated = mg_starts_rolling(c) || mg_starts_slipping(c);
-  const mg_real h = mg_event_step(c, *event, tried, collocated);
+  const int looks = mg_only_looks(c, event);
+  const mg_real h = looks ? event->start : mg_event_step(c, *event, tried, collocated);
+  if (looks) mg_go_to(c, h, tried, collocated);
   if (collocated) mg_end_earlier(c, c->run->x, h / tried);
   return h;
 }
@@ -206,7 +232,7 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_crossing event;
   const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
   if (!mg_tell_event(c, h, high, &event)) return 0;
-  if (!mg_is_plain(&event, count, h, high)) {
+  if (mg_only_looks(c, &event) || !mg_is_plain(&event, count, h, high)) {
     mg_narrow(c, h, &low, &high, width);
     if (!mg_tell_event(c, h, high, &event)) return 0;
     event.start = high * h;

@@ -156,32 +156,39 @@ static int mg_turns_on_curve(mg_context *c, int slot) {
   return curved && !mg_patch_starts(c, mg_patch_in(c, slot));
 }
 
-static void mg_turn_over(mg_context *c, int slot) {
+/* The face turns over a point of its hull's edge, or a side of it. */
+static void mg_turn_at(mg_context *c, int slot, const mg_brink *brink) {
   const int patch = mg_patch_in(c, slot);
-  mg_real centre[3], o[12], outward[3], world[2][3];
-  mg_brink brink;
+  mg_real o[12], outward[3], world[2][3];
   mg_founds found;
-  mg_resultant(c, slot, c->force, centre);
-  mg_patch_margin(c, patch, centre, &brink);
   mg_hull_pose(c, patch, o);
-  const mg_real across[3] = {brink.normal[0], brink.normal[1], 0};
+  const mg_real across[3] = {brink->normal[0], brink->normal[1], 0};
   mg_out(o, across, 0, outward);
-  for (int k = 0; k < brink.n; k++) mg_at_brink(o, brink.at + k, world[k]);
+  for (int k = 0; k < brink->n; k++) mg_at_brink(o, brink->at + k, world[k]);
   const int rubs = mg_has_rubbing(c, patch);
-  if (!rubs && mg_turn_on_edge(c, slot, &brink, world, outward)) return;
-  const int on_points = rubs && brink.n == 2 && (mg_is_curved(c, brink.at) || mg_is_curved(c, brink.at + 1));
+  if (!rubs && mg_turn_on_edge(c, slot, brink, world, outward)) return;
+  const int on_points = rubs && brink->n == 2 && (mg_is_curved(c, brink->at) || mg_is_curved(c, brink->at + 1));
   mg_drop_patch(c, slot);
-  mg_uncover_links(c, patch, rubs && (on_points || !mg_is_curved(c, brink.at)), &found);
+  mg_uncover_links(c, patch, rubs && (on_points || !mg_is_curved(c, brink->at)), &found);
   if (on_points) {
     mg_close_covered(c, patch);
     return;
   }
-  for (int k = 0; k < brink.n; k++) {
-    const int smooth = mg_is_smooth(c, patch, brink.at + k);
+  for (int k = 0; k < brink->n; k++) {
+    const int smooth = mg_is_smooth(c, patch, brink->at + k);
     const int contact = smooth ? -1 : mg_contact_at(c, patch, world[k]);
     if (contact >= 0) mg_close(c, contact);
-    else mg_start_rim(c, patch, brink.at + k, world[k], outward);
+    else mg_start_rim(c, patch, brink->at + k, world[k], outward);
   }
+}
+
+/* The face turns over where the forces press on the edge of its hull. */
+static void mg_turn_over(mg_context *c, int slot) {
+  mg_real centre[3];
+  mg_brink brink;
+  mg_resultant(c, slot, c->force, centre);
+  mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  mg_turn_at(c, slot, &brink);
 }
 
 /* Ends the patches that impulses would pull at, or press outside their hulls; what they cover is struck instead.
@@ -194,11 +201,12 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
     const int patch = mg_patch_in(c, slot);
     if (patch < 0 || c->trying[slot] || fabs(mg_resultant(c, slot, impulse, centre)) <= floor) continue;
     if (!mg_ends_with(c, slot, impulse, floor, &margin)) continue;
+    count++;
+    if (mg_go_to_edge(c, slot)) continue;
     mg_drop_patch(c, slot);
     mg_uncover(c, patch, &found);
     mg_close_covered(c, patch);
     mg_refresh(c);
-    count++;
   }
   return count;
 }

@@ -21,7 +21,7 @@ static int mg_list_closed(mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !c->hidden[i]) c->list[n++] = i;
-  return n;
+  return mg_list_edged(c, c->list, n);
 }
 
 /* Adds the impulses to u, and their work on the bodies that they move to the ledger. */
@@ -63,7 +63,7 @@ static void mg_rate_pads(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
     mg_real e = 0;
-    for (int k = 0; k < 3 && c->trying[slot]; k++) e = mg_rebound(c, pad + k) > e ? mg_rebound(c, pad + k) : e;
+    for (int k = 0; k < 3 && c->trying[slot] == 1; k++) e = mg_rebound(c, pad + k) > e ? mg_rebound(c, pad + k) : e;
     for (int k = 0; k < 3; k++) c->rate[pad + k] *= 1 + e;
   }
 }
@@ -82,7 +82,8 @@ static int mg_find_impulses(mg_context *c) {
   if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return -1;
   for (int i = c->first_pad; i < c->sys->n_contact; i++) c->amount[i] = 0;
   const int size = mg_list_bilateral(c, c->list, n);
-  for (int r = n; r < size; r++) c->amount[c->list[r]] = c->z[r];
+  for (int r = 0; r < size; r++)
+    if (mg_is_pad(c, c->list[r])) c->amount[c->list[r]] = c->z[r];
   return n;
 }
 
@@ -126,12 +127,13 @@ static int mg_impact(mg_context *c, mg_events *events) {
     mg_hide_covered(c);
     n = mg_find_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
-  } while (mg_reject(c, c->amount, floor) || mg_tear_off(c, c->amount, floor));
+  } while (mg_reject(c, c->amount, floor, 1) || mg_tear_off(c, c->amount, floor) || mg_exchange(c, n));
   mg_note_chain(c, n);
   if (c->sys->n_grip) mg_note_gain(c, n);
   mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
   mg_poses(c, c->run->t, c->run->x);
   if (c->sys->n_grip) mg_forget_slip(c);
+  mg_leave_edges(c, events);
   mg_after_impact(c, events);
   mg_drop_tried(c);
   return MG_DONE;

@@ -45,13 +45,16 @@ static int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean) {
   return -1;
 }
 
-/* The link is there only while faces lie flat on each other. */
-static int mg_is_for_flat(const mg_context *c, int link) {
+/* 1: the link is there only while its bodies lean on each other, -1: only while they lie flat, 0: either way. */
+static int mg_leaning_of(const mg_context *c, int link) {
   const mg_system *s = c->sys;
   for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
-    if (s->condition_kind[k] == MG_TILT && s->numbers[s->condition_numbers[k] + 3] < 0) return 1;
+    if (s->condition_kind[k] == MG_TILT) return s->numbers[s->condition_numbers[k] + 3] < 0 ? -1 : 1;
   return 0;
 }
+
+static int mg_is_for_flat(const mg_context *c, int link) { return mg_leaning_of(c, link) < 0; }
+static int mg_is_for_leaning(const mg_context *c, int link) { return mg_leaning_of(c, link) > 0; }
 
 /* Of a link for faces that lie flat, on which nothing touches soon: where its condition ends is no event. */
 static int mg_is_flat_far(const mg_context *c, int contact) {
@@ -63,6 +66,48 @@ static int mg_patch_starts(const mg_context *c, int patch) {
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->fresh[i] && mg_patch_covers(c, patch, c->run->link[i])) return 1;
   return 0;
+}
+
+/* Something of what a patch covers can be followed only when its faces lean. */
+static int mg_has_rim(const mg_context *c, int patch) {
+  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
+    if (mg_is_for_leaning(c, c->sys->covered[k])) return 1;
+  return 0;
+}
+
+/* The faces of a patch lie on each other but are not held, and what touches there cannot be followed yet. */
+static int mg_is_unfolding(const mg_context *c, int patch) {
+  mg_real o[12], f[12];
+  if (mg_slot_of(c, patch) >= 0 || mg_patch_starts(c, patch)) return 0;
+  mg_face_pose(c, patch, 0, o);
+  mg_face_pose(c, patch, 1, f);
+  if (!(mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat)) return 0;
+  const mg_real arm[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]};
+  return fabs(mg_dot3(arm, o + 9)) < c->set->flat * c->sys->length && mg_has_rim(c, patch);
+}
+
+static int mg_pair_unfolds(const mg_context *c, int pair) {
+  for (int patch = 0; patch < c->sys->n_patch; patch++)
+    if (mg_patch_concerns(c, patch, pair) && mg_is_unfolding(c, patch)) return 1;
+  return 0;
+}
+
+/* The longest step after which faces that unfold lean no more than what is found at once. */
+static mg_real mg_unfolding(const mg_context *c) {
+  mg_real longest = MG_MAX;
+  for (int patch = 0; patch < c->sys->n_patch; patch++) {
+    mg_real o[12], w[3] = {0}, turning[3];
+    if (!mg_is_unfolding(c, patch)) continue;
+    mg_face_pose(c, patch, 0, o);
+    for (int side = 0; side < 2; side++) {
+      const int body = mg_patch_body(c, patch, side);
+      mg_out(c->pose + 12 * body, c->twist + 6 * body + 3, 0, turning);
+      for (int k = 0; k < 3; k++) w[k] += side ? turning[k] : -turning[k];
+    }
+    const mg_real about = mg_dot3(w, o + 9), time = 2 * c->set->flat / sqrt(mg_dot3(w, w) - about * about);
+    if (time < longest) longest = time;
+  }
+  return longest;
 }
 
 /* True if the link lies in a patch that is held, or in one that just turns over a rim. */

@@ -16,6 +16,9 @@ static int mg_is_flat_yet(const mg_context *c, int contact);
 static int mg_is_flat_far(const mg_context *c, int contact);
 static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
+static int mg_pair_unfolds(const mg_context *c, int pair);
+static mg_real mg_unfolding(const mg_context *c);
+static int mg_is_for_leaning(const mg_context *c, int link);
 static int mg_patch_starts(const mg_context *c, int patch);
 static int mg_patch_concerns(const mg_context *c, int patch, int pair);
 static void mg_search_around(mg_context *c, int patch);
@@ -34,7 +37,7 @@ static void mg_hide_covered(mg_context *c);
 static int mg_try_flat(mg_context *c, mg_real touching, int moving);
 static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
 static void mg_drop_tried(mg_context *c);
-static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor);
+static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int impulses);
 static int mg_stand_on_points(mg_context *c);
 static int mg_patch_covers(const mg_context *c, int patch, int link);
 static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
@@ -42,6 +45,10 @@ static void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
 static void mg_uncover(mg_context *c, int patch, mg_founds *found);
 static int mg_end_patches(mg_context *c, mg_events *events);
 static void mg_turn_over(mg_context *c, int slot);
+static void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world);
+static void mg_turn_at(mg_context *c, int slot, const mg_brink *brink);
+static void mg_give_way(mg_context *c);
+static mg_real mg_speed_along(const mg_context *c, const mg_real *twists, int body, const mg_real *at, const mg_real *N);
 static int mg_turns_on_curve(mg_context *c, int slot);
 static int mg_pivots(const mg_context *c, int slot);
 static mg_real mg_lean_of(const mg_context *c, int slot);
@@ -58,6 +65,13 @@ static int mg_free_slot(const mg_context *c, int patch);
 static void mg_hold_patch(mg_context *c, int slot, int patch);
 static int mg_lay_patch(mg_context *c, int patch);
 static mg_real mg_weight_scale(const mg_context *c);
+
+/* edge_blow.c */
+static int mg_is_edged(const mg_context *c, int contact);
+static int mg_go_to_edge(mg_context *c, int slot);
+static int mg_list_edged(const mg_context *c, int *list, int n);
+static int mg_exchange(mg_context *c, int n);
+static void mg_leave_edges(mg_context *c, mg_events *events);
 
 /* collocate.c, onset.c, start_rolling.c */
 static mg_real *mg_stage_state(const mg_context *c, int stage);

@@ -22,10 +22,10 @@ static void mg_reduce(mg_context *c, int n, int size) {
   for (int i = 0; i < n; i++) c->s[i] = c->b[i] + mg_through_joints(c, i, n, size);
 }
 
-/* Appends the pads of all patches that are held and the rows of all joints; returns the length of the list. */
+/* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
 static int mg_list_bilateral(const mg_context *c, int *list, int n) {
   for (int i = c->first_pad; i < c->sys->n_contact; i++)
-    if (c->run->closed[i]) list[n++] = i;
+    if (c->run->closed[i] && !mg_is_edged(c, i)) list[n++] = i;
   return mg_list_joints(c, list, n);
 }
 

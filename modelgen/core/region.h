@@ -101,6 +101,7 @@ static void *mg_part_of_memory(mg_real **memory, long n, size_t size);
 
 /* margin.c: signed distance of x to the hull's boundary, m, > 0 inside; -MG_MAX for an empty hull. */
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
+static void mg_support_at(const mg_hull *h, int spot, mg_support *at);
 
 /* tracks.c */
 enum { MG_LEVEL, MG_FOOT, MG_BEND }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */

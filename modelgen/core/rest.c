@@ -2,8 +2,8 @@
 #include "core.h"
 
 /* Velocity along N of a body's material point at a place of the world. */
-static mg_real mg_speed_along(const mg_context *c, int body, const mg_real *at, const mg_real *N) {
-  const mg_real *pose = c->pose + 12 * body, *twist = c->twist + 6 * body;
+static mg_real mg_speed_along(const mg_context *c, const mg_real *twists, int body, const mg_real *at, const mg_real *N) {
+  const mg_real *pose = c->pose + 12 * body, *twist = twists + 6 * body;
   mg_real spin[3], arm[3];
   mg_out(pose, twist + 3, 0, spin);
   for (int k = 0; k < 3; k++) arm[k] = at[k] - pose[k];
@@ -25,7 +25,7 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
     mg_out(c->pose + 12 * body, mg_point_of_link(c, link), 1, at);
     mg_into(o, at, x);
     if (fabs(x[2]) > touching) return 0;
-    const mg_real speed = mg_speed_along(c, body, at, o + 9) - mg_speed_along(c, s->link_o[link], at, o + 9);
+    const mg_real speed = mg_speed_along(c, c->twist, body, at, o + 9) - mg_speed_along(c, c->twist, s->link_o[link], at, o + 9);
     if (!moving && fabs(speed) > rest) return 0;
   }
   return mg_lay_patch(c, patch) > 2;
@@ -64,16 +64,18 @@ static void mg_drop_tried(mg_context *c) {
     if (c->trying[slot]) c->trying[slot] = 0, mg_drop_patch(c, slot);
 }
 
-/* Lets go of the slots held on trial that the amounts on their pads would end; returns how many. */
-static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor) {
+/* Lets go of the slots held on trial that the amounts on their pads would end; of impulses, they go to the edges of hulls that
+   are curved. Returns how many. */
+static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
   int count = 0;
   mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    if (!c->trying[slot]) continue;
+    if (c->trying[slot] != 1) continue;
     if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > c->set->border * c->sys->length) continue;
+    count++;
+    if (impulses && mg_go_to_edge(c, slot)) continue;
     c->trying[slot] = 0;
     mg_drop_patch(c, slot);
-    count++;
   }
   return count;
 }
@@ -126,7 +128,7 @@ static void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) 
       return;
     }
     if (mg_turns_at_once(c, events)) return;
-  } while (mg_reject(c, c->force, mg_weight_scale(c)));
+  } while (mg_reject(c, c->force, mg_weight_scale(c), 0));
   mg_give_way(c);
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (c->trying[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_RESTS, c->run->t, 0);

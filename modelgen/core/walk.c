@@ -117,7 +117,7 @@ static int mg_walk_all(mg_context *c, mg_events *events) {
     if (cause != MG_WALKS && cause != MG_TIPS) continue;
     c->fired[i] = 0;
     if (cause == MG_WALKS) mg_walk(c, events, i);
-    else c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    else c->upright[i] = MG_TIPS, c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
     count += cause == MG_WALKS;
   }
   return count;
@@ -155,7 +155,8 @@ static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
   if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
   const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
-  return found->margin >= (own ? c->set->margin_refuse : c->set->margin_appear);
+  const int flat = mg_is_for_leaning(c, found->link); /* its margin is small near flat, not near a fold */
+  return found->margin >= (own || flat ? c->set->margin_refuse : c->set->margin_appear);
 }
 
 /* The link has a contact of its own, which is on it. */
@@ -163,6 +164,12 @@ static int mg_is_taken(const mg_context *c, int pair, int link) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
     if (c->sys->contact_link[i] == link) return mg_present(c, i);
   return 0;
+}
+
+/* What was found touches there already, and as itself is below zero, or ends in a moment. */
+static int mg_is_idle(mg_context *c, const mg_found *found) {
+  if (found->d > c->set->start_gap * c->sys->length || !mg_touches_there(c, found)) return 0;
+  return found->d < -c->set->start_gap * c->sys->length || mg_goes_off(c, found);
 }
 
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
@@ -174,7 +181,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
-    if (!mg_is_taken_up(c, each) || (each->d < -c->set->start_gap * s->length && mg_touches_there(c, each))) continue;
+    if (!mg_is_taken_up(c, each) || mg_is_idle(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
@@ -250,7 +257,7 @@ static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_speed(c, pair);
     if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->set->search * s->length) continue;
-    c->run->moved[pair] = 0;
+    c->run->moved[pair] = mg_pair_unfolds(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair(c, events, pair);
   }
   return count;

@@ -3,9 +3,9 @@
     python -m tests.benchmarks.planar_runs --seeds 0:120 --jobs 4
 
 prints a line a seed: the body, what it lies on, how it starts and ends; then how many have a fault: an
-outcome other than DONE, a passage by time-stepping, an energy drift above 1e-8, a gap below -1e-9 m, numbers
-that are not finite. Each seed runs in a process of its own, stopped after `--limit` seconds, so that a
-fault of one is none of the others.
+outcome other than DONE, a passage by time-stepping, an energy drift above 1e-8, a gap below -1e-9 m, edges
+that lie in the other body where no contact sees it, numbers that are not finite. Each seed runs in a process
+of its own, stopped after `--limit` seconds, so that a fault of one is none of the others.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from modelgen import build, derive, emit, require, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import build as make
 from modelgen.scene.types import Body, Scene, Shape
+from tests.planar.sinking import deepest
 
 SIZE = 0.1  # m, of the bodies
 SPINS = [0.3, 0.32, 0.25]  # moments of inertia over mass and SIZE^2
-DRIFT, DEPTH = 1e-8, 1e-9  # m
+DRIFT, DEPTH, SUNK = 1e-8, 1e-9, 1e-6  # depths in m; the last of what lies between points of edges
 
 
 def prism(rng: np.random.Generator) -> tuple[str, Shape, float]:
@@ -129,13 +130,14 @@ def scene_of(seed: int) -> tuple[Scene, str]:
     return scene, f"{name} on {where}, start {start}, tilt {tilt:.2g}, e {restitution}{pushed}"
 
 
-def faults_of(path: Trajectory) -> list[str]:
+def faults_of(scene: Scene, path: Trajectory) -> list[str]:
     gaps = path.gap[np.isfinite(path.gap)]
     known = {
         path.outcome.name: path.outcome.name != "DONE",
         "time-stepping": any(event.kind == "time-stepping" for event in path.events),
         "drift": path.energy_drift > DRIFT,
         "gap": bool((gaps < -DEPTH).any()),
+        "sunk": deepest(scene, path).max() > SUNK,
         "not finite": not np.isfinite(path.p).all(),
     }
     return [fault for fault, holds in known.items() if holds]
@@ -147,9 +149,9 @@ def run(seed: int, until: float, accuracy: str, folder: Path) -> str:
     library = build(emit(derive(require(scene))), folder=folder, level="O1")
     path = simulate(library, until=until, accuracy=accuracy, estimate=False)
     kinds = ", ".join(f"{kind} {n}" for kind, n in Counter(event.kind for event in path.events).items())
-    deepest = float(np.nanmin(path.gap)) if np.isfinite(path.gap).any() else 0.0
-    faults = "".join(f" FAULT {fault}" for fault in faults_of(path))
-    numbers = f"to {path.t_end:.6f} s, {path.steps} steps, drift {path.energy_drift:.1e}, gap {deepest:.1e}"
+    least = float(np.nanmin(path.gap)) if np.isfinite(path.gap).any() else 0.0
+    faults = "".join(f" FAULT {fault}" for fault in faults_of(scene, path))
+    numbers = f"to {path.t_end:.6f} s, {path.steps} steps, drift {path.energy_drift:.1e}, gap {least:.1e}"
     return f"{seed:4d} {label}: {numbers}; {kinds}{faults}"
 
 
