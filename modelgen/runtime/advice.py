@@ -44,6 +44,11 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
             f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
             "its contact points lose about as many digits as the margin has zeros"
         )
+    if session.run.vaults:
+        found.append(
+            f"{session.contacts[session.run.vaulted]} passed {int(session.run.vaults)} places where its curvature vanishes "
+            "or two of its points become one: forces there are peaks, whose impulses count, but no samples show them"
+        )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))
     found += _far(session, accuracy)
