@@ -64,8 +64,8 @@ typedef struct { /* a contact's lean: the part across N of what was N when f lay
   mg_real normal[3], along[3], across[3], lean[3];
 } mg_lean;
 
-typedef struct { /* over a singular place: as it was before, per row 12, 1, 1, per contact 3, per body 6, 6; least margin after */
-  mg_real *column, *rate, *impulse, *point, *free, *gained, power, margin;
+typedef struct { /* over a singular place: as it was before, per row 12, 1, 1, per contact 3, 3, per body 6, 6; least margin after */
+  mg_real *column, *rate, *impulse, *point, *landed, *free, *gained, power, margin;
 } mg_vault;
 
 typedef struct {

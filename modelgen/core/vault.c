@@ -63,27 +63,57 @@ static void mg_look_back(mg_context *c) {
   }
 }
 
-/* A minimum on the contact's link that continues it, placed; returns 0 where there is none at zero gap. */
+/* Minima about eta that are too near to it for a search: Newton's method from both sides of it, as far off as two points are
+   that have this margin. */
+static void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_founds *kept) {
+  const int link = c->run->link[contact], n = c->n_eta[contact];
+  mg_real scale[6], to[6];
+  mg_found found;
+  mg_eta_scale(c, link, scale);
+  for (int j = 0; j < 4 * n; j++) {
+    for (int k = 0; k < n; k++) to[k] = eta[k];
+    to[j / 4] += (j % 2 ? 1 : -1) * (j % 4 < 2 ? 2 : 8) * sqrt(margin) * scale[j / 4];
+    if (mg_settle_in(c, contact, to) >= 0 && mg_judge(c, link, to, &found)) mg_keep(c, kept, &found);
+  }
+}
+
+/* Takes eta to the minimum of the contact's link that continues it, placed; returns 0 where there is none at zero gap. */
 static int mg_find_landing(mg_context *c, int contact, mg_real *eta) {
   const mg_real touching = c->set->gap * c->sys->length;
   const int n = c->n_eta[contact], link = c->run->link[contact];
   mg_real next[6], to[6] = {0};
-  mg_founds found = {0};
-  int which;
+  mg_found found;
+  mg_founds kept = {0};
   for (int k = 0; k < n; k++) to[k] = eta[k];
-  if (!n) mg_place(c, contact, to, next);
-  const int settled = !n || mg_settle_in(c, contact, to) >= 0;
-  int lands = settled && mg_margin_of(c) > c->set->lost && fabs(c->place[0]) <= touching;
-  if (lands && n) lands = mg_worst_condition(c, link, to, &which) >= -c->set->border;
-  if (!lands && n) {
-    mg_search_link(c, link, MG_COARSE, 1, -MG_MAX, &found);
-    if (!found.count) return 0;
-    for (int k = 0; k < n; k++) to[k] = found.list[0].eta[k];
+  if (!n) {
     mg_place(c, contact, to, next);
-    lands = mg_margin_of(c) > c->set->lost && fabs(c->place[0]) <= touching;
+    return mg_margin_of(c) > c->set->lost && fabs(c->place[0]) <= touching;
   }
-  for (int k = 0; k < n; k++) eta[k] = to[k];
-  return lands;
+  if (mg_settle_in(c, contact, to) >= 0 && mg_judge(c, link, to, &found)) mg_keep(c, &kept, &found);
+  if (!kept.count || fabs(kept.list[0].d) > touching) mg_search_beside(c, contact, eta, c->set->margin_refuse, &kept);
+  if (!kept.count || fabs(kept.list[0].d) > touching) mg_search_link(c, link, MG_COARSE, 1, -MG_MAX, &kept);
+  if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
+  for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];
+  mg_place(c, contact, eta, next);
+  return 1;
+}
+
+static mg_real mg_far(const mg_real *a, const mg_real *b) {
+  const mg_real way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return sqrt(mg_dot3(way, way));
+}
+
+/* Points of a pair that become one do so between them; one that falls to another's place has missed its own. */
+static int mg_has_missed(const mg_context *c, int contact) {
+  const mg_vault *v = &c->vault;
+  const mg_real *from = v->point + 3 * contact, *to = v->landed + 3 * contact;
+  const mg_real one = c->set->apart * c->sys->length;
+  for (int i = mg_first_contact(c, c->sys->contact_pair[contact]); i < contact; i++) {
+    if (!c->run->closed[i] || mg_far(v->landed + 3 * i, to) > one) continue;
+    const mg_real *other = v->point + 3 * i, apart = (mg_real)0.75 * mg_far(other, from);
+    if (apart > one && (mg_far(from, to) > apart || mg_far(other, to) > apart)) return 1;
+  }
+  return 0;
 }
 
 /* The closed contacts of the state x at its poses; returns how far their points have gone, MG_MAX where one has none. */
@@ -94,10 +124,11 @@ static mg_real mg_land(mg_context *c, mg_real t, mg_real *x) {
   for (int i = 0; i < c->first_pad; i++) {
     if (!c->run->closed[i]) continue;
     if (!mg_find_landing(c, i, mg_eta_of(c, x, i))) return MG_MAX;
-    const mg_real *from = c->vault.point + 3 * i, *to = c->place + 11;
-    const mg_real way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]}, size = sqrt(mg_dot3(way, way));
-    if (!(size <= farthest)) farthest = size;
+    for (int k = 0; k < 3; k++) c->vault.landed[3 * i + k] = c->place[11 + k];
     if (!(mg_margin_of(c) >= c->vault.margin)) c->vault.margin = mg_margin_of(c);
+    if (mg_has_missed(c, i)) return MG_MAX;
+    const mg_real way = mg_far(c->vault.landed + 3 * i, c->vault.point + 3 * i);
+    if (!(way <= farthest)) farthest = way;
   }
   return farthest;
 }
@@ -215,34 +246,20 @@ static void mg_record_vault(mg_context *c, mg_record *record) {
   }
 }
 
-/* Points of a pair that have become one are one contact. */
+/* Points of a pair that have become one are one contact, closed if one of them is. */
 static void mg_merge(mg_context *c, mg_events *events) {
   mg_found found;
   mg_real next[6];
-  for (int i = c->first_pad - 1; i >= 0; i--) {
-    if (!c->run->closed[i]) continue;
-    const int pair = c->sys->contact_pair[i];
-    c->run->moved[pair] = MG_MAX / 2; /* is searched at once */
-    mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
-    found.link = c->run->link[i];
-    mg_note_place(c, &found);
-    if (mg_is_followed(c, pair, i, &found)) mg_leave(c, events, i);
-  }
-}
-
-/* Minima about a contact's own that are too near to it for a search: Newton's method from both sides of it, as far off as
-   two points are whose margin this is. */
-static void mg_search_beside(mg_context *c, int contact, mg_founds *kept) {
-  const int link = c->run->link[contact], n = c->n_eta[contact];
-  const mg_real *eta = mg_eta_of(c, c->run->x, contact), wide = sqrt(c->vault.margin);
-  mg_real scale[6], to[6];
-  mg_found found;
-  mg_eta_scale(c, link, scale);
-  for (int j = 0; j < 4 * n; j++) {
-    for (int k = 0; k < n; k++) to[k] = eta[k];
-    to[j / 4] += (j % 2 ? 1 : -1) * (j % 4 < 2 ? 2 : 8) * wide * scale[j / 4];
-    if (mg_settle_in(c, contact, to) >= 0 && mg_judge(c, link, to, &found)) mg_keep(c, kept, &found);
-  }
+  for (int closed = 0; closed < 2; closed++)
+    for (int i = c->first_pad - 1; i >= 0; i--) {
+      if (!mg_present(c, i) || c->run->closed[i] != closed) continue;
+      const int pair = c->sys->contact_pair[i];
+      if (closed) c->run->moved[pair] = MG_MAX / 2; /* is searched at once */
+      mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+      found.link = c->run->link[i];
+      mg_note_place(c, &found);
+      if (mg_is_followed(c, pair, i, &found)) mg_leave(c, events, i);
+    }
 }
 
 /* One point of a pair that has become several touches at all of them; the others are marked in c->fired. */
@@ -251,7 +268,7 @@ static void mg_touch_at_all(mg_context *c, mg_events *events, int contact) {
   const mg_real touching = c->set->gap * c->sys->length;
   mg_founds found = {0};
   if (!c->n_eta[contact] || c->sys->pair_search[pair] == MG_SEARCH_NEVER) return;
-  mg_search_beside(c, contact, &found);
+  mg_search_beside(c, contact, mg_eta_of(c, c->run->x, contact), c->vault.margin, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_found *each = found.list + k;
     if (each->undecided || fabs(each->d) > touching || mg_is_followed(c, pair, -1, each)) continue;
@@ -293,7 +310,8 @@ static int mg_gives_way_to_others(mg_context *c, mg_events *events, int contact)
   if (c->sys->pair_search[pair] == MG_SEARCH_NEVER) return 0;
   mg_search_pair(c, events, pair);
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
-    if (i == contact || !mg_present(c, i) || c->d[i] > c->set->gap * c->sys->length) continue;
+    if (i == contact || !mg_present(c, i) || mg_is_singular(c, i)) continue;
+    if (c->d[i] > c->set->gap * c->sys->length) continue;
     mg_leave(c, events, contact);
     return 1;
   }
