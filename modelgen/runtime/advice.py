@@ -46,8 +46,9 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
         )
     if session.run.vaults:
         found.append(
-            f"{session.contacts[session.run.vaulted]} passed {int(session.run.vaults)} places where its curvature vanishes "
-            "or two of its points become one: forces there are peaks, whose impulses count, but no samples show them"
+            f"closed contacts, first {session.contacts[session.run.vaulted]}, passed "
+            f"{int(session.run.vaults)} times where curvature vanishes or points of a pair become one: "
+            "forces there are peaks whose impulses count, but that samples do not show"
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))
