@@ -70,7 +70,7 @@ def superellipsoid() -> Rocker:
 
 
 def wave() -> Rocker:
-    """x = A cos t, z = C cos 2t: on the points cos t = A tan(a)/4C, or on t = 0 from where they meet there."""
+    """x = A cos t, z = C cos 2t: on the points cos t = A tan(a)/4C, or on t = 0 from where they meet."""
     A, C = 0.084, 0.0185
     bend = float(np.arctan(4 * C / A))
 
