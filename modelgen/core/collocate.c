@@ -22,19 +22,26 @@ static mg_real mg_derivative(const mg_real *value, int stage) {
   return sum;
 }
 
+/* The stages' Lagrange polynomials at theta. */
+static void mg_lagrange(mg_real theta, mg_real *value) {
+  const mg_real *time = mg_radau_time;
+  for (int k = 0; k < MG_RADAU; k++) {
+    mg_real above = 1, below = 1;
+    for (int j = 0; j < MG_RADAU; j++)
+      if (j != k) above *= theta - time[j], below *= time[k] - time[j];
+    value[k] = above / below;
+  }
+}
+
 /* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
    step. */
 static void mg_restage(mg_real *value, mg_real share) {
-  const mg_real *time = mg_radau_time;
-  mg_real old[MG_RADAU];
+  mg_real old[MG_RADAU], part[MG_RADAU];
   for (int k = 0; k < MG_RADAU; k++) old[k] = value[k], value[k] = 0;
-  for (int stage = 0; stage < MG_RADAU; stage++)
-    for (int k = 0; k < MG_RADAU; k++) {
-      mg_real part = old[k];
-      for (int j = 0; j < MG_RADAU; j++)
-        if (j != k) part *= (share * time[stage] - time[j]) / (time[k] - time[j]);
-      value[stage] += part;
-    }
+  for (int stage = 0; stage < MG_RADAU; stage++) {
+    mg_lagrange(share * mg_radau_time[stage], part);
+    for (int k = 0; k < MG_RADAU; k++) value[stage] += part[k] * old[k];
+  }
 }
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
@@ -61,17 +68,16 @@ static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, 
    start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
 static mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->sys;
-  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x, *miss = c->K + (2 + 2 * MG_RADAU) * c->n_x, sum = 0;
+  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x, *miss = c->K + (2 + 2 * MG_RADAU) * c->n_x;
+  mg_real share[MG_RADAU], sum = 0;
+  mg_lagrange(0, share);
   for (int i = 0; i < c->n_x; i++) miss[i] = 0;
   for (int stage = -1; stage < MG_RADAU; stage++) {
     const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage), time = stage < 0 ? t : t + mg_stage_time(stage) * h;
-    mg_real share[MG_RADAU];
-    for (int k = 0; k < MG_RADAU; k++) share[k] = k == stage;
-    mg_restage(share, 0);
     mg_poses(c, time, state);
     mg_accelerations(c, time, state, slope);
     for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, slope + s->n_q + s->body_u[b]);
-    for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[0]);
+    for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[stage]);
   }
   for (int i = s->n_q; i < s->n_q + s->n_u; i++) {
     const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
@@ -94,12 +100,13 @@ static void mg_collocated(mg_context *c, const mg_real *x) {
   }
 }
 
-/* The stages, and the azimuths at them, of a share of the step that was collocated, on its polynomial. */
+/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
+   polynomial. */
 static void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share);
+    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share), mg_restage(c->onset[i].stiffness, share);
 }
 
 /* Ends the step that was collocated at a share of it. */

@@ -56,7 +56,7 @@ typedef struct { /* how the bodies of a fresh contact lean on each other during 
   mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
   mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */
   mg_real start[3], rate[MG_RADAU][3];                            /* lean, in o's axes, and what it changes by at the stages, rad/s */
-  mg_real whole[MG_RADAU];                                        /* azimuths of the whole step, while half of it is tried */
+  mg_real whole[MG_RADAU][2];                                     /* azimuth, stiffness of the whole step, while half is tried */
   mg_real blur[MG_RADAU];                                         /* what rounding of the poses makes of the azimuth, rad */
 } mg_onset;
 

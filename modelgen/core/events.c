@@ -1,6 +1,14 @@
 /* Which event functions have fired at a state, and when the first of them fires within a step. */
 #include "core.h"
 
+#define MG_CORRECTIONS 8 /* of the time of an event at most */
+#define MG_NEARLY 1e-6   /* of a step: an event alone is found so near before its zero is sought */
+
+typedef struct { /* an event: its function and the rate of that where it was seen; the time of a step to try first */
+  int contact, cause;
+  mg_real value, slope, start;
+} mg_crossing;
+
 static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
@@ -53,6 +61,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
 
 static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->x_stage);
+  mg_normalise(c, c->x_stage);
   mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
   mg_gap_rates(c);
   return mg_fired(c, c->x_stage);
@@ -89,47 +98,59 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
   return c->run->closed[contact] ? c->force[contact] : c->d[contact];
 }
 
-/* The rate of the event function at theta; needs the rows there. */
-static mg_real mg_event_slope(mg_context *c, int contact, int cause, mg_real h, mg_real theta) {
-  const int grip = mg_is_grip(c, contact), way = grip ? 0 : c->way[contact];
-  if (!grip && !c->run->closed[contact] && !cause) return c->d_dot[contact];
+/* The first of what has fired at theta, its function there and the rate of that; 0 if nothing has. Needs the state there, and
+   leaves another. */
+static int mg_tell_event(mg_context *c, mg_real h, mg_real theta, mg_crossing *event) {
+  const int contact = mg_first_event(c), grip = mg_is_grip(c, contact);
+  if (contact < 0) return 0;
+  const int way = grip ? 0 : c->way[contact], cause = !grip && c->fired[contact] >= MG_WALKS ? c->fired[contact] : 0;
+  event->contact = contact, event->cause = cause, event->slope = 0;
+  if (!grip && mg_held(c, contact) && !cause) return 1;
+  event->value = mg_event_value(c, contact, cause, c->x_stage), event->slope = grip ? 0 : c->d_dot[contact];
+  if (!grip && !c->run->closed[contact] && !cause) return 1;
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
-  const mg_real value = mg_event_value(c, contact, cause, c->x_stage);
   mg_fired_at(c, h, theta - step);
   if (!grip) c->way[contact] = way;
-  return (value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
+  event->slope = (event->value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
+  return 1;
 }
 
 /* The state at the end of a step h within the one that was tried: by its polynomial, or by a step of its own. */
 static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
+  c->suspect = 1;
   if (collocated) mg_interpolate(c, c->run->x, h / tried, c->x_next);
-  else mg_try_step(c, c->run->t, c->run->x, h);
+  else mg_take_step(c, c->run->t, c->run->x, h);
   mg_finish_step(c, c->run->t, h);
 }
 
-/* The event found on the interpolant, its time corrected by the slope of the event function as far as the interpolant may
-   err. Where corrections do not shrink, as at a jump of the loads, the event is where it was found. */
-static mg_real mg_event_step(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried, int collocated) {
-  const mg_real found = h, close = c->set->event * c->sys->time, reach = tried * c->set->polish;
-  mg_real moved = 0, first = 0;
+/* The event found on the interpolant, its time corrected by the slope of the event function, which is that of the last two
+   steps once they differ. Where corrections do not shrink, fast beyond what the interpolant may err, as at a jump of the
+   loads, the event is where it was found. */
+static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, int collocated) {
+  const mg_real close = c->set->event * c->sys->time, reach = tried * c->set->polish, noise = tried * (mg_real)MG_NEARLY;
+  mg_real h = event.start, moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
   for (int round = 1;; round++) {
     mg_go_to(c, h, tried, collocated);
-    const mg_real change = slope != 0 ? -mg_event_value(c, contact, cause, c->x_next) / slope : 0;
-    moved += change;
+    const mg_real value = mg_event_value(c, event.contact, event.cause, c->x_next), before = fabs(change);
+    if (round > 1 && fabs(value) < fabs(old) / 2) event.slope = (value - old) / change;
+    change = event.slope != 0 ? -value / event.slope : 0, old = value, moved += change;
     if (round == 1) first = fabs(change);
-    if (round > 1 && fabs(change) > first) break;
-    if (fabs(change) <= close || fabs(moved) > reach || round == 4) return h;
+    else if (fabs(change) > (fabs(moved) > reach ? before / 4 : first > noise ? first : noise)) break;
+    if (fabs(change) <= close || (round > 2 && fabs(change) > before / 2) || round == MG_CORRECTIONS) return h;
     if (h + change <= 0 || h + change > tried) return h;
     h += change;
+    if (round == 1 || fabs(change) * (fabs(change) / before) > close) continue;
+    mg_go_to(c, h, tried, collocated);
+    return h;
   }
-  mg_go_to(c, found, tried, collocated);
-  return found;
+  mg_go_to(c, event.start, tried, collocated);
+  return event.start;
 }
 
 /* Steps again to an event. */
-static mg_real mg_polish(mg_context *c, int contact, int cause, mg_real h, mg_real slope, mg_real tried) {
+static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried) {
   const int collocated = mg_starts_rolling(c) || mg_starts_slipping(c);
-  h = mg_event_step(c, contact, cause, h, slope, tried, collocated);
+  const mg_real h = mg_event_step(c, *event, tried, collocated);
   if (collocated) mg_end_earlier(c, c->run->x, h / tried);
   return h;
 }
@@ -154,6 +175,26 @@ static mg_real mg_dip(mg_context *c, int contact, mg_real h) {
   return 0;
 }
 
+/* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many
+   have there. */
+static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_real width) {
+  for (int j = 0; j < 60 && *high - *low > width; j++) {
+    const mg_real middle = (*low + *high) / 2;
+    if (mg_fired_at(c, h, middle)) *high = middle;
+    else *low = middle;
+  }
+  return mg_fired_at(c, h, *high);
+}
+
+/* An event alone, whose function crosses zero as it does on a line: its zero needs no further halving. */
+static int mg_is_plain(mg_crossing *event, int count, mg_real h, mg_real theta) {
+  const mg_real back = event->slope != 0 ? event->value / event->slope : MG_MAX;
+  event->start = theta * h;
+  if (count > 1 || !(back >= 0 && back <= 4 * (mg_real)MG_NEARLY * h && back < event->start)) return 0;
+  event->start -= back;
+  return 1;
+}
+
 /* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
    c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end. Needs the interpolant. */
 static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
@@ -161,17 +202,15 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   for (int i = 0; i < c->sys->n_contact && high == 0; i++)
     if (c->falling[i]) high = mg_dip(c, i, h);
   if (high == 0) return 0;
-  const mg_real width = c->set->event * c->sys->time / h;
-  for (int j = 0; j < 60 && high - low > width; j++) {
-    const mg_real middle = (low + high) / 2;
-    if (mg_fired_at(c, h, middle)) high = middle;
-    else low = middle;
+  const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;
+  mg_crossing event;
+  const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
+  if (!mg_tell_event(c, h, high, &event)) return 0;
+  if (!mg_is_plain(&event, count, h, high)) {
+    mg_narrow(c, h, &low, &high, width);
+    if (!mg_tell_event(c, h, high, &event)) return 0;
+    event.start = high * h;
   }
   mg_fired_at(c, h, high);
-  const int first = mg_first_event(c);
-  if (first < 0) return 0;
-  const int grip = mg_is_grip(c, first), cause = !grip && c->fired[first] >= MG_WALKS ? c->fired[first] : 0;
-  const mg_real slope = !grip && mg_held(c, first) && !cause ? 0 : mg_event_slope(c, first, cause, h, high);
-  mg_fired_at(c, h, high);
-  return mg_polish(c, first, cause, high * h, slope, h);
+  return mg_polish(c, &event, h);
 }

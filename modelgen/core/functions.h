@@ -136,6 +136,7 @@ static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_watch(mg_context *c);
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_finish_step(mg_context *c, mg_real t, mg_real h);
 static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);

@@ -60,6 +60,15 @@ static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, m
   return 0;
 }
 
+/* The first step to try from flat. Much shorter ones would lose the lean in rounding; in longer ones it grows large, or they
+   are as good as certain to be refused. */
+static mg_real mg_first_lean(const mg_context *c) {
+  const mg_real time = c->sys->time, least = time / 4, fine = 12 * time * pow(c->set->tolerance, (mg_real)1 / 8);
+  mg_real h = fine < time ? fine : time;
+  if (c->run->h < h) h = c->run->h;
+  return h > least ? h : least;
+}
+
 /* The face turns over a curve of its boundary: the contact of the curve begins at the point, where its own equations
    are singular. */
 static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const mg_real *world,
@@ -79,7 +88,7 @@ static void mg_start_rim(mg_context *c, int patch, const mg_support *at, const m
   mg_into(pose, world, c->run->point + 3 * contact);
   for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
   c->run->fresh[contact] = MG_FRESH;
-  if (c->run->h < s->time / 4) c->run->h = s->time / 4; /* much shorter, the lean would be lost in rounding */
+  c->run->h = mg_first_lean(c);
   mg_close(c, contact);
 }
 

@@ -63,10 +63,10 @@ static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
   mg_real out[3], aside[3], axis[3];
   mg_out(o, onset->normal, 0, at.normal), mg_out(o, onset->outward, 0, out), mg_out(f, onset->axis, 0, axis);
   mg_cross(at.normal, out, aside);
-  const mg_real height = mg_dot3(axis, at.normal);
+  const mg_real height = mg_dot3(axis, at.normal), cosine = cos(azimuth), sine = sin(azimuth);
   for (int k = 0; k < 3; k++) {
-    at.along[k] = cos(azimuth) * out[k] + sin(azimuth) * aside[k];
-    at.across[k] = cos(azimuth) * aside[k] - sin(azimuth) * out[k];
+    at.along[k] = cosine * out[k] + sine * aside[k];
+    at.across[k] = cosine * aside[k] - sine * out[k];
     at.lean[k] = axis[k] - height * at.normal[k];
   }
   return at;
@@ -90,17 +90,15 @@ static void mg_note_rate(mg_context *c, int contact, int stage) {
   mg_turn_in(c->pose + 12 * c->o[contact], rate, onset->rate[stage]);
 }
 
-/* At the present poses of a stage of a step h, the lean being what its rates have made of it: the poses round it away. */
-static mg_lean mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real azimuth) {
+/* What its rates have made of the lean at a stage of a step h, at the present poses, which round it away. */
+static void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean) {
   const mg_onset *onset = c->onset + contact;
-  mg_lean at = mg_lean_at(c, contact, azimuth);
-  mg_real local[3];
-  for (int k = 0; k < 3; k++) {
-    local[k] = onset->start[k];
-    for (int j = 0; j < MG_RADAU; j++) local[k] += h * mg_stage_weight(stage, j) * onset->rate[j][k];
+  mg_real local[3] = {onset->start[0], onset->start[1], onset->start[2]};
+  for (int j = 0; j < MG_RADAU; j++) {
+    const mg_real weight = h * mg_stage_weight(stage, j);
+    for (int k = 0; k < 3; k++) local[k] += weight * onset->rate[j][k];
   }
-  mg_out(c->pose + 12 * c->o[contact], local, 0, at.lean);
-  return at;
+  mg_out(c->pose + 12 * c->o[contact], local, 0, lean);
 }
 
 /* Turns the bodies of a contact in x until they lean by `tilt` along the azimuth of `at`. */

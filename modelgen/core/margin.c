@@ -6,11 +6,14 @@ typedef struct { /* the nearest point so far: at parameter t of the curve from u
   int edge, spot, curve;
 } mg_nearest_side;
 
-static void mg_try_spot(const mg_hull *h, int edge, int spot, const mg_real *x, mg_nearest_side *best) {
-  const mg_real distance = mg_apart2(h->spot[spot].point, x);
-  if (!(distance < best->distance)) return;
-  const mg_nearest_side found = {distance, h->spot[spot].t, edge, spot, 0};
-  *best = found;
+/* The nearest corner. */
+static void mg_try_spots(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
+  mg_real least = MG_MAX;
+  for (int i = 0; i < h->n_edge; i++) {
+    const mg_real *p = h->spot[h->edge[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]}, square = mg_dot2(arm, arm);
+    if (square < least) least = square, best->edge = i;
+  }
+  best->spot = h->edge[best->edge].u, best->t = h->spot[best->spot].t, best->curve = 0, best->distance = sqrt(least);
 }
 
 /* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
@@ -50,21 +53,22 @@ static int mg_is_beyond(const mg_hull *h, const mg_edge *e, int spot, const mg_r
   return -e->way * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
 }
 
-/* The nearest point of the hull's boundary to x. Returns whether x is outside. */
+/* The nearest point of the hull's boundary to x. Returns whether x is outside: then it is beyond the chord of a side, which
+   tells. */
 static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
+  const mg_real rounding = 4 * MG_EPS * h->size;
   int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edge[0].way && !h->edge[1].way);
-  best->distance = MG_MAX, best->edge = 0;
-  for (int i = 0; i < h->n_edge; i++) mg_try_spot(h, i, h->edge[i].u, x, best);
+  best->edge = 0;
+  mg_try_spots(h, x, best);
   for (int i = 0; i < h->n_edge; i++) {
     const mg_edge *e = h->edge + i;
-    if (!e->way) {
-      outside |= mg_try_side(h, i, x, best);
-      continue;
-    }
-    outside |= mg_is_beyond(h, e, e->u, x) || mg_is_beyond(h, e, e->v, x);
     const mg_real *p = h->spot[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]}, off = mg_dot2(arm, e->normal);
     const mg_real least = off > 0 ? off - e->sag : -off;
-    if (least < best->distance) outside |= mg_try_curve(h, i, x, best);
+    if (off < -rounding && least >= best->distance) continue;
+    if (e->way) {
+      outside |= mg_is_beyond(h, e, e->u, x) || mg_is_beyond(h, e, e->v, x);
+      if (least < best->distance) outside |= mg_try_curve(h, i, x, best);
+    } else outside |= mg_try_side(h, i, x, best);
   }
   return outside;
 }

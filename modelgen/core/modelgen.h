@@ -109,7 +109,7 @@ typedef struct {
   mg_real arrest;         /* slip is stopped only where that takes no more than a speed arrest * slip_speed * length / time has */
   mg_real leap;           /* a step is shortened at whose end a contact moves off faster than leap * tolerance * its speed */
   mg_real leave;          /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
-  mg_real polish;         /* the interpolant finds an event to this part of the step */
+  mg_real polish;         /* beyond this part of the step an event is corrected only while that converges fast */
   mg_real dependent;      /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
   mg_real singular;       /* a row of a joint of which the others leave less than this part is theirs: no force is sought
                              along it, so that a dead centre is not divided by */

@@ -94,7 +94,7 @@ static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
 static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x);
 static int mg_is_lost(const mg_context *c, mg_real tilt);
-static mg_lean mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real azimuth);
+static void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
 static void mg_note_rate(mg_context *c, int contact, int stage);
 static int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x);
 static mg_real mg_misses(const mg_lean *at, mg_real tilt);

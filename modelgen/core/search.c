@@ -96,14 +96,15 @@ static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found)
 static mg_real mg_parting(mg_context *c, int pair) {
   const mg_system *s = c->sys;
   mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
-  for (int k = 0; k < MG_SAMPLES; k++) c->merit[k] = MG_MAX;
+  int groups = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++) {
     const int group = s->link_group[link];
     if (group < 0 || group >= MG_SAMPLES) continue;
+    while (groups <= group) c->merit[groups++] = MG_MAX;
     mg_place(c, mg_probe(c, link), eta, next);
     if (c->place[0] < c->merit[group]) c->merit[group] = c->place[0];
   }
-  for (int k = 0; k < MG_SAMPLES; k++)
+  for (int k = 0; k < groups; k++)
     if (c->merit[k] < MG_MAX && c->merit[k] > parting) parting = c->merit[k];
   return parting;
 }

@@ -20,15 +20,7 @@
 #define MG_ROUGHLY 0.05
 #define MG_HOPELESS 100
 
-/* The rates of q in a slope, of the velocities that the stage really has. */
-static void mg_follow(mg_context *c, mg_real t, int stage, mg_real *slope) {
-  mg_real *x = c->x_stage, *real = c->K + (2 + 2 * MG_RADAU) * c->n_x;
-  const int n_q = c->sys->n_q;
-  for (int i = n_q; i < n_q + c->sys->n_u; i++) x[i] = mg_stage_state(c, stage)[i];
-  mg_poses(c, t, x);
-  mg_accelerations(c, t, x, real);
-  for (int i = 0; i < n_q; i++) slope[i] = real[i];
-}
+enum { MG_HELD = 1, MG_STIFF = 2 }; /* how stages are looked at: with the lean as before; for the stiffness as well */
 
 /* The state at a stage, with quaternions of unit length, to c->x_stage. */
 static void mg_take_stage(mg_context *c, int stage) {
@@ -45,9 +37,12 @@ static int mg_lean_stage(mg_context *c, mg_real t, int stage, mg_real h, int hel
     for (int i = 0; i < c->sys->n_contact; i++) {
       if (c->run->fresh[i] != MG_FRESH) continue;
       mg_onset *onset = c->onset + i;
-      const mg_lean known = mg_lean_of_stage(c, i, stage, h, onset->azimuth[stage] + turned);
       const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage] + turned);
-      if (!twice && !held) onset->tilt[stage] = mg_dot3(known.along, known.lean) + noise;
+      mg_real lean[3];
+      if (!twice && !held) {
+        mg_lean_of_stage(c, i, stage, h, lean);
+        onset->tilt[stage] = mg_dot3(at.along, lean) + noise;
+      }
       if (!(onset->tilt[stage] > 0)) return 0;
       mg_lean_to(c, i, &at, onset->tilt[stage], c->x_stage);
     }
@@ -73,37 +68,69 @@ static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int 
   }
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
   mg_slope(c, t, x, slope);
-  mg_follow(c, t, stage, slope);
   return 1;
 }
 
-/* Of the lean of fresh contacts at a stage, at the present poses and velocities. */
-static void mg_note_rates(mg_context *c, int stage) {
+/* Of the lean of fresh contacts at the state of a stage. */
+static void mg_note_rates(mg_context *c, mg_real t, int stage) {
+  mg_take_stage(c, stage);
+  mg_poses(c, t, c->x_stage);
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->fresh[i] == MG_FRESH) mg_note_rate(c, i, stage);
 }
 
-/* The same at the states of all stages. */
 static void mg_note_all_rates(mg_context *c, mg_real t, mg_real h) {
-  for (int stage = 0; stage < MG_RADAU; stage++) {
-    mg_take_stage(c, stage);
-    mg_poses(c, t + mg_stage_time(stage) * h, c->x_stage);
-    mg_note_rates(c, stage);
-  }
+  for (int stage = 0; stage < MG_RADAU; stage++) mg_note_rates(c, t + mg_stage_time(stage) * h, stage);
 }
 
-/* Once round: the slopes at the stages, then the states by them. eta of fresh contacts is settled, not integrated. */
-static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int held, mg_real *change) {
+/* The poses by the velocities of the stages, and the rates of the leans. Returns by how much they changed. */
+static mg_real mg_follow(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  mg_real *rate = c->K + (1 + 2 * MG_RADAU) * c->n_x;
+  for (int stage = 0; stage < MG_RADAU; stage++) {
+    const mg_real time = t + mg_stage_time(stage) * h;
+    mg_note_rates(c, time, stage);
+    mg_accelerations(c, time, c->x_stage, rate);
+    for (int i = 0; i < c->sys->n_q; i++) mg_stage_slope(c, stage)[i] = rate[i];
+  }
+  return mg_collect(c, x, h, 0, c->sys->n_q);
+}
+
+/* d(acceleration of the lean across its azimuth) / d(azimuth) at a stage, by a difference from the slope just found. */
+static int mg_find_stiffness(mg_context *c, mg_real t, int stage, mg_real h) {
+  const mg_real turned = (mg_real)1 / 1024;
+  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x;
+  for (int twice = 0; twice < 2; twice++) {
+    if (twice && !mg_slope_leaning(c, t, stage, h, 1, turned, slope)) return 0;
+    for (int i = 0; i < c->first_pad; i++) {
+      if (c->run->fresh[i] != MG_FRESH) continue;
+      mg_onset *onset = c->onset + i;
+      const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage]);
+      const mg_real across = -mg_spin_up(c, i, twice ? slope : mg_stage_slope(c, stage), at.along) / turned;
+      onset->stiffness[stage] = twice ? onset->stiffness[stage] + across : -across;
+    }
+  }
+  return 1;
+}
+
+/* The slope at a stage, and eta of fresh contacts, which is settled, not integrated. */
+static int mg_look_at_stage(mg_context *c, mg_real t, int stage, mg_real h, int how) {
+  const int first = c->sys->n_q + c->sys->n_u;
+  if (!mg_slope_leaning(c, t, stage, h, how & MG_HELD, 0, mg_stage_slope(c, stage))) return 0;
+  mg_watch(c);
+  for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
+  return !(how & MG_STIFF) || mg_find_stiffness(c, t, stage, h);
+}
+
+/* Once round: the slopes at the stages, the velocities by them, and the poses by these. */
+static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int how, mg_real *change) {
   const mg_system *s = c->sys;
   const int first = s->n_q + s->n_u;
   c->suspect = 0;
-  for (int stage = 0; stage < MG_RADAU; stage++) {
-    if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, held, 0, mg_stage_slope(c, stage))) return 0;
-    mg_watch(c);
-    mg_note_rates(c, stage);
-    for (int i = first; i < c->work_index; i++) mg_stage_state(c, stage)[i] = c->x_stage[i];
-  }
-  *change = mg_collect(c, x, h, 0, first);
+  for (int stage = 0; stage < MG_RADAU; stage++)
+    if (!mg_look_at_stage(c, t + mg_stage_time(stage) * h, stage, h, how)) return 0;
+  *change = mg_collect(c, x, h, s->n_q, first);
+  const mg_real moved = mg_follow(c, t, x, h);
+  if (!(moved <= *change)) *change = moved;
   for (int i = 0; i < s->n_contact; i++) {
     if (c->run->fresh[i] == MG_FRESH) continue;
     const int from = first + s->contact_eta[i];
@@ -114,33 +141,15 @@ static int mg_sweep(mg_context *c, mg_real t, mg_real *x, mg_real h, int held, m
   return *change <= MG_MAX;
 }
 
-/* d(acceleration of the lean across its azimuth) / d(azimuth) at the stages, by a difference. */
-static int mg_find_stiffness(mg_context *c, mg_real t, mg_real h) {
-  const mg_real turned = (mg_real)1 / 1024;
-  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x;
-  for (int stage = 0; stage < MG_RADAU; stage++)
-    for (int sign = -1; sign <= 1; sign += 2) {
-      if (!mg_slope_leaning(c, t + mg_stage_time(stage) * h, stage, h, 1, sign * turned, slope)) return 0;
-      for (int i = 0; i < c->sys->n_contact; i++) {
-        if (c->run->fresh[i] != MG_FRESH) continue;
-        mg_onset *onset = c->onset + i;
-        const mg_lean at = mg_lean_at(c, i, onset->azimuth[stage]);
-        const mg_real across = -mg_spin_up(c, i, slope, at.along) / (2 * turned);
-        onset->stiffness[stage] = sign < 0 ? -across : onset->stiffness[stage] + across;
-      }
-    }
-  return 1;
-}
-
 /* Newton's step for the azimuths of one contact; returns what it changes of the velocities, against their scale. */
 static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   mg_onset *onset = c->onset + contact;
-  mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], most = 0;
+  mg_real matrix[MG_RADAU][MG_RADAU], change[MG_RADAU], lean[3], most = 0;
   for (int row = 0; row < MG_RADAU; row++) {
     mg_take_stage(c, row);
     mg_poses(c, t + mg_stage_time(row) * h, c->x_stage);
-    const mg_lean at = mg_lean_of_stage(c, contact, row, h, onset->azimuth[row]);
-    change[row] = -mg_dot3(at.across, at.lean);
+    mg_lean_of_stage(c, contact, row, h, lean);
+    change[row] = -mg_dot3(mg_lean_at(c, contact, onset->azimuth[row]).across, lean);
     for (int k = 0; k < MG_RADAU; k++) matrix[row][k] = h * h * mg_twice(row, k) * onset->stiffness[k];
     matrix[row][row] -= onset->tilt[row];
   }
@@ -153,16 +162,15 @@ static mg_real mg_steer(mg_context *c, mg_real t, mg_real h, int contact) {
   return most;
 }
 
-/* Newton's step for the azimuths, and substitutions, by which the poses follow. Returns the largest change of the last,
-   and of the velocities by the azimuths; NAN where it fails. */
-static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
+/* Newton's step for the azimuths, and a substitution. Returns the largest change of it, and of the velocities by the
+   azimuths; NAN where it fails. */
+static mg_real mg_round(mg_context *c, mg_real t, mg_real *x, mg_real h, int how) {
   mg_real most = 0, change = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     const mg_real effect = c->run->fresh[i] == MG_FRESH ? mg_steer(c, t, h, i) : 0;
     if (!(effect <= most)) most = effect;
   }
-  for (int sweep = 0; sweep < 2; sweep++)
-    if (!mg_sweep(c, t, x, h, held, &change)) return (mg_real)NAN;
+  if (!mg_sweep(c, t, x, h, how, &change)) return (mg_real)NAN;
   return most <= change ? change : most;
 }
 
@@ -175,9 +183,7 @@ static int mg_guess_stages(mg_context *c, mg_real t, mg_real *x, mg_real h) {
     for (int i = 0; i < c->n_x; i++)
       mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->K[i] : 0);
   mg_note_all_rates(c, t, h);
-  for (int round = 0; round < 2; round++)
-    if (!mg_sweep(c, t, x, h, 1, &change)) return 0;
-  return mg_find_stiffness(c, t, h);
+  return mg_sweep(c, t, x, h, MG_HELD, &change) && mg_sweep(c, t, x, h, MG_HELD | MG_STIFF, &change);
 }
 
 /* What rounding of the poses does to the velocities by turning the lean, against their scale. */
@@ -198,19 +204,20 @@ static int mg_reuse_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, mg_r
   mg_real change;
   mg_share_stages(c, x, share);
   mg_note_all_rates(c, t, h);
-  return mg_sweep(c, t, x, h, 0, &change) && mg_find_stiffness(c, t, h);
+  return mg_sweep(c, t, x, h, 0, &change);
 }
 
-/* The stages of a step h from a guess, first with the lean held, roughly, then with it followed. Returns to what part of
-   their scale they are found, which rounding may bound, or NAN. */
+/* The stages of a step h from a guess, first with the lean held, roughly, then with it followed, until what a next round
+   would change is little. Returns to what part of their scale they are found, which rounding may bound, or NAN. */
 static mg_real mg_solve_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int held) {
   const mg_real goal = c->set->tolerance / 100;
   mg_real before = MG_MAX, most = held ? before : 0;
   for (int round = 0; round < 12 && most > (mg_real)MG_ROUGHLY; round++)
-    if (!((most = mg_round(c, t, x, h, 1)) <= MG_HOPELESS)) return (mg_real)NAN;
+    if (!((most = mg_round(c, t, x, h, MG_HELD)) <= MG_HOPELESS)) return (mg_real)NAN;
   for (int round = 0; round < 40 && most <= MG_MAX; round++) {
     most = mg_round(c, t, x, h, 0);
-    if (round && most <= goal) return most;
+    const mg_real left = round && most < before / 4 ? most * (most / before) : most;
+    if ((round || !held) && left <= goal) return left;
     const mg_real noise = most > before ? most : before;
     if (round > 4 && most > before / 4 && noise <= mg_rounding(c, h)) return noise;
     before = most;
@@ -251,12 +258,15 @@ static mg_real mg_solve_whole(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   return mg_guess_stages(c, t, x, h) ? mg_solve_stages(c, t, x, h, 1) : (mg_real)NAN;
 }
 
-/* Notes the azimuths of the whole step, or takes them back. */
+/* Notes the azimuths of the whole step and how stiff they are, or takes them back. */
 static void mg_keep_azimuths(mg_context *c, int back) {
   for (int i = 0; i < c->first_pad; i++)
-    for (int k = 0; k < MG_RADAU && c->run->fresh[i] == MG_FRESH; k++)
-      if (back) c->onset[i].azimuth[k] = c->onset[i].whole[k];
-      else c->onset[i].whole[k] = c->onset[i].azimuth[k];
+    for (int k = 0; k < MG_RADAU && c->run->fresh[i] == MG_FRESH; k++) {
+      mg_onset *onset = c->onset + i;
+      mg_real *whole = onset->whole[k];
+      if (back) onset->azimuth[k] = whole[0], onset->stiffness[k] = whole[1];
+      else whole[0] = onset->azimuth[k], whole[1] = onset->stiffness[k];
+    }
 }
 
 /* From K[0], of which only the rates of q count, to c->x_next and the interpolant. Returns the error relative to the

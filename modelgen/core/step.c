@@ -4,8 +4,7 @@
 static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
 
 /* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
-static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  c->suspect = 0;
+static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
   if (c->sys->n_grip && mg_starts_slipping(c)) {
     const mg_real error = mg_start_slipping(c, t, x, h), least = c->sys->time * sqrt(c->set->tolerance);
@@ -17,8 +16,15 @@ static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h
   return 0;
 }
 
-/* The slope, forces and gaps at the end of the step. */
+/* The same, watching for events. */
+static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  c->suspect = 0;
+  return mg_take_step(c, t, x, h);
+}
+
+/* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
+  mg_normalise(c, c->x_next);
   mg_rhs(c, t + h, c->x_next, c->K + mg_end_row(c) * c->n_x);
   mg_gap_rates(c);
 }

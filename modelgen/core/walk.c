@@ -168,8 +168,8 @@ static int mg_is_taken(const mg_context *c, int pair, int link) {
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
   const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
-  mg_founds found = {0};
-  int count = 0;
+  mg_founds found;
+  int count = found.count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
     if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {

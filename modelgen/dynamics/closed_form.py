@@ -58,12 +58,42 @@ class Moving:
 
 @dataclass(frozen=True)
 class Row:
-    """A contact of the sentence as expressions: J and M^-1 J^T by body."""
+    """A row of a contact as expressions: J and M^-1 J^T by body."""
 
     J: Mapping[int, ca.SX]
     MJ: Mapping[int, ca.SX]
     gamma: ca.SX
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact of the sentence as expressions."""
+
+    rows: tuple[Row, ...]
     eta_dot: ca.SX
+
+
+@dataclass(frozen=True)
+class Written:
+    """A model as expressions, its contacts on the first of each pair."""
+
+    symbols: Symbols
+    bodies: list[Moving]
+    touches: list[Touch]
+
+    @property
+    def rows(self) -> list[Row]:
+        return [row for touch in self.touches for row in touch.rows]
+
+    @property
+    def qdot(self) -> ca.SX:
+        return ca.vertcat(*(body.qdot for body in self.bodies))
+
+    def udot(self, force: ca.SX) -> ca.SX:
+        """Under forces along all rows."""
+        return ca.vertcat(
+            *(_acceleration(index, body, self.rows, force) for index, body in enumerate(self.bodies))
+        )
 
 
 def is_closed_form(model: Model) -> bool:
@@ -78,6 +108,29 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
     Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
     """
+    written = _written(model, functions)
+    force = _forces(written.bodies, written.rows)
+    outputs = {
+        "qdot": written.qdot,
+        "udot": written.udot(force),
+        "eta_dot": _eta_dot(model, written.touches),
+        "force": force,
+    }
+    return kernel("mg_rhs", vars(written.symbols), outputs)
+
+
+def pushed(model: Model, functions: Functions) -> ca.Function:
+    """(t, q, u, eta, gravity, parameters, force) -> (qdot, udot, eta_dot) under given forces along all rows
+    of all contacts, N or N m; for models whose pairs have one link each."""
+    written = _written(model, functions)
+    force = ca.SX.sym("force", len(written.rows))
+    outputs = {
+        "qdot": written.qdot, "udot": written.udot(force), "eta_dot": _eta_dot(model, written.touches)
+    }  # fmt: skip
+    return kernel("pushed", {**vars(written.symbols), "force": force}, outputs)
+
+
+def _written(model: Model, functions: Functions) -> Written:
     blocks = (model.bodies, model.links, model.loads)
     sizes = [len(entry.parameters) for block in blocks for entry in block]
     symbols = Symbols(
@@ -91,18 +144,11 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
     parameters = [symbols.parameters[a:b] for a, b in pairwise(accumulate(sizes, initial=0))]
     n, m = len(model.bodies), len(model.links)
     bodies = _bodies(model, symbols, parameters[:n], parameters[n + m :], functions)
-    rows = [
-        _row(model, entry, bodies, symbols.eta, given, functions)
+    touches = [
+        _touch(model, entry, bodies, symbols.eta, given, functions)
         for entry, given in zip(model.links, parameters[n : n + m], strict=True)
     ]
-    force = _forces(bodies, rows)
-    outputs = {
-        "qdot": ca.vertcat(*(body.qdot for body in bodies)),
-        "udot": ca.vertcat(*(_acceleration(index, body, rows, force) for index, body in enumerate(bodies))),
-        "eta_dot": _eta_dot(model, rows),
-        "force": force,
-    }
-    return kernel("mg_rhs", vars(symbols), outputs)
+    return Written(symbols, bodies, touches)
 
 
 def solve_symmetric(matrix: ca.SX, vector: ca.SX) -> ca.SX:
@@ -179,27 +225,37 @@ def _fit(function: ca.Function, arguments: list[ca.SX]) -> list[ca.SX]:
     return [argument if function.numel_in(index) else ca.SX(0, 1) for index, argument in enumerate(arguments)]
 
 
-def _row(
+def _touch(
     model: Model,
     entry: LinkEntry,
     bodies: list[Moving],
     eta: ca.SX,
     parameters: ca.SX,
     functions: Functions,
-) -> Row:
+) -> Touch:
     o, f = bodies[entry.o], bodies[entry.f]
     rates = functions[f"mg_{model.contact_kinds[entry.kind].name}_rates"]
     start = model.contacts[model.pairs[entry.pair].contacts[0]].eta
     own = eta[start : start + rates.numel_in("eta")]
     arguments = _fit(rates, [o.pose, o.twist, f.pose, f.twist, own, parameters])
-    _, J_o, J_f, gamma, eta_dot, _ = rates.call(arguments)
-    J = {entry.o: J_o, entry.f: J_f}
-    return Row(J, {index: bodies[index].weigh(row) for index, row in J.items()}, gamma, eta_dot)
+    _, J_o, J_f, gamma, eta_dot, *_ = rates.call(arguments)
+    rows = []
+    for k in range(gamma.numel()):
+        J = {entry.o: _part(J_o, gamma, k), entry.f: _part(J_f, gamma, k)}
+        MJ = {index: bodies[index].weigh(row) for index, row in J.items()}
+        rows.append(Row(J, MJ, gamma[k]))
+    return Touch(tuple(rows), eta_dot)
 
 
-def _eta_dot(model: Model, rows: list[Row]) -> ca.SX:
+def _part(J: ca.SX, gamma: ca.SX, k: int) -> ca.SX:
+    """The k-th row of a block that stands row after row."""
+    size = J.numel() // gamma.numel()
+    return J[k * size : (k + 1) * size]
+
+
+def _eta_dot(model: Model, touches: list[Touch]) -> ca.SX:
     """By contact; zero where none is followed here."""
-    first = {pair.contacts[0]: row.eta_dot for pair, row in zip(model.pairs, rows, strict=True)}
+    first = {pair.contacts[0]: touch.eta_dot for pair, touch in zip(model.pairs, touches, strict=True)}
     return ca.vertcat(*(first.get(k, zeros(entry.room)) for k, entry in enumerate(model.contacts)))
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from modelgen.report.held import Array
 from modelgen.report.linear import Linearised
 from modelgen.report.small_motions import Mode
-from modelgen.report.touching import Array
 
 
 def mode_facts(found: Linearised) -> dict[str, Any]:
@@ -21,6 +21,9 @@ def mode_facts(found: Linearised) -> dict[str, Any]:
             for name in found.p
         },
         "force": dict(found.force),
+        "friction": {
+            name: {"force": each.force.tolist(), "share": each.share} for name, each in found.friction.items()
+        },
         "redundant": found.redundant,
         "modes": [
             {
@@ -41,13 +44,18 @@ def print_modes(facts: dict[str, Any], console: Console) -> None:
     for name, state in facts["bodies"].items():
         console.print(f"{name}: p ({_vector(state['p'])}), quaternion ({_vector(state['quaternion'])})")
     for name, force in facts["force"].items():
-        console.print(f"{name}: {force:.6g} N", markup=False)
+        console.print(
+            f"{name}: {force:.6g} N{_held(facts['friction'].get(name))}", markup=False, soft_wrap=True
+        )
     if facts["redundant"]:
         console.print(
-            f"warning: contact forces are not unique: {facts['redundant']} more contacts touch than have "
-            "independent rows; the motions are unique, the forces given are those of minimum norm",
+            f"warning: contact forces are not unique: the contacts have {facts['redundant']} more rows than "
+            "independent ones; the motions are unique, the forces given are those of minimum norm"
+            + (", or others where friction holds no such" if facts["friction"] else ""),
             soft_wrap=True,
         )
+    if not facts["modes"]:
+        console.print("no small motions: what touches holds all bodies", soft_wrap=True)
     for mode in facts["modes"]:
         parts = [f"{mode['frequency']:.9g} rad/s", f"{mode['hertz']:.6g} Hz"] if mode["frequency"] else []
         parts += [f"growth {mode['growth']:.6g} 1/s"] if mode["growth"] else []
@@ -55,6 +63,12 @@ def print_modes(facts: dict[str, Any], console: Console) -> None:
         console.print(
             f"{', '.join([mode['kind'], *parts])}: {', '.join(moving)}", markup=False, soft_wrap=True
         )
+
+
+def _held(friction: dict[str, Any] | None) -> str:
+    if friction is None:
+        return ""
+    return f", friction ({_vector(friction['force'])}) N, {friction['share']:.3g} of what holds"
 
 
 def _shape(mode: Mode, coordinates: dict[str, slice]) -> dict[str, Any]:

@@ -92,13 +92,31 @@ _LINEARISED = {
             "at rest", {key: _STATE["properties"][key] for key in ("p", "quaternion")}
         ),
     ),
-    "force": entry("object", "of each contact that touches, N", additionalProperties={"type": NUMBER}),
+    "force": entry(
+        "object", "of each contact that touches, along its normal, N", additionalProperties={"type": NUMBER}
+    ),
+    "friction": entry(
+        "object",
+        "of each contact that touches and has friction",
+        additionalProperties=record(
+            "of a contact that sticks",
+            {
+                "force": numbers(3, "along the surfaces on the second body of the pair, N, world axes"),
+                "share": entry(
+                    NUMBER, "of its static friction, or of the resistance that is taken up most; at most 1"
+                ),
+            },
+        ),
+    ),
     "redundant": entry(
-        "integer", "contacts that touch beyond the rank of their rows; their forces are those of minimum norm"
+        "integer",
+        "rows of the contacts that touch beyond their rank; above 0 the forces are not unique: those of "
+        "minimum norm, or others where friction holds no such",
     ),
     "modes": entry(
         "array",
-        "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)), by frequency",
+        "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)), by frequency; "
+        "none where contacts hold all bodies",
         items=record(
             "a small motion",
             {

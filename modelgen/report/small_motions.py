@@ -1,14 +1,16 @@
-"""Modes of y'' + C y' + K y = 0, each with a shape that is well defined, and the forces that press least."""
+"""Modes of y'' + C y' + K y = 0, each with a shape that is well defined; K need not be symmetric."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
-from modelgen.report.touching import Array, Place
+from modelgen.report.held import Array
+from modelgen.report.touching import Place
+
+Solver = Callable[..., Iterator["Mode"]]  # (place, moved, still, slow)
 
 SAME = 1e-9  # relative: frequencies this near belong to one space of shapes
 AS_NEAR = 1e-9  # of two coordinates that lie equally near a space of shapes the first is taken
@@ -45,9 +47,15 @@ def small_motions(place: Place, time: float, neutral: float) -> tuple[Mode, ...]
     rank = int((sizes > neutral).sum())
     moved, still = vectors[:rank].T, vectors[rank:].T
     found = [Mode(0.0, 0.0, shape) for shape in _nearest_to_coordinates(place.motions @ still, place.mass)]
-    symmetric = np.abs(K - K.T).max(initial=0.0) < slow / time and np.abs(C).max(initial=0.0) < slow
-    found += (_undamped if symmetric else _damped)(place, moved, still, slow)
+    found += _moving(K, C, slow, slow / time)(place, moved, still, slow)
     return tuple(sorted(found, key=lambda mode: (mode.frequency, mode.growth)))
+
+
+def _moving(K: Array, C: Array, slow: float, soft: float) -> Solver:
+    """By what the matrices are."""
+    if np.abs(C).max(initial=0.0) >= slow:
+        return _damped
+    return _undamped if np.abs(K - K.T).max(initial=0.0) < soft else _circulating
 
 
 def _undamped(place: Place, moved: Array, still: Array, slow: float) -> Iterator[Mode]:
@@ -66,6 +74,26 @@ def _undamped(place: Place, moved: Array, still: Array, slow: float) -> Iterator
                 else (Mode(0.0, sign * rate, shape) for sign in (-1, 1))
             )
         first = last
+
+
+def _circulating(place: Place, moved: Array, still: Array, slow: float) -> Iterator[Mode]:
+    """Without damping, K of any form: s^2 = -value of each eigenvalue; the neutral motions follow."""
+    values, vectors = np.linalg.eig(moved.T @ place.stiffness @ moved)
+    for value, z in zip(values, vectors.T, strict=True):
+        if value.imag < 0:
+            continue
+        rate = np.sqrt(np.complex128(-value))
+        frequency, growth = (float(x) if abs(x) > slow else 0.0 for x in (rate.imag, rate.real))
+        shape = moved @ z
+        if frequency or growth:
+            shape = shape + still @ (still.T @ (place.stiffness @ shape)) / value
+        shape = place.motions @ (shape if value.imag else np.real(shape))
+        if not growth:
+            yield Mode(abs(frequency), 0.0, shape)
+            continue
+        turned = shape if rate.imag > 0 else shape.conj()
+        yield Mode(abs(frequency), growth, turned)
+        yield Mode(abs(frequency), -growth, turned.conj())
 
 
 def _damped(place: Place, moved: Array, still: Array, slow: float) -> Iterator[Mode]:
@@ -92,23 +120,3 @@ def _nearest_to_coordinates(space: Array, mass: Array) -> Iterator[Array]:
         along = along / np.linalg.norm(along)
         yield space @ along
         space = space @ np.linalg.svd(along[None, :])[2][1:].T
-
-
-def least_pressing(A: Array, b: Array) -> Array:
-    """f >= 0 of minimum norm with A f = b; where there is none, some f >= 0 that misses it least.
-
-    Source: Lawson and Hanson, Solving Least Squares Problems, ch. 23: least distance programming.
-    """
-    if not A.shape[1]:
-        return np.zeros(0)
-    feasible, rest = nnls(A, b)
-    plain = np.linalg.lstsq(A, b, rcond=None)[0]
-    if rest > SAME * np.linalg.norm(b) or plain.min() >= 0:
-        return np.asarray(feasible if plain.min() < 0 else plain)
-    _, sizes, vectors = np.linalg.svd(A)
-    free = vectors[int((sizes > SAME * sizes.max()).sum()) :].T
-    target = np.zeros(free.shape[1] + 1)
-    target[-1] = 1.0
-    rows = np.vstack([free.T, -plain[None, :] / np.linalg.norm(plain)])
-    left = rows @ nnls(rows, target)[0] - target
-    return np.asarray(np.maximum(plain - free @ left[:-1] / left[-1] * np.linalg.norm(plain), 0.0))

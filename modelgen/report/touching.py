@@ -1,33 +1,43 @@
-"""A scene with the contacts that touch at its start held closed, and its motion linearised at rest.
+"""A scene with the contacts that touch at its start held, and its motion linearised at rest.
 
-The right-hand side gives qdot = B u, eta_dot = E u and udot. A small motion xi along u moves the contact
-points with it, so that at u = 0 it changes udot by D xi, D = udot_q B + udot_eta E; derivatives are exact.
-The contacts stay closed under the motions with J xi = 0.
+M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches and the rows
+that friction and resistances hold there, qdot = B u and eta_dot = E u. A small motion xi with J xi = 0 moves
+the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
+and J change:
+
+    Z^T M y_dot = Z^T d(f + J^T force) with the force of the equilibrium, d = (d/dq B + d/deta E) xi + d/du u.
+
+The derivatives are exact. Rows that roll without slip are no derivatives of positions: their part of the
+stiffness Z^T d(J^T force) Z need not be symmetric.
+
+Source: Ju. I. Neimark, N. A. Fufaev, Dynamics of Nonholonomic Systems (1972).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import block_diag, qr
+from scipy.linalg import block_diag
 
 from modelgen.codegen.library import Library
 from modelgen.derive import Derivation
-from modelgen.dynamics.closed_form import right_hand_side
+from modelgen.dynamics.closed_form import pushed
 from modelgen.errors import SimulationError
 from modelgen.model import ContactEntry, LinkEntry, Model, PairEntry
 from modelgen.notation import ETA_SIZE
+from modelgen.report.held import Array, Contact, Facing, call, moving
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
 from modelgen.scene.types import Restitution
 
-Array = np.ndarray[Any, np.dtype[np.float64]]
-
 DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
-NEWTON = 20  # corrections of the contact points
+
+
+class NoPlaceError(ArithmeticError):
+    """A contact has no point there, or a load no value."""
 
 
 @dataclass(frozen=True)
@@ -36,20 +46,26 @@ class Place:
 
     q: Array  # (n_q,)
     etas: tuple[Array, ...]  # of each contact
-    gaps: Array  # (m,) m
-    J: Array  # (m, n)
+    facings: tuple[Facing, ...]  # of each contact
+    J: Array  # (m, n) the rows that are held
+    gaps: Array  # (m,) m, of rows along normals; 0 of others
     B: Array  # (n_q, n) qdot by u
-    C: Array  # (n, n) 1/s, udot by u
-    D: Array  # (n, n) 1/s^2, udot by xi
-    udot: Array  # (n,)
+    C: Array  # (n, n) 1/s, udot by u, under the forces that hold
+    D: Array  # (n, n) 1/s^2, udot by xi, under them
     free: Array  # (n,) udot without contact forces
     mass: Array  # (n, n)
-    motions: Array  # (n, k) that keep the contacts closed; motions^T mass motions = 1
+    root: Array  # (n, n), root root^T = mass^-1
+    motions: Array  # (n, k) that keep what is held; motions^T mass motions = 1
 
     @property
     def push(self) -> Array:
         """(k,) what accelerates the motions."""
-        return np.asarray(self.motions.T @ self.mass @ self.udot)
+        return np.asarray(self.motions.T @ self.mass @ self.free)
+
+    @property
+    def redundant(self) -> int:
+        """Rows of J beyond its rank."""
+        return int(self.motions.shape[1]) + len(self.J) - len(self.free)
 
     @property
     def stiffness(self) -> Array:
@@ -62,35 +78,6 @@ class Place:
         return np.asarray(-self.motions.T @ self.mass @ self.C @ self.motions)
 
 
-@dataclass(frozen=True)
-class Contact:
-    """One that touches at the start, on one link for good."""
-
-    name: str
-    link: LinkEntry
-    rates: ca.Function
-    place: ca.Function
-    eta: Array  # at the start
-
-    def settled(self, sides: list[Array], eta: Array) -> tuple[Array, float]:
-        """eta on the extremum, and the gap there, m."""
-        for _ in range(NEWTON):
-            following, gap, *_ = _call(self.place, *sides, eta, np.array(self.link.parameters))
-            done = np.array_equal(following, eta)
-            eta = following
-            if done:
-                break
-        return eta, float(gap[0])
-
-    def row(self, sides: list[Array], eta: Array, model: Model) -> Array:
-        """Its row of J."""
-        still, row = np.zeros(6), np.zeros(model.n_u)
-        found = _call(self.rates, sides[0], still, sides[1], still, eta, np.array(self.link.parameters))
-        for body, part in zip((self.link.o, self.link.f), found[1:3], strict=True):
-            row[model.bodies[body].u :][: len(part)] = part
-        return row
-
-
 class Touching:
     """A scene at rest whose contacts are those that touch at the start."""
 
@@ -101,27 +88,44 @@ class Touching:
         self.library = library
         self.contacts = self._at_start()
         self.mass_inverse = _mass_inverse(model)
+        self.root: Array = np.asarray(np.linalg.cholesky(self.mass_inverse), dtype=float)
         self.mass: Array = np.asarray(np.linalg.inv(self.mass_inverse), dtype=float)
-        q = np.array(model.initial_q)
-        J = self._rows(q, tuple(contact.eta for contact in self.contacts))
-        self.held = _independent(J)
-        self.motion = self._motion(self.held)
-        self.unheld = self._motion([])
+        self.held: list[int] = []  # rows among those of all contacts
+        for contact, first in zip(self.contacts, self.first, strict=True):
+            self.held += [first + row for row in contact.held]
+        self.motion = self._motion()
+        facings = self._facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
+        _refuse_moving(model, self.contacts, facings)
+
+    @cached_property
+    def first(self) -> list[int]:
+        """The first row of each contact among those of all."""
+        return list(np.cumsum([0, *(contact.rows for contact in self.contacts)])[:-1])
 
     def at(self, q: Array, etas: tuple[Array, ...]) -> Place:
-        """The place q with the contact points brought onto their extrema from `etas`."""
+        """The place q with the contact points brought onto their extrema from `etas`.
+
+        Raises NoPlaceError where they have none.
+        """
         found = [
             contact.settled(self._sides(contact.link, q), eta)
             for contact, eta in zip(self.contacts, etas, strict=True)
         ]
-        etas, gaps = tuple(eta for eta, _ in found), np.array([gap for _, gap in found])
-        J, still = self._rows(q, etas), np.zeros(self.model.n_u)
-        B, C, D, udot = self.motion(q, still, np.concatenate([*(etas[k] for k in self.held), np.zeros(0)]))
-        free = self.unheld(q, still, [])[3]
+        etas = tuple(eta for eta, _ in found)
+        facings, still = self._facings(q, etas), np.zeros(self.model.n_u)
+        rows = np.vstack([np.zeros((0, self.model.n_u)), *(facing.J for facing in facings)])
+        J, gaps, force = rows[self.held], np.zeros(len(rows)), np.zeros(len(rows))
+        gaps[self.first] = [gap for _, gap in found]
+        eta = np.concatenate([*etas, np.zeros(0)])
+        free = np.array(self.motion(q, still, eta, force)[3]).ravel()
+        if not (np.isfinite(rows).all() and np.isfinite(free).all()):
+            raise NoPlaceError
+        wanted = -self.root.T @ self.mass @ free
+        force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
+        B, C, D = (np.array(each) for each in self.motion(q, still, eta, force)[:3])
         return Place(
-            q, etas, gaps, J, np.array(B), np.array(C), np.array(D), np.array(udot).ravel(),
-            np.array(free).ravel(), self.mass, _motions(J, self.mass_inverse),
-        )  # fmt: skip
+            q, etas, facings, J, gaps[self.held], B, C, D, free, self.mass, self.root, _motions(J, self.root)
+        )
 
     def stands(self, q: Array) -> bool:
         """Whether as many contacts as at the start touch at q, and nothing interpenetrates."""
@@ -147,20 +151,32 @@ class Touching:
             link = model.links[int(session.link[k])]
             size = sum(ETA_SIZE[carrier] for carrier in session.layout(k))
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
-            found.append(
-                Contact(entry.name, link, self._kernel(link, "rates"), self._kernel(link, "place"), eta)
-            )
+            grips = model.pairs[entry.pair].grips
+            rates, place = (self._kernel(link, role) for role in ("rates", "place"))
+            found.append(Contact(entry.name, link, grips, rates, place, eta))
         return tuple(found)
 
     def _kernel(self, link: LinkEntry, role: str) -> ca.Function:
         return self.functions[f"mg_{self.model.contact_kinds[link.kind].name}_{role}"]
 
-    def _rows(self, q: Array, etas: tuple[Array, ...]) -> Array:
-        rows = [
-            contact.row(self._sides(contact.link, q), eta, self.model)
+    def _facings(self, q: Array, etas: tuple[Array, ...]) -> tuple[Facing, ...]:
+        return tuple(
+            contact.facing(self._sides(contact.link, q), eta, self.model)
             for contact, eta in zip(self.contacts, etas, strict=True)
-        ]
-        return np.array(rows).reshape(len(rows), self.model.n_u)
+        )
+
+    def turns(self, q: Array) -> list[Array]:
+        """The rotation (3, 3) of each body."""
+        poses = [self._pose(index, q) for index in range(len(self.model.bodies))]
+        return [np.reshape(pose[3:12], (3, 3)).T for pose in poses]
+
+    def turning(self, q: Array) -> Array:
+        """(n, n) orthogonal, to u from u with v in body axes."""
+        found = np.eye(self.model.n_u)
+        for body, turn in zip(self.model.bodies, self.turns(q), strict=True):
+            if self.model.body_kinds[body.kind].motion == "free":
+                found[body.u : body.u + 3, body.u : body.u + 3] = turn
+        return found
 
     def _sides(self, link: LinkEntry, q: Array) -> list[Array]:
         return [self._pose(link.o, q), self._pose(link.f, q)]
@@ -172,22 +188,23 @@ class Touching:
             return np.array(body.parameters)
         if kind.motion == "point":
             return np.concatenate([q[body.q : body.q + 3], np.eye(3).ravel()])
-        return _call(self.functions[f"mg_{kind.name}_pose"], q[body.q : body.q + 7])[0]
+        return call(self.functions[f"mg_{kind.name}_pose"], q[body.q : body.q + 7])[0]
 
-    def _motion(self, held: list[int]) -> ca.Function:
-        """(q, u, eta of the held contacts) -> B, C, D, udot."""
-        model = _holding([self.contacts[k] for k in held], self.model)
-        rhs = right_hand_side(model, self.functions)
-        q, u, eta = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta"))
+    def _motion(self) -> ca.Function:
+        """(q, u, eta of the contacts, forces along all their rows) -> B, C, D, udot."""
+        model = _holding(self.contacts, self.model)
+        rhs = pushed(model, self.functions)
+        q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
         blocks = (model.bodies, model.links, model.loads)
         parameters = [value for block in blocks for entry in block for value in entry.parameters]
-        qdot, udot, eta_dot, _ = rhs(0.0, q, u, eta, ca.DM(model.scene.gravity), ca.DM(parameters))
+        gravity = ca.DM(model.scene.gravity)
+        qdot, udot, eta_dot = rhs(0.0, q, u, eta, gravity, ca.DM(parameters), force)
         B, E, C = ca.jacobian(qdot, u), ca.jacobian(eta_dot, u), ca.jacobian(udot, u)
         D = ca.jacobian(udot, q) @ B + ca.jacobian(udot, eta) @ E
-        return ca.Function("motion", [q, u, eta], [B, C, D, udot])
+        return ca.Function("motion", [q, u, eta, force], [B, C, D, udot])
 
 
-def _holding(held: list[Contact], model: Model) -> Model:
+def _holding(held: tuple[Contact, ...], model: Model) -> Model:
     """The model in which each of these contacts is a pair of its own, and there are no others."""
     links = tuple(replace(each.link, pair=k, conditions=()) for k, each in enumerate(held))
     pairs = tuple(
@@ -201,23 +218,30 @@ def _holding(held: list[Contact], model: Model) -> Model:
 
 
 def _refuse(model: Model) -> None:
-    """Raises SimulationError where a body is driven, or a contact has friction, which has no derivative."""
+    """Raises SimulationError where a body is driven, or there are joints."""
     where = f"{model.scene.name}: linearise"
     for body in model.bodies:
         if model.body_kinds[body.kind].motion == "driven":
             found, allowed = f"body {body.name!r} is driven", "fixed and dynamic bodies have an equilibrium"
             raise SimulationError(where, found, allowed, "make it fixed")
-    for link in model.links:
-        if model.contact_kinds[link.kind].rows > 1:
-            found = f"contact {model.pairs[link.pair].name!r} has friction"
-            allowed = "contacts without friction, whose motions near rest are smooth"
-            raise SimulationError(where, found, allowed, "leave its friction out")
+    for joint in model.joints:
+        found, allowed = f"there is a joint, {joint.name!r}", "bodies that contacts and loads alone hold"
+        raise SimulationError(where, found, allowed, "leave it out, or run the scene from a small push")
 
 
-def _call(function: ca.Function, *arguments: Array) -> list[Array]:
-    """The outputs (n,) of a kernel, its arguments cut to the length that it takes."""
-    given = [ca.DM(value[: function.numel_in(k)]) for k, value in enumerate(arguments)]
-    return [np.array(value).ravel() for value in function.call(given)]
+def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...]) -> None:
+    """Raises SimulationError where what friction or a resistance should hold moves at the start."""
+    u, scales, least = np.array(model.initial_u), model.scales, Accuracy.balanced().slip_speed
+    for contact, facing in zip(contacts, facings, strict=True):
+        for grip, speed in moving(contact, facing.J @ u):
+            unit = "m/s" if grip.aspect == "slip" else "rad/s"
+            if speed > least * (scales.length if grip.aspect == "slip" else 1.0) / scales.time:
+                raise SimulationError(
+                    f"{model.scene.name}: linearise",
+                    f"contact {contact.name!r} {grip.aspect}s at the start, at {speed:.3g} {unit}",
+                    "contacts with friction that stick",
+                    "start it at rest, or leave its friction out",
+                )
 
 
 def _mass_inverse(model: Model) -> Array:
@@ -232,18 +256,8 @@ def _mass_inverse(model: Model) -> Array:
     return np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
 
 
-def _independent(J: Array) -> list[int]:
-    """The rows that span all, in order."""
-    if not J.size:
-        return []
-    _, triangle, order = qr(J.T, mode="economic", pivoting=True)
-    sizes = np.abs(np.diag(triangle))
-    return sorted(order[: len(sizes)][sizes > DEPENDENT * sizes.max()].tolist())
-
-
-def _motions(J: Array, mass_inverse: Array) -> Array:
+def _motions(J: Array, root: Array) -> Array:
     """(n, k) with J motions = 0 and motions^T M motions = 1."""
-    root = np.linalg.cholesky(mass_inverse)
     _, sizes, vectors = np.linalg.svd(np.vstack([J @ root, np.zeros((1, len(root)))]))
     rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
     return np.asarray(root @ vectors[rank:].T)

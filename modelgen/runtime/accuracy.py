@@ -95,7 +95,7 @@ class Accuracy:
         arrest: slip is stopped only where that takes less energy than a speed of arrest slip_speed L/T has.
         leap: a step is shortened if a loaded contact parts at its end by leap tolerance (its speed, L/T).
         leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
-        polish: the interpolant finds an event to this part of the step; further steps do the rest.
+        polish: further steps correct an event beyond this part of the step only while they converge fast.
         dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
         singular: a row of a joint with less than this of its own is left to the others, as at a dead centre.
         depth: a contact that appears in a run may be below zero by depth L.

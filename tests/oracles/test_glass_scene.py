@@ -36,3 +36,22 @@ def test_the_shipped_glass_slides_and_rolls_as_the_reference_does(accuracy: str)
     assert abs(path.p[rolling, 1] - p).max() < position
     assert abs(found - rotation).max() < turn
     assert np.ptp(path.energy - path.work) < 1e-11
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
+def test_the_shipped_glass_tips_on_time_however_long_its_steps(tolerance: float) -> None:
+    """It turns by 2 rad before, in three steps, at whose ends quaternions are not of unit length."""
+    path = run("glass_on_table", Accuracy.of(tolerance), until=2.15, samples=1)
+    (tip,) = (event.t for event in path.events if event.kind == "tip")
+    assert tip == pytest.approx(EDGE, abs=1e-10)
+
+
+def test_a_finer_tolerance_does_not_make_the_shipped_glass_err_by_more_than_twice_as_much() -> None:
+    def turned(tolerance: float) -> np.ndarray:
+        path = run("glass_on_table", Accuracy.of(tolerance), until=2.15, samples=100)
+        return np.asarray(path.quaternion[:, 1], dtype=float)
+
+    true = turned(1e-13)
+    errors = [abs(turned(10.0**-k) - true).max() for k in range(2, 12)]
+    least = np.minimum.accumulate(errors)
+    assert (np.array(errors[1:]) < 2 * least[:-1]).all()

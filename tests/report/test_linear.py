@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import ModelgenError, SimulationError
+from modelgen.report.forces import least_pressing
 from modelgen.report.linear import Linearised
-from modelgen.report.small_motions import least_pressing
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
 from tests.oracles.pieces import TABLE, G, ball
@@ -227,12 +227,9 @@ def test_a_driven_body_is_refused() -> None:
         linear(scene)
 
 
-def test_friction_is_refused() -> None:
-    scene = standing(0.3, 0.2, 0.1)
-    model = require(scene)
-    rough = replace(model, contact_kinds=tuple(replace(kind, rows=3) for kind in model.contact_kinds))
-    with pytest.raises(SimulationError, match=r"egg-table.*friction"):
-        linearise(derive(rough), library_of(scene))
+def test_joints_are_refused() -> None:
+    with pytest.raises(SimulationError, match="joint"):
+        linearise(derive(require(shipped("double_pendulum"))), library_of(stool()))
 
 
 def test_a_wrong_argument_is_refused() -> None:
