@@ -144,6 +144,6 @@ EVENTS = (
     ),
     Extreme(
         "single precision", "s of rocking in a float build", decades(-2, 1), (1e-1,),
-        "1e-6 + 1e-4 t", lambda x: 1e-6 + 1e-4 * x, RUN, _try_float,
+        "1e-6 + 1e-4 t", lambda x: 1e-6 + 1e-4 * x, RUN, _try_float, warned=5.0,
     ),
 )  # fmt: skip

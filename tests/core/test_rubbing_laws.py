@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 from scipy.special import ellipe, ellipk
@@ -50,6 +50,7 @@ ROUND = {
     "ellipse": ellipse(1.0, 0.5),
     "stadium": stadium(0.5, 0.4),
 }
+EPS = float(np.finfo(float).eps)
 unit, share = st.floats(-1, 1), st.floats(0.02, 0.98)
 
 
@@ -68,6 +69,7 @@ def rubbed(core: CoreBuild, arcs: list[Arc], at: Array, twist: Array, wrench: Ar
 
 
 @settings(max_examples=40, deadline=None)
+@example("letter", 0.0, 0.859375, 0.0, 0.0, 0.0, 0.5)
 @given(
     st.sampled_from(sorted(CORNERS)),
     unit,
@@ -84,7 +86,9 @@ def test_friction_is_that_along_rays(
     twist = np.array([w * far * cy, -w * far * cx, w])
     found = rubbed(plane_core, ARCS[name], at, twist)
     wanted, off = friction_along_rays(CORNERS[name], found.pressure[0], at, twist)
-    assert found.friction[0] == pytest.approx(wanted, abs=10 * off + 1e-11 * (1 + far) ** 2)
+    slope = float(np.hypot(*found.pressure[0][1:]))  # steep where little is pressed, of sums that cancel
+    allowed = 10 * off + 1e-11 * (1 + far) ** 2 + EPS / 16 * slope
+    assert found.friction[0] == pytest.approx(wanted, abs=allowed)
 
 
 @pytest.mark.parametrize("where", ["inside", "on the edge", "at a corner", "far away"])
