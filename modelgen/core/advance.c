@@ -181,6 +181,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   }
   if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
   mg_ledger(c);
+  if (!outcome) outcome = mg_vault_all(c, record, events);
   if (!outcome) outcome = mg_check_margins(c, events);
   return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
 }
@@ -204,6 +205,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
                       long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_open(&c, system, settings, run, work, iwork);
+  c.until = t_stop;
   mg_refresh(&c);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_preview(&c, record);

@@ -41,6 +41,7 @@ static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->falls = run->fall_left = run->rough = run->relaxed = 0;
   run->watch_tries = run->watch_rejected = 0, run->watch_t = run->t;
+  run->vaults = 0, run->vaulted = -1;
   run->fall_first = run->fall_end = run->fall_time = 0, run->fall_cause = run->fall_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;

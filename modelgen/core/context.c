@@ -64,7 +64,7 @@ static long mg_table_size(const mg_system *s) { return s->n_table ? (long)MG_IN 
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
-  return 30 * b + 31 * r + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+  return 42 * b + 45 * r + 6 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
          mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s);
 }
@@ -147,6 +147,9 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);
   c->parent = mg_take_int(&iwork, b), c->head = mg_take_int(&iwork, b);
   c->first = mg_take_int(&iwork, b + 1), c->incident = mg_take_int(&iwork, 2 * r);
+  c->vault.column = mg_take(&work, 12 * r), c->vault.rate = mg_take(&work, r), c->vault.impulse = mg_take(&work, r);
+  c->vault.point = mg_take(&work, 3 * m), c->vault.landed = mg_take(&work, 3 * m);
+  c->vault.free = mg_take(&work, 6 * b), c->vault.gained = mg_take(&work, 6 * b);
   c->tangents = c->block = 0;
   if (s->n_grip) mg_carve_grips(c, work, iwork);
 }

@@ -64,6 +64,10 @@ typedef struct { /* a contact's lean: the part across N of what was N when f lay
   mg_real normal[3], along[3], across[3], lean[3];
 } mg_lean;
 
+typedef struct { /* over a singular place: as it was before, per row 12, 1, 1, per contact 3, 3, per body 6, 6; least margin after */
+  mg_real *column, *rate, *impulse, *point, *landed, *free, *gained, power, margin;
+} mg_vault;
+
 typedef struct {
   const mg_system *sys;
   const mg_settings *set;
@@ -130,6 +134,8 @@ typedef struct {
   mg_onset *onset;                          /* per contact */
   mg_real tried;                            /* size of a step from flat, tried at this state, that `dense` follows; 0: none */
   mg_real pace;                             /* what an explicit step can follow after slip has begun, s */
+  mg_vault vault;
+  mg_real until;                            /* where mg_advance stops, s */
   int suspect;                              /* an event function changed sign at a stage */
 } mg_context;
 

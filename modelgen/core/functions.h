@@ -53,6 +53,8 @@ static void mg_turn_round(const mg_context *c, int link, mg_real *eta);
 static void mg_note_place(const mg_context *c, mg_found *found);
 static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b);
 static mg_real mg_parting(mg_context *c, int pair);
+static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found);
+static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found);
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
 static mg_real mg_clearance(const mg_context *c, int link);
 static int mg_is_far(const mg_context *c, int link);
@@ -61,6 +63,7 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
 static int mg_is_taken_up(const mg_context *c, const mg_found *found);
 static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
+static int mg_search_pair(mg_context *c, mg_events *events, int pair);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
 static mg_real mg_pair_speed(const mg_context *c, int pair);
 
@@ -123,6 +126,9 @@ static int mg_settle_safely(mg_context *c, int link, mg_real *eta);
 
 /* advance.c */
 static int mg_finite(const mg_real *x, int n);
+
+/* vault.c */
+static int mg_vault_all(mg_context *c, mg_record *record, mg_events *events);
 
 /* rk4.c, dop853.c, step.c */
 static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);

@@ -174,6 +174,7 @@ typedef struct {
   long falls, fall_left;  /* back on time-stepping: how often; steps to go */
   long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
+  long vaults;            /* places passed where a closed contact was singular */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
@@ -192,6 +193,7 @@ typedef struct {
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
   int gain, chain, paradox; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
   int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
+  int vaulted;            /* the contact of the first of the vaults, or -1 */
   int shared;             /* forces are not unique: `share` says which are meant */
 } mg_run;
 

@@ -75,6 +75,7 @@ RUN_COUNTS = (
     "since_projection",
     "events_at_t",
     *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
+    "vaults",
     "redundant_max",
 )
 RUN_REALS = (
@@ -87,7 +88,7 @@ RUN_REALS = (
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
     *("dead_centres", "dead_centre", "gain", "chain", "paradox"),
-    *("fall_cause", "fall_doublings", "shared"),
+    *("fall_cause", "fall_doublings", "vaulted", "shared"),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),

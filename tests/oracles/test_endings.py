@@ -54,18 +54,36 @@ def test_an_almost_conforming_pair_is_refused_by_the_name_of_its_contact() -> No
     assert path.margin_min < 1e-5
 
 
-def test_an_egg_sliding_to_where_a_trough_is_as_narrow_as_itself_stops_at_the_margin() -> None:
-    # radii of curvature across the trough: 0.1 m of the egg, 1 / (8 + 4 u) of the trough
-    trough = make.chart("u", "v", "v**2*(4+2*u)", domain=[(-2, 2), (-0.5, 0.5)])
+def test_an_egg_sliding_along_a_trough_that_comes_to_fit_it_stops_at_the_margin() -> None:
+    # curvatures across the trough: 10 / m of the egg, 10 - 2 exp(-8 u) of the trough; margin exp(-8 u) / 10
+    trough = make.chart("u", "v", "v**2*(5-exp(-8*u))", domain=[(-0.3, 2), (-0.5, 0.5)])
     egg = solid("egg", (0.2, 0.1, 0.1), position=[0, 0, 0.1], velocity=[1.0, 0, 0])
     path = ran([make.fixed("trough", trough), egg], 2.0, [{"between": ["egg", "trough"]}])
     assert path.outcome is Outcome.MARGIN
     assert path.outcome_contact == "egg-trough#1"
-    # the curvatures agree at u = 0.5, which the egg reaches at t = 0.5; the margin there falls at 1/5 a metre
-    assert path.t_end == pytest.approx(0.5, abs=1e-4)
-    assert path.margin_min == pytest.approx(1e-5, rel=1e-6)
+    assert path.t_end == pytest.approx(np.log(1e4) / 8, abs=1e-4)
+    assert path.margin_min == pytest.approx(1e-5, rel=1e-5)
     assert path.t[-1] == path.t_end
     assert path.gap[-1, 0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_an_egg_sliding_to_where_a_trough_is_narrower_than_itself_slides_on_on_two_points() -> None:
+    # radii of curvature across the trough: 0.1 m of the egg, 1 / (8 + 4 u) of the trough
+    trough = make.chart("u", "v", "v**2*(4+2*u)", domain=[(-2, 2), (-0.5, 0.5)])
+    egg = solid("egg", (0.2, 0.1, 0.1), position=[0, 0, 0.1], velocity=[1.0, 0, 0])
+    path = ran([make.fixed("trough", trough), egg], 2.0, [{"between": ["egg", "trough"]}])
+    assert path.outcome is Outcome.DONE
+    # the curvatures agree at u = 0.5, which the egg reaches at t = 0.5
+    assert path.events[0].t == pytest.approx(0.5, abs=1e-4)
+    assert path.force[-1, 0] == pytest.approx(path.force[-1, 1], rel=1e-9)
+    assert path.energy_drift < 1e-11
+    u, v = np.meshgrid(np.linspace(-2, 2, 1601), np.linspace(-0.1, 0.1, 201))
+    x = np.stack([u, v, v**2 * (4 + 2 * u)], axis=-1) - path.p[-1, 1]
+    w, a, b, c = path.quaternion[-1, 1]
+    turn = np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+    own = x @ (np.eye(3) + 2 * w * turn + 2 * turn @ turn)
+    depth = np.sqrt(np.sum((own / [0.2, 0.1, 0.1]) ** 2, axis=-1)).min() - 1
+    assert 0 < depth < 1e-4
 
 
 def test_an_interrupt_keeps_what_was_computed() -> None:
