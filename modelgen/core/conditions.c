@@ -48,15 +48,18 @@ static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg
   return atan2(point[1] / y[1], point[0] / x[0]);
 }
 
-/* The chart coordinates of one side; those of a plane are its first axes. */
+static int mg_is_charted(const mg_context *c, int link, int side) {
+  const int carrier = mg_carrier(c, link, side);
+  return carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+}
+
+/* The chart coordinates of one side; those of a plane or of a curve that eta does not tell are its first axes: an arc of a
+   rounded corner needs no ends on a plane, for its circle lies within the corner. */
 static void mg_coordinates(const mg_context *c, int link, int side, const mg_real *eta, const mg_real *point,
                            mg_real *uv) {
-  const int carrier = mg_carrier(c, link, side);
   const mg_real *own = eta + (side ? mg_carried[mg_carrier(c, link, 0)] : 0);
-  const int charted = carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
-  const int curve = mg_shape_kinds[c->sys->side_shape[2 * link + side]].dimension == 1;
-  uv[0] = charted ? own[0] : curve ? mg_parameter_at(c, link, side, point) : point[0];
-  uv[1] = carrier == MG_CHART ? own[1] : point[1];
+  uv[0] = mg_is_charted(c, link, side) ? own[0] : point[0];
+  uv[1] = mg_carrier(c, link, side) == MG_CHART ? own[1] : point[1];
 }
 
 static inline mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -66,12 +69,13 @@ static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
          a[7] * x[0] * x[1] + a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }
 
-/* -N.w, w = a T x z + b z the direction from an edge into a face beside it. */
-static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a, const mg_real *uv,
+/* -N.w, w = a T x z + b z the direction from an edge into a face beside it, at a point of it with coordinates uv. */
+static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a, const mg_real *x, const mg_real *uv,
                        const mg_real *N) {
   const mg_system *s = c->sys;
+  const mg_real at[2] = {mg_is_charted(c, link, side) ? uv[0] : mg_parameter_at(c, link, side, x), uv[1]};
   mg_real point[3], T[3];
-  mg_shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], point, T);
+  mg_shape_point(s->side_shape[2 * link + side], at, s->parameters + s->side_parameters[2 * link + side], point, T);
   return -(a[0] * (T[1] * N[0] - T[0] * N[1]) / sqrt(mg_dot3(T, T)) + a[1] * N[2]);
 }
 
@@ -93,7 +97,7 @@ static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real 
     case MG_QUADRIC: return mg_quadric(a, x) / s->length;
     case MG_PARAMETER: return a[1] * (uv[(int)a[0]] - a[2]) / mg_side(c, link, side)[MG_SPAN + (int)a[0]];
     case MG_DISC: return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
-    case MG_WING: return mg_wing(c, link, side, a, uv, N);
+    case MG_WING: return mg_wing(c, link, side, a, x, uv, N);
     case MG_TILT: return a[3] * (mg_sine(a, N) - c->set->flat);
     default: return -mg_dot3(a, N);
   }

@@ -143,8 +143,8 @@ static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
 }
 
 /* The event found on the interpolant, its time corrected by the slope of the event function, which is that of the last two
-   steps once they differ. Where corrections do not shrink, fast beyond what the interpolant may err, as at a jump of the
-   loads, the event is where it was found. */
+   steps once they differ. Where rounding hides the zero it is taken before it: bounces lose energy. Where corrections do not
+   shrink, fast beyond what the interpolant may err, as at a jump of the loads, the event is where it was found. */
 static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, int collocated) {
   const mg_real close = c->set->event * c->sys->time, reach = tried * c->set->polish, noise = tried * (mg_real)MG_NEARLY;
   mg_real h = event.start, moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
@@ -155,10 +155,12 @@ static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, in
     change = event.slope != 0 ? -value / event.slope : 0, old = value, moved += change;
     if (round == 1) first = fabs(change);
     else if (fabs(change) > (fabs(moved) > reach ? before / 4 : first > noise ? first : noise)) break;
-    if (fabs(change) <= close || (round > 2 && fabs(change) > before / 2) || round == MG_CORRECTIONS) return h;
+    if (fabs(change) <= close || round == MG_CORRECTIONS) return h;
     if (h + change <= 0 || h + change > tried) return h;
+    const int hidden = round > 2 && fabs(change) > before / 2;
+    if (hidden && change > 0) return h;
     h += change;
-    if (round == 1 || fabs(change) * (fabs(change) / before) > close) continue;
+    if (!hidden && (round == 1 || fabs(change) * (fabs(change) / before) > close)) continue;
     mg_go_to(c, h, tried, collocated);
     return h;
   }
@@ -212,11 +214,18 @@ static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_r
   return mg_fired_at(c, h, *high);
 }
 
-/* An event alone, whose function crosses zero as it does on a line: its zero needs no further halving. */
-static int mg_is_plain(mg_crossing *event, int count, mg_real h, mg_real theta) {
+/* An event alone, whose function is nearly straight from `low` to `high`: its zero needs no further halving. That of a
+   bounce which is over within them is not. */
+static int mg_is_plain(mg_context *c, mg_crossing *event, int count, mg_real h, mg_real low, mg_real high) {
   const mg_real back = event->slope != 0 ? event->value / event->slope : MG_MAX;
-  event->start = theta * h;
+  event->start = high * h;
   if (count > 1 || !(back >= 0 && back <= 4 * (mg_real)MG_NEARLY * h && back < event->start)) return 0;
+  const int way = c->way[event->contact];
+  mg_fired_at(c, h, low);
+  c->way[event->contact] = way;
+  const mg_real before = mg_event_value(c, event->contact, event->cause, c->x_stage);
+  const mg_real straight = (event->value - before) / ((high - low) * h * event->slope);
+  if (!(straight > (mg_real)0.75 && straight < (mg_real)1.5)) return 0;
   event->start -= back;
   return 1;
 }
@@ -232,7 +241,7 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_crossing event;
   const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
   if (!mg_tell_event(c, h, high, &event)) return 0;
-  if (mg_only_looks(c, &event) || !mg_is_plain(&event, count, h, high)) {
+  if (mg_only_looks(c, &event) || !mg_is_plain(c, &event, count, h, low, high)) {
     mg_narrow(c, h, &low, &high, width);
     if (!mg_tell_event(c, h, high, &event)) return 0;
     event.start = high * h;

@@ -24,13 +24,13 @@ static int mg_is_gripped(const mg_context *c) {
 }
 
 /* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as where
-   slip begins or ends too slowly to be told, all hardly move. */
+   slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
 static int mg_crawls(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->watch_tries, refused = run->rejected - run->watch_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
   const mg_real way = run->t - run->watch_t, least = c->set->crawl * c->sys->time;
-  const int crawls = way < least && (3 * refused > tries || (10 * way < least && mg_is_gripped(c)));
+  const int crawls = way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_is_gripped(c)));
   run->watch_tries += tries, run->watch_rejected = run->rejected, run->watch_t = run->t;
   return crawls;
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
@@ -90,3 +91,78 @@ def test_a_curve_stands_on_as_many_of_its_points_as_are_lowest() -> None:
     turned = 2 * np.arccos(np.abs(path.quaternion[:, 1]).max(axis=1))
     assert path.p[:, 1, 2].min() == pytest.approx(0.02, abs=1e-3)
     assert turned.max() < 0.1
+
+
+BESIDE_A_BOX = """
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "box"
+shape = { kind = "box", size = [0.1, 0.12, 0.0676] }
+mass = 1.33
+inertia = [0.006, 0.0063, 0.006]
+position = [0.0, 0.0, 0.0338]
+
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.0454 }
+mass = 2.0
+inertia = [0.008, 0.008, 0.008]
+position = [0.5, 0.0, 0.3]
+angular_velocity = [1.0, 2.0, 3.0]
+
+[[contact]]
+between = ["box", "floor"]
+friction = 0.3
+
+[[contact]]
+between = ["ball", "floor"]
+restitution = 0.591
+"""
+
+
+def test_bounces_too_low_to_be_seen_end_however_finely_they_are_followed() -> None:
+    path = simulate(library_of(read_text(BESIDE_A_BOX, "bounces.toml")), until=1.5)
+    assert path.estimate is not None
+    assert np.isfinite(path.estimate.position).all()
+    assert path.estimate.rhs_evals < 4 * path.rhs_evals
+
+
+ZIGZAG = """
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "wire"
+mass = 1.17663
+inertia = [0.0048, 0.0042, 0.0046]
+position = [0.0, 0.0, 0.15]
+quaternion = [0.8, 0.4, -0.3, 0.33]
+velocity = [0.6, -0.3, -1.0]
+angular_velocity = [3.0, -4.0, 2.0]
+[body.shape]
+kind = "polyline"
+points = [[0.07, 0.0, 0.0], [0.0, 0.06, 0.02], [-0.07, 0.0, 0.0], [0.0, -0.06, -0.02]]
+radius = 0.01
+closed = true
+
+[[contact]]
+between = ["wire", "floor"]
+friction = 0.5
+restitution = 0.4
+"""
+
+
+def test_a_wire_with_rounded_corners_stays_above_the_floor() -> None:
+    path = ran(ZIGZAG, 3.0, "fast")
+    corners = np.array([[0.07, 0.0, 0.0], [0.0, 0.06, 0.02], [-0.07, 0.0, 0.0], [0.0, -0.06, -0.02]])
+    middles = (corners + np.roll(corners, -1, axis=0)) / 2  # on its straight parts
+    turned = Rotation.from_quat(path.quaternion[:, 1], scalar_first=True)
+    lowest = min(float((turned.apply(x) + path.p[:, 1])[:, 2].min()) for x in middles)
+    assert lowest > -1e-7
+    assert path.p[-1, 1, 2] < 0.05
