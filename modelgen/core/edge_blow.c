@@ -67,18 +67,20 @@ static int mg_stand_on_edge(mg_context *c, int slot, const mg_support *at) {
   return 1;
 }
 
-/* Puts the slot's pads on the edge, one where the face approaches fastest. Returns 0 where the hull has no curve, or the face
-   rolls on it already. */
+/* Puts the slot's pads on the edge, one where the face approaches fastest. Returns 0 where the hull has no curve, the face
+   rolls on it already, or it approaches so slowly that it would be flat again before it leans by as much as stands on three
+   points. */
 static int mg_go_to_edge(mg_context *c, int slot) {
   const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
   mg_real before[3];
   mg_support at;
   if (c->sys->n_grip || mg_pivots(c, slot) || mg_patch_starts(c, patch)) return 0;
   if (mg_lay_patch(c, patch) < 3 || !mg_has_curve(&c->hull)) return 0;
+  mg_field(c, patch, c->twist, before);
+  const mg_real fastest = mg_lowest(c, patch, before, &at) * c->sys->time / c->sys->length;
+  if (c->trying[slot] && fastest < -c->set->rest_speed && fastest * fastest < c->set->flat) return 0;
   for (int k = 0; k < 3; k++) c->run->closed[pad + k] = c->run->active[pad + k] = 0;
   c->trying[slot] = c->trying[slot] ? MG_EDGED : MG_TORN;
-  mg_field(c, patch, c->twist, before);
-  mg_lowest(c, patch, before, &at);
   mg_stand_on_edge(c, slot, &at);
   mg_refresh(c);
   return 1;
