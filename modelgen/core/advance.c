@@ -102,10 +102,10 @@ static int mg_change_mode(mg_context *c, mg_events *events) {
   return MG_DONE;
 }
 
-/* A companion's step after an event is a part of what it would be: from one event to the next there may be one alone,
-   the same at any tolerance. */
-static int mg_differs(const mg_context *c) {
-  return c->set->stride < 1 && c->run->t == c->run->t_event;
+/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be one
+   alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
+static int mg_differs(const mg_context *c, mg_real h) {
+  return c->set->stride < 1 && c->run->t == c->run->t_event && h > c->set->event * c->sys->time;
 }
 
 static int mg_step_part(mg_context *c, mg_real *h) {
@@ -124,7 +124,7 @@ static int mg_step_part(mg_context *c, mg_real *h) {
 static mg_real mg_longest(const mg_context *c) {
   const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), unfolding = mg_unfolding(c);
   const mg_real seen = sight < reach ? sight : reach;
-  return (mg_differs(c) ? 1 : c->set->stride) * (seen < unfolding ? seen : unfolding);
+  return (mg_differs(c, MG_MAX) ? 1 : c->set->stride) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
@@ -161,7 +161,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
-  if (mg_differs(c)) {
+  if (mg_differs(c, h)) {
     outcome = mg_step_part(c, &h), event = 0;
     if (outcome) return outcome;
   }
