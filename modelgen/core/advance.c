@@ -37,6 +37,13 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
   }
 }
 
+/* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
+static void mg_pass_time(mg_run *run, mg_real h) {
+  const mg_real t = run->t, step = h + run->t_rest;
+  run->t = t + step;
+  run->t_rest = step - (run->t - t);
+}
+
 static int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (mg_is_singular(c, i)) {
@@ -75,7 +82,7 @@ static int mg_leaps(const mg_context *c, mg_real h) {
 
 static void mg_commit(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
-  c->run->t += h;
+  mg_pass_time(c->run, h);
   c->run->steps++;
   mg_grow_up(c);
   mg_slip_on(c);
@@ -213,12 +220,12 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
-    const mg_real left = t_stop - run->t;
-    const mg_real h = mg_next_step(&c), t_before = run->t;
+    const mg_real left = t_stop - run->t - run->t_rest;
+    const mg_real h = mg_next_step(&c);
     const int last = h >= left * (1 - 8 * MG_EPS);
     const int outcome = mg_step_on(&c, last ? left : h, record, events);
     if (outcome) return outcome;
-    if (last && run->t - t_before >= left * (1 - 8 * MG_EPS)) run->t = t_stop;
+    if (last && t_stop - run->t - run->t_rest <= 8 * MG_EPS * left) run->t = t_stop, run->t_rest = 0;
     mg_record_now(&c, record);
   }
   return MG_DONE;

@@ -49,7 +49,7 @@ static void mg_reset(mg_run *run) {
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;
-  run->t_event = run->t;
+  run->t_event = run->t, run->t_rest = 0;
 }
 
 /* Time-stepping needs no modes: its first step takes the first impacts. */

@@ -177,6 +177,7 @@ typedef struct {
   long vaults;            /* places passed where a closed contact was singular */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
+  mg_real t_rest;         /* s: what rounding has left out of t */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */

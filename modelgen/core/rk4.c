@@ -26,7 +26,7 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
     mg_slope(&c, run->t, run->x, c.K);
     mg_rk4(&c, run->t, run->x, settings->step);
     for (int i = 0; i < c.n_x; i++) run->x[i] = c.x_next[i];
-    run->t += settings->step;
+    mg_pass_time(run, settings->step);
   }
   run->steps += n;
 }

@@ -56,7 +56,8 @@ static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *
   mg_drift_on(c, h);
   if (!mg_finite(run->x, c->n_x)) return MG_NOT_FINITE;
   mg_spread_over(c, h);
-  run->t += h, run->steps++, run->fall_time += run->fall_left > 0 ? h : 0;
+  mg_pass_time(run, h);
+  run->steps++, run->fall_time += run->fall_left > 0 ? h : 0;
   outcome = mg_settle_contacts(c, events, h);
   if (outcome) return outcome;
   if (mg_due(record, run->t)) {

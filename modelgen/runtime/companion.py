@@ -23,6 +23,7 @@ from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import Array
 from modelgen.runtime.trajectory import Trajectory
+from modelgen.runtime.undecided import undecided_blows
 
 SAFE = 2.0  # times the difference: for what the companion errs itself
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
@@ -63,6 +64,8 @@ def estimate_of(
     reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
+    if twin is not None:
+        reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), sentence)
     return Estimate(
         position=position,
         rotation=rotation,
@@ -137,6 +140,15 @@ def _reasons(
     sampled = [pair["name"] for pair in sentence["pairs"] if _is_sampled(pair, sentence)]
     if sampled:
         yield f"closest points are sought by sampling: {', '.join(sampled)}"
+
+
+def _order(
+    path: Trajectory, twin: Trajectory, error: float, end: float, sentence: Mapping[str, Any]
+) -> Iterator[str]:
+    found = undecided_blows(path.events, twin.events, sentence, SAFE, error, end)
+    if found is not None:
+        names = f"{found[0].contact} and {found[1].contact}"
+        yield f"which of the blows at {names} (t = {found[1].t:.6g} s) comes first is within the error"
 
 
 def _is_sampled(pair: Mapping[str, Any], sentence: Mapping[str, Any]) -> bool:

@@ -79,7 +79,7 @@ RUN_COUNTS = (
     "redundant_max",
 )
 RUN_REALS = (
-    *("t_event", "energy_0", "energy_error_max", "kinetic_max"),
+    *("t_event", "t_rest", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("watch_t", "fall_first", "fall_end", "fall_time"),

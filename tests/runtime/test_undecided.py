@@ -1,0 +1,77 @@
+"""An order of blows that the error of a run leaves open is named, and only such a one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from modelgen import Accuracy, simulate
+from modelgen.runtime.companion import SAFE, estimate_of
+from modelgen.runtime.trajectory import Event
+from modelgen.runtime.undecided import undecided_blows
+from tests.running import scene_of
+
+LEFT, RIGHT = "cube-table:top_back_left", "cube-table:top_front_left"
+FALLS_ON_AN_EDGE = (
+    Event(0.3014110598, "impact", LEFT, speed=0.93),
+    Event(0.3014110932, "impact", RIGHT, speed=0.36),
+)
+Events = tuple[Event, ...]
+
+
+def found(mine: Events, theirs: Events, least: float = 1e-6) -> Events | None:
+    return undecided_blows(mine, theirs, scene_of("cube_toss").manifest.sentence, SAFE, least, 0.36)
+
+
+def shifted(event: Event, by: float) -> Event:
+    return replace(event, t=event.t + by)
+
+
+@given(late=st.floats(1e-12, 1e-9), shift=st.floats(-1e-3, 1e-3))
+def test_two_blows_nearer_than_their_error_are_named(late: float, shift: float) -> None:
+    a, b = FALLS_ON_AN_EDGE
+    nearer = (shifted(a, shift), replace(b, t=a.t + shift + late))
+    assert found(FALLS_ON_AN_EDGE, nearer) == FALLS_ON_AN_EDGE
+    assert found(nearer, FALLS_ON_AN_EDGE) == nearer
+
+
+@given(error=st.floats(-1e-8, 1e-8), shift=st.floats(-1e-3, 1e-3))
+def test_two_blows_farther_apart_than_their_error_are_not(error: float, shift: float) -> None:
+    a, b = FALLS_ON_AN_EDGE
+    assert found(FALLS_ON_AN_EDGE, (shifted(a, shift), shifted(b, shift + error))) is None
+
+
+def test_blows_at_once_or_in_another_order_show_in_the_motion() -> None:
+    a, b = FALLS_ON_AN_EDGE
+    at_once = (a, replace(b, t=a.t))
+    assert found(at_once, at_once) is None
+    assert found(FALLS_ON_AN_EDGE, at_once) is None
+    assert found(FALLS_ON_AN_EDGE, (b, shifted(a, 1e-7))) is None
+
+
+def test_blows_too_weak_to_matter_are_left_aside() -> None:
+    a, b = FALLS_ON_AN_EDGE
+    nearer = (a, replace(b, t=a.t + 1e-10))
+    assert found(FALLS_ON_AN_EDGE, nearer, least=0.1) is None
+
+
+def test_an_estimate_says_so() -> None:
+    library = scene_of("cube_toss")
+    path = simulate(library, until=0.2, estimate=False)
+    path = replace(path, events=tuple(shifted(event, -0.2) for event in FALLS_ON_AN_EDGE))
+    twin = replace(path, events=(path.events[0], replace(path.events[1], t=path.events[0].t + 1e-10)))
+    stated = estimate_of(path, twin, Accuracy.balanced(), library.manifest.sentence)
+    assert stated.status == "uncertified"
+    assert np.isfinite(stated.position).all()
+    assert f"which of the blows at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement
+
+
+@pytest.mark.parametrize("name", ["box_dropped", "newton_cradle", "bouncing_ellipsoid", "cylinder_dropped"])
+def test_shipped_scenes_of_blows_have_a_certain_order(name: str) -> None:
+    path = simulate(scene_of(name))
+    assert path.estimate is not None
+    assert "which of the blows" not in path.estimate.statement
