@@ -280,7 +280,8 @@ class Accuracy:
     def companion(self, epsilon: float) -> Accuracy:
         """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
 
-        What decides when a contact rests, sticks or opens is finer too, so that its part in the error shows.
+        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step, so that
+        their part in the error shows.
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
@@ -295,6 +296,7 @@ class Accuracy:
             step=self.step and self.step * TENTH,
             fallback_step=self.fallback_step * TENTH,
             stride=self.stride * TENTH,
+            project=1,
             **finer,
             **slower,
         )

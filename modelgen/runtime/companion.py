@@ -129,8 +129,6 @@ def _reasons(
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
     if not accuracy.use_gamma and sentence["pairs"]:
         yield "Gamma2 is left out, and so the motion is another"
-    if not accuracy.project and sentence["patches"]:
-        yield "faces that come to rest are not brought together (project = 0)"
     if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):

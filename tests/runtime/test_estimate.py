@@ -51,6 +51,14 @@ def test_an_estimate_changes_nothing_of_its_run() -> None:
     assert stated["statement"].startswith("estimated error ")
 
 
+def test_drift_that_nobody_removes_is_in_the_estimate() -> None:
+    box = scene_of("box_dropped")
+    drifting = simulate(box, accuracy=replace(Accuracy.balanced(), project=0))
+    error = np.linalg.norm(drifting.p - simulate(box, accuracy="tight").p, axis=-1).max()
+    assert error > 1e-11
+    assert error < drifting.position_error[-1] < 10 * error
+
+
 def test_the_estimate_falls_with_the_tolerance() -> None:
     egg = scene_of("ellipsoid_on_plane")
     errors = [simulate(egg, accuracy=Accuracy.of(10.0**-k)).position_error[-1] for k in (4, 7, 10, 13)]
