@@ -142,6 +142,11 @@ static mg_real mg_first_within(mg_context *c, mg_real h) {
   return mg_locate(c, h, passed);
 }
 
+/* A stage saw an event that is over before it could be located: what moves in time came and went. */
+static int mg_overlooks(const mg_context *c, mg_real h) {
+  return c->n_timed && c->suspect && h > c->set->look * c->sys->time;
+}
+
 /* Ends a step that was collocated beyond the time it may take. */
 static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
@@ -157,7 +162,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real end = h;
   const mg_real longest = mg_longest(c);
   if (mg_starts_rolling(c)) h = run->h;
-  if (c->set->method == MG_DOP853 && h > longest) h = longest;
+  if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
   c->left.count = 0;
   mg_mark_falling(c);
   mg_mark_upright(c);
@@ -168,6 +173,10 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
+  else if (mg_overlooks(c, h)) {
+    run->rejected++, run->h = h / 2;
+    return MG_DONE;
+  }
   if (mg_differs(c, h)) {
     outcome = mg_step_part(c, &h), event = 0;
     if (outcome) return outcome;
