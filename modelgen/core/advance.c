@@ -155,6 +155,24 @@ static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
   return 1;
 }
 
+/* Takes the step h that is settled, and what happens at its end. */
+static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
+  mg_record_until(c, record, h);
+  mg_commit(c, h);
+  int outcome = mg_settle_drift(c);
+  if (outcome) return outcome;
+  if (event) outcome = mg_change_mode(c, events);
+  else if (mg_unsettled(c)) {
+    for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
+    outcome = mg_solve_modes(c, events);
+  }
+  if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
+  mg_ledger(c);
+  if (!outcome) outcome = mg_vault_all(c, record, events);
+  if (!outcome) outcome = mg_check_margins(c, events);
+  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
+}
+
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
    begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
@@ -186,20 +204,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
     run->rejected++, run->h = h / 2;
     return MG_DONE;
   }
-  mg_record_until(c, record, h);
-  mg_commit(c, h);
-  outcome = mg_settle_drift(c);
-  if (outcome) return outcome;
-  if (event) outcome = mg_change_mode(c, events);
-  else if (mg_unsettled(c)) {
-    for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
-    outcome = mg_solve_modes(c, events);
-  }
-  if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
-  mg_ledger(c);
-  if (!outcome) outcome = mg_vault_all(c, record, events);
-  if (!outcome) outcome = mg_check_margins(c, events);
-  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
+  return mg_conclude(c, h, event, record, events);
 }
 
 static mg_real mg_first_step(const mg_context *c) {

@@ -2,8 +2,8 @@
    step is so long that one goes up and down, or down and up, unseen. */
 #include "core.h"
 
-enum { MG_LOOKS = 7, MG_AMONG = 2, MG_MOST_LOOKS = 4096 }; /* parts of a step; looks at each at least; at all at most */
-static const mg_real mg_sampled[MG_LOOKS + 1] = { /* times of a step, in parts of it, whose slopes count in its sum */
+enum { MG_SPANS_SEEN = 7, MG_AMONG = 2, MG_MOST_SEEN = 4096 }; /* parts of a step; looks at each at least; at all at most */
+static const mg_real mg_sampled[MG_SPANS_SEEN + 1] = { /* times of a step, in parts of it, whose slopes count in its sum */
   0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
 enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
 #define MG_UNSEEN (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
@@ -95,11 +95,11 @@ static void mg_look_within(mg_context *c, mg_real t, mg_real h, int among) {
 /* Whether samples in a step h from now show all that functions of time do in it. */
 static int mg_shows(mg_context *c, mg_real h) {
   const mg_real looks = h / (c->set->look * c->sys->time);
-  if (looks > MG_MOST_LOOKS) return 0;
+  if (looks > MG_MOST_SEEN) return 0;
   mg_real *over = mg_instant(c, MG_OVER), *least = mg_instant(c, MG_LEAST), *most = mg_instant(c, MG_MOST);
   mg_look_at_time(c, c->run->t, mg_instant(c, MG_FROM));
   for (int i = 0; i < c->n_timed; i++) over[i] = 0, least[i] = most[i] = mg_instant(c, MG_FROM)[i];
-  for (int k = 0; k < MG_LOOKS; k++) {
+  for (int k = 0; k < MG_SPANS_SEEN; k++) {
     const mg_real part = mg_sampled[k + 1] - mg_sampled[k];
     const int among = (int)(part * looks) + 1;
     mg_look_within(c, c->run->t + mg_sampled[k] * h, part * h, among > MG_AMONG ? among : MG_AMONG);

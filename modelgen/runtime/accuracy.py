@@ -23,24 +23,9 @@ Impacts = Literal["simultaneous", "sequential"]
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
 RESOLVED: Mapping[str, int] = MappingProxyType(
     {
-        "tolerance": 8,
-        "gap": 16,
-        "start_gap": 64,
-        "start_joint": 64,
-        "drift": 4,
-        "rest_speed": 16,
-        "slip_speed": 64,
-        "cone": 64,
-        "rest_acceleration": 64,
-        "event": 8,
-        "residual": 64,
-        "step_min": 8,
-        "singular": 4096,
-        "lost": 8,
-        "apart": 4096,
-        "border": 512,
-        "flat": 2048,
-        "shared": 256,
+        **{"tolerance": 8, "gap": 16, "start_gap": 64, "start_joint": 64, "drift": 4, "rest_speed": 16},
+        **{"slip_speed": 64, "cone": 64, "rest_acceleration": 64, "event": 8, "residual": 64, "step_min": 8},
+        **{"singular": 4096, "lost": 8, "apart": 4096, "border": 512, "flat": 2048, "shared": 256},
         "dependent": 4096,
     }
 )
