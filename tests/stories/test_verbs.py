@@ -167,7 +167,7 @@ def test_inspect_writes_each_formula_with_source_and_units(modelgen: Modelgen) -
 def test_schema_is_valid_and_admits_the_shipped_scenes(modelgen: Modelgen) -> None:
     schema = modelgen("schema").json
     Draft202012Validator.check_schema(schema)
-    for path in SCENES:
+    for path in FILES:
         Draft202012Validator(schema).validate(tomllib.loads(path.read_text()))
 
 
