@@ -2,9 +2,10 @@
    step is so long that one goes up and down, or down and up, unseen. */
 #include "core.h"
 
-enum { MG_SPANS_SEEN = 7, MG_AMONG = 2, MG_MOST_SEEN = 4096 }; /* parts of a step; looks at each at least; at all at most */
+enum { MG_SPANS_SEEN = 7, MG_MOST_SEEN = 4096 }; /* parts of a step; looks at most */
 static const mg_real mg_sampled[MG_SPANS_SEEN + 1] = { /* times of a step, in parts of it, whose slopes count in its sum */
   0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
+#define MG_WIDEST (mg_real)0.2667 /* part between two of them */
 enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
 #define MG_UNSEEN (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
 
@@ -101,8 +102,7 @@ static int mg_shows(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_timed; i++) over[i] = 0, least[i] = most[i] = mg_instant(c, MG_FROM)[i];
   for (int k = 0; k < MG_SPANS_SEEN; k++) {
     const mg_real part = mg_sampled[k + 1] - mg_sampled[k];
-    const int among = (int)(part * looks) + 1;
-    mg_look_within(c, c->run->t + mg_sampled[k] * h, part * h, among > MG_AMONG ? among : MG_AMONG);
+    mg_look_within(c, c->run->t + mg_sampled[k] * h, part * h, (int)(part * looks) + 1);
   }
   mg_weigh_instants(c, h, mg_instant(c, MG_WEIGHT));
   for (int i = 0; i < c->n_timed; i++) {
@@ -116,9 +116,10 @@ static int mg_shows(mg_context *c, mg_real h) {
 /* The longest step, of h, half of it, and so on, in which functions of time are seen; nothing shorter than look * time is
    looked for. Needs the poses of run->x. */
 static mg_real mg_seen_in_time(mg_context *c, mg_real h) {
-  const mg_real least = c->set->look * c->sys->time;
+  const mg_real least = c->set->look * c->sys->time / MG_WIDEST;
   if (!c->n_timed || h <= least) return h;
   while (h > least && !mg_shows(c, h)) h /= 2;
-  mg_refresh(c);
+  mg_poses(c, c->run->t, c->run->x);
+  if (c->prescribed) mg_joint_rates(c, c->run->t);
   return h;
 }

@@ -152,7 +152,7 @@ class Accuracy:
     imaginary_edge: float = 0.0
     shared: float = 1e-13
     border: float = 1e-9
-    look: float = 0.02
+    look: float = 0.05
     stride: float = 1.0
     predictable: float = 1e-2
 

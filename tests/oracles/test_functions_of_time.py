@@ -41,7 +41,7 @@ def ran(text: str, accuracy: str, until: float = 1.0, samples: int = 50) -> Traj
 
 
 @LEVELS
-@pytest.mark.parametrize("width", [1.3e-3, 1e-2, 0.1])
+@pytest.mark.parametrize("width", [4e-3, 1e-2, 0.1])
 def test_a_short_push_moves_a_free_ball(accuracy: str, width: float) -> None:
     text = BALL.format(height=0.1) + PUSH.format(
         force=f"{4 / width}*exp(-((t - 0.5)/{width})**2)", lift=WEIGHT
