@@ -30,7 +30,7 @@ class Bodies:
             length=sentence["scales"]["length"],
             moving=tuple(k for k, _ in bodies),
             turning=tuple(b["motion"] == "free" for _, b in bodies),
-            mass=tuple(b["parameters"][0] for _, b in bodies),
+            mass=tuple(1 / b["mass_inverse"][0] for _, b in bodies),
         )
 
 
