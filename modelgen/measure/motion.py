@@ -47,6 +47,13 @@ class Motion:
     invariants: Mapping[str, float]  # by name: energy (relative), gap and joints (over the length)
 
 
+def uninterrupted(path: Trajectory) -> Trajectory:
+    """The run; Ctrl-C in it, or in its companion, is Ctrl-C again."""
+    if path.interrupted:
+        raise KeyboardInterrupt
+    return path
+
+
 def motion_of(path: Trajectory, bodies: Bodies) -> Motion:
     """What a run of this program leaves."""
     chosen = list(bodies.moving)

@@ -16,13 +16,13 @@ from modelgen.codegen.library import Library
 from modelgen.contact.kinds import regular_forms
 from modelgen.derive import derive
 from modelgen.measure.knobs import KNOBS, Facts, Settings, Space
-from modelgen.measure.motion import Bodies
+from modelgen.measure.motion import Bodies, uninterrupted
 from modelgen.model import Model
 from modelgen.require import require
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
-from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
@@ -89,9 +89,7 @@ class Subject:
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""
         path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy, estimate=False)
-        if path.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        return path
+        return uninterrupted(path)
 
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""

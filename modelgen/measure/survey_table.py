@@ -23,6 +23,8 @@ def print_survey(found: Survey, console: Console) -> None:
     for each in found.found:
         if not each.holds:
             console.print(Text(_failure(each)), soft_wrap=True)
+    if found.interrupted:
+        console.print("interrupted: what was found is above, the same command begins anew", soft_wrap=True)
 
 
 def _row(extreme: Extreme, found: Sequence[Found]) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator
 
 from modelgen.measure import program
 from modelgen.measure.front import Point
+from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 FEW = ("--knobs", "tolerance,form", "--until", "0.5")
@@ -37,6 +38,19 @@ def test_extremes_answer_to_their_schema_and_hold(modelgen: Modelgen) -> None:
     assert answer.json["holds"]
     assert [each["name"] for each in answer.json["extremes"]] == ["gap", "penetration"]
     assert "penetration" in modelgen("measure", "--extremes", "--only", "penetration").out
+
+
+def test_an_interrupted_survey_prints_what_it_has_and_says_so(
+    modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopping(self: Session, *arguments: Any) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Session, "advance", stopping)
+    answer = modelgen("measure", "--extremes", "--only", "gap,unit of mass")
+    assert answer.code == 130
+    assert "gap  " in answer.out
+    assert answer.out.splitlines()[-1].startswith("interrupted: ")
 
 
 @pytest.mark.parametrize("wrong", [(), (EGG, "--extremes"), ("--extremes", "--only", "gaps")])
