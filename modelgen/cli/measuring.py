@@ -101,7 +101,7 @@ def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
         draw_measurement(found, plot)
     facts = found.as_json() | {"plot": None if plot is None else str(plot)}
     print_facts(facts, as_json, lambda: print_measurement(found, Console()))
-    if found.interrupted.startswith("interrupted"):
+    if found.was_stopped:
         raise typer.Exit(INTERRUPTED)
 
 
@@ -142,7 +142,7 @@ def tune(
     target = _target(scene, out, in_place)
     what = modelgen.read(scene)
     text = scene.read_text(encoding="utf-8")
-    with _told() as report:
+    with _told() as report, _resumable():
         found = tuned(
             what,
             error=_error(error),
@@ -199,6 +199,19 @@ def _number(name: str, text: str, allowed: str) -> float:
     if not 0 < value < float("inf"):
         raise ModelgenError(f"--{name}", repr(text), f"{allowed}, positive", "write one")
     return value
+
+
+@contextmanager
+def _resumable() -> Iterator[None]:
+    """Ctrl-C where there is no result yet: what was measured on the way to it is remembered."""
+    from modelgen.measure.measurement import INTERRUPTED as STOPPED
+    from modelgen.measure.measurement import resumable
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(resumable(STOPPED), err=True)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 @contextmanager

@@ -19,7 +19,8 @@ from modelgen.measure.store import Store
 from modelgen.measure.subject import Subject
 from modelgen.scene.types import Scene
 
-INTERRUPTED = "interrupted: what was measured is kept, the same command goes on from there"
+INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early
+KEPT = "what was measured is kept, the same command{} goes on from there"
 SHOWN = 1.5  # of the error between two rows of a table; `--json` has all
 COUNTED_NS = 2e8  # of CPU time for a run whose instructions are counted, which takes fifty times as long
 
@@ -28,7 +29,7 @@ Report = Callable[[str], None]  # told what is measured next
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured of a scene; `interrupted` says that there would be more."""
+    """What was measured of a scene; `interrupted` says why there would be more, and how to get it."""
 
     subject: Subject
     knobs: dict[str, list[Any]]
@@ -64,6 +65,11 @@ class Measurement:
             "interrupted": self.interrupted,
             "reused": self.reused,
         }
+
+    @property
+    def was_stopped(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.interrupted.startswith(INTERRUPTED)
 
     @property
     def noise(self) -> float | None:
@@ -128,7 +134,7 @@ def _measurement(
         length=bench.plain.manifest.sentence["scales"]["length"],
         points=points,
         peers=peers,
-        interrupted=stopped,
+        interrupted=stopped and resumable(stopped, bench.fresh),
         reused=bench.reused,
     )
 
@@ -162,7 +168,7 @@ def _sweep_all(
     limit: float | None,
     report: Report,
 ) -> str:
-    """Fills points and others; why it stopped early, or an empty text."""
+    """Fills points and others; INTERRUPTED, TIME_UP, or an empty text."""
     begun = time.monotonic()
 
     def left() -> bool:
@@ -179,7 +185,7 @@ def _sweep_all(
             peer_points(peer, bench, others[-1], left, report)
     except KeyboardInterrupt:
         return INTERRUPTED
-    return "" if left() else "the time was up: the same command goes on from there"
+    return "" if left() else TIME_UP
 
 
 def _count_all(bench: Bench, points: list[Point], report: Report) -> str:
@@ -193,6 +199,11 @@ def _count_all(bench: Bench, points: list[Point], report: Report) -> str:
     except KeyboardInterrupt:
         return INTERRUPTED
     return ""
+
+
+def resumable(stopped: str, fresh: bool = False) -> str:
+    """The sentence on a measurement that stopped early; one that forgets goes on only if it remembers."""
+    return f"{stopped}: {KEPT.format(' without --fresh' if fresh else '')}"
 
 
 def described(settings: Settings) -> str:

@@ -104,6 +104,7 @@ def tuned_schema() -> dict[str, Any]:
             "reference_error": entry("number", "the error of the reference"),
             "horizon": entry(NUMBER, "s; null: the whole span can be predicted"),
             "length": entry("number", "characteristic length that errors are relative to, m"),
+            "interrupted": entry("string", "why not all settings were tried, or empty"),
             "file": entry("string", "the scene with these settings in [run]"),
         },
     )

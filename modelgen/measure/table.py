@@ -46,9 +46,9 @@ def print_measurement(found: Measurement, console: Console) -> None:
     for peer in found.peers:
         _print_peer(peer, found, console)
     if why_not_counted():
-        console.print(why_not_counted(), markup=False)
+        console.print(why_not_counted(), markup=False, soft_wrap=True)
     if found.interrupted:
-        console.print(found.interrupted, markup=False)
+        console.print(found.interrupted, markup=False, soft_wrap=True)
 
 
 def _print_reference(found: Measurement, console: Console) -> None:
@@ -130,3 +130,5 @@ def print_tuned(tuned: Tuned, console: Console) -> None:
     name = tuned.measurement.subject.scene.name
     console.print(f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False)
     console.print(settings_text(point, {}), markup=False, soft_wrap=True)
+    if tuned.measurement.interrupted:
+        console.print(f"not all settings were tried; {tuned.measurement.interrupted}", soft_wrap=True)

@@ -42,6 +42,7 @@ class Tuned:
             "reference_error": self.measurement.reference["error"],
             "horizon": self.measurement.reference["horizon"],
             "length": self.measurement.length,
+            "interrupted": self.measurement.interrupted,
         }
 
 
@@ -82,7 +83,8 @@ def tune(
         error: over the characteristic length.
         budget: ns of CPU time per simulated second; the fresh run may exceed it by 20 %.
 
-    Raises ModelgenError, naming what can be reached, where the demand cannot be met.
+    Raises ModelgenError, naming what can be reached, where the demand cannot be met, or not within `limit`.
+    Ctrl-C raises KeyboardInterrupt; what was measured is remembered.
     """
     if (error is None) == (budget is None):
         raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
@@ -91,13 +93,13 @@ def tune(
     found = measure(
         scene, until=until, knobs=knobs, count=False, limit=limit, root=root, on_progress=on_progress
     )
-    if found.interrupted and "interrupted" in found.interrupted:
+    if found.was_stopped:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)
     bench = Bench(
         found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name)
     )
-    points = _refined(bench, list(found.points), demand)
+    points = list(found.points) if found.interrupted else _refined(bench, list(found.points), demand)
     report("verifying on a fresh run")
     return Tuned(*_verified(bench, points, demand, found), measurement=found)
 
@@ -148,6 +150,8 @@ def _verified(
 
 def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
     known = front(found.points)
+    if found.interrupted:
+        return _time_up(known, demand)
     if not known:
         return ModelgenError(
             "tune", "no setting runs this scene to its end", "", "look at `modelgen simulate`"
@@ -167,6 +171,21 @@ def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
         f"the cheapest setting takes {cost / 1e3:.3g} us, with an error of {error:.2g}",
         "ask for that, or leave more --knobs to be turned",
     )
+
+
+def _time_up(known: Sequence[Point], demand: Demand) -> ModelgenError:
+    """The refusal of a demand that more time may meet."""
+    if demand.error is not None:
+        wanted, best = f"an error of {demand.error:g} was reached", known[-1:]
+    else:
+        wanted = f"{(demand.budget or 0.0) / 1e3:g} us per simulated second was met"
+        best = known[:1]
+    told = [
+        f"the best so far is {error:.2g}, at {cost / 1e3:.3g} us per simulated second"
+        for cost, error in map(place, best)
+    ]
+    remedy = "the same command goes on from there, or give it more"
+    return ModelgenError("--limit", f"the time was up before {wanted}", "".join(told), remedy)
 
 
 def _refuse_beyond_horizon(found: Measurement, demand: Demand) -> None:

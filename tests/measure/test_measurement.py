@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from modelgen import derive, emit, require
-from modelgen.measure import cost
+from modelgen.errors import ModelgenError
+from modelgen.measure import cost, program
+from modelgen.measure.measurement import measure
 from modelgen.measure.motion import Bodies
 from modelgen.measure.peers.setup import _solid
+from modelgen.measure.store import NAME
+from modelgen.measure.table import print_tuned
 from modelgen.measure.tuning import tune
 from modelgen.scene.types import Scene
 from tests.measure.thrown import TEXT, thrown
 
+SHORT = 0.02  # s, wall time: for one setting
 FOLDED = f"fold = true\n{TEXT}"
 
 
@@ -23,6 +30,18 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few repeats: what a run costs is not asked here."""
     monkeypatch.setattr(cost, "ENOUGH_S", 1e-3)
     monkeypatch.setattr(cost, "BRIEF_S", 0.0)
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("measured")
+
+
+@pytest.fixture
+def root(built: Path) -> Path:
+    """A folder of built libraries in which nothing is remembered."""
+    (built / "thrown" / NAME).unlink(missing_ok=True)
+    return built
 
 
 def test_folded_bodies_have_the_masses_that_they_have_otherwise() -> None:
@@ -38,6 +57,46 @@ def test_folded_bodies_have_the_masses_that_they_have_otherwise() -> None:
     assert (numbers == other).all()
 
 
-def test_a_folded_scene_is_measured_and_tuned(tmp_path: Path) -> None:
+def test_a_folded_scene_is_measured_and_tuned(root: Path) -> None:
     scene = thrown(FOLDED, "folded")
-    assert tune(scene, error=1e-6, knobs=["tolerance"], root=tmp_path).point.error <= 1e-6  # type: ignore[operator]
+    assert tune(scene, error=1e-6, knobs=["tolerance"], root=root).point.error <= 1e-6  # type: ignore[operator]
+
+
+def test_a_measurement_that_was_cut_short_says_how_to_go_on(root: Path) -> None:
+    found = measure(thrown(), knobs=["tolerance"], limit=SHORT, root=root)
+    assert found.interrupted == (
+        "the time was up: what was measured is kept, the same command goes on from there"
+    )
+    again = measure(thrown(), knobs=["tolerance"], limit=SHORT, fresh=True, root=root)
+    assert "the same command without --fresh goes on" in again.interrupted
+
+
+@pytest.mark.parametrize(
+    ("demand", "words"),
+    [({"error": 1e-15}, "an error of 1e-15 was reached"), ({"budget": 1.0}, "0.001 us per")],
+)
+def test_a_demand_that_more_time_may_meet_is_not_called_out_of_reach(
+    demand: dict[str, float], words: str, root: Path
+) -> None:
+    with pytest.raises(ModelgenError) as refused:
+        tune(thrown(), knobs=["tolerance"], limit=SHORT, root=root, **demand)  # type: ignore[arg-type]
+    said = str(refused.value)
+    assert said.startswith(f"--limit: the time was up before {words}")
+    assert said.endswith("the same command goes on from there, or give it more")
+
+
+def test_a_demand_met_before_all_was_tried_says_so(root: Path) -> None:
+    tuned = tune(thrown(), error=0.5, knobs=["tolerance"], limit=SHORT, root=root)
+    assert tuned.as_json()["interrupted"].startswith("the time was up")
+    text = StringIO()
+    print_tuned(tuned, Console(file=text))
+    assert "not all settings were tried; the time was up" in text.getvalue()
+
+
+def test_ctrl_c_ends_tuning(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopping(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(program, "_measured", stopping)
+    with pytest.raises(KeyboardInterrupt):
+        tune(thrown(), error=0.5, knobs=["tolerance"], root=root)

@@ -103,6 +103,9 @@ def test_an_interrupted_measurement_keeps_what_it_has_and_goes_on(
     assert stopped.code == 130
     assert len(stopped.json["points"]) == 3
     assert "goes on from there" in stopped.json["interrupted"]
+    tuning = modelgen("tune", EGG, *span, "--error", 1e-3, "--json")
+    assert (tuning.code, tuning.out) == (130, "")
+    assert "interrupted: what was measured is kept, the same command goes on from there" in tuning.err
     monkeypatch.setattr(program, "_measured", measured)
     done = modelgen("measure", EGG, *span, "--json").json
     assert done["reused"] == 4
