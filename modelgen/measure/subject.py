@@ -27,7 +27,7 @@ from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
 
-FORMAT = 2  # of what is remembered; another one makes the old unknown
+FORMAT = 3  # of what is remembered; another one makes the old unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +75,13 @@ class Subject:
             own = [part for part, plain in ((form, "auto"), (level, "O2")) if part != plain]
             folder = self.root / ".".join([self.scene.name, *own])
             package = emit(derive(require(self.with_form(form))))
-            files = set(folder.glob("lib*.so"))
+            files = set(folder.resolve().glob("lib*.so"))
             begun = time.perf_counter()
             library = build(package, real=real, folder=folder, level=level)
             spent = time.perf_counter() - begun
-            self._built[form, real, level] = Built(library, None if library.path in files else spent)
+            self._built[form, real, level] = Built(
+                library, None if library.path.resolve() in files else spent
+            )
         return self._built[form, real, level]
 
     def accuracy(self, settings: Settings) -> Accuracy:

@@ -16,6 +16,7 @@ from modelgen.measure.measurement import measure
 from modelgen.measure.motion import Bodies
 from modelgen.measure.peers.setup import _solid
 from modelgen.measure.store import NAME
+from modelgen.measure.subject import Subject
 from modelgen.measure.table import print_tuned
 from modelgen.measure.tuning import tune
 from modelgen.scene.types import Scene
@@ -100,3 +101,12 @@ def test_ctrl_c_ends_tuning(root: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(program, "_measured", stopping)
     with pytest.raises(KeyboardInterrupt):
         tune(thrown(), error=0.5, knobs=["tolerance"], root=root)
+
+
+def test_only_what_was_compiled_has_a_time_of_the_compiler(
+    built: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(built)
+    first, again = (Subject(thrown(name="compiled"), 0.1, 2, Path(".")).built({}) for _ in range(2))
+    assert first.compile_s is not None
+    assert again.compile_s is None
