@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -75,8 +75,12 @@ def measure(
     from modelgen.measure import measure as measured
 
     if extremes or scene is None:
-        _survey(scene, extremes, only, as_json)
+        given = {"--until": until, "--samples": samples, "--knobs": knobs, "--against": against}
+        given |= {"--limit": limit, "--fresh": fresh or None, "--plot": plot}
+        _survey(scene, extremes, only, given, as_json)
         return
+    if only is not None:
+        raise ModelgenError("--only", f"with the scene {scene}", "--extremes and no scene", "leave it out")
     check_outputs(None, plot)
     what = modelgen.read(scene)
     with _told() as report:
@@ -84,8 +88,8 @@ def measure(
             what,
             until=read_option("until", until),
             samples=read_option("samples", samples),
-            knobs=_names(knobs),
-            against=_names(against) or (),
+            knobs=_names("knobs", knobs),
+            against=_names("against", against) or (),
             limit=_seconds(limit),
             fresh=fresh,
             on_progress=report,
@@ -105,7 +109,10 @@ def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
         raise typer.Exit(INTERRUPTED)
 
 
-def _survey(scene: Path | None, extremes: bool, only: str | None, as_json: bool) -> None:
+def _survey(
+    scene: Path | None, extremes: bool, only: str | None, given: Mapping[str, object], as_json: bool
+) -> None:
+    """`given`: options of a measurement, which a survey does not take."""
     from modelgen.measure.survey import survey
     from modelgen.measure.survey_table import print_survey
 
@@ -113,8 +120,11 @@ def _survey(scene: Path | None, extremes: bool, only: str | None, as_json: bool)
         raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")
     if scene is not None:
         raise ModelgenError("--extremes", f"with the scene {scene}", "no scene", "leave one of them out")
+    for option, value in given.items():
+        if value is not None:
+            raise ModelgenError(option, "with --extremes", "--only and --json go with it", "leave it out")
     with _told() as report:
-        found = survey(_names(only), on_progress=report)
+        found = survey(_names("only", only), on_progress=report)
     print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
@@ -148,7 +158,7 @@ def tune(
             error=_error(error),
             budget=_budget(budget),
             until=read_option("until", until),
-            knobs=_names(knobs),
+            knobs=_names("knobs", knobs),
             limit=_seconds(limit),
             on_progress=report,
         )
@@ -169,8 +179,16 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
     return target
 
 
-def _names(text: str | None) -> tuple[str, ...] | None:
-    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
+def _names(option: str, text: str | None) -> tuple[str, ...] | None:
+    """The names in `A,B,..`; None if the option was not given. Refuses a list without names."""
+    if text is None:
+        return None
+    names = tuple(part.strip() for part in text.split(",") if part.strip())
+    if not names:
+        raise ModelgenError(
+            f"--{option}", repr(text), "names with commas between them", f"name one, or leave --{option} out"
+        )
+    return names
 
 
 def _error(text: str | None) -> float | None:

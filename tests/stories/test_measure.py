@@ -53,6 +53,26 @@ def test_an_interrupted_survey_prints_what_it_has_and_says_so(
     assert answer.out.splitlines()[-1].startswith("interrupted: ")
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((EGG, "--only", "gap"), "--only: with the scene"),
+        (("--extremes", "--until", "1"), "--until: with --extremes; --only and --json go with it"),
+        (("--extremes", "--plot", "front.svg"), "--plot: with --extremes"),
+        (("--extremes", "--fresh"), "--fresh: with --extremes"),
+        (("--extremes", "--limit", "9"), "--limit: with --extremes"),
+        (("--extremes", "--against", "mujoco"), "--against: with --extremes"),
+        (("--extremes", "--only", ""), "--only: ''; names with commas between them"),
+        ((EGG, "--knobs", " , "), "--knobs: ' , '; names with commas between them"),
+        ((EGG, "--against", ""), "--against: ''; names"),
+    ],
+)
+def test_no_option_is_passed_over(modelgen: Modelgen, options: tuple[str, ...], words: str) -> None:
+    answer = modelgen("measure", *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert words in answer.err
+
+
 @pytest.mark.parametrize("wrong", [(), (EGG, "--extremes"), ("--extremes", "--only", "gaps")])
 def test_measure_wants_a_scene_or_extremes_by_name(modelgen: Modelgen, wrong: tuple[str, ...]) -> None:
     answer = modelgen("measure", *wrong)
