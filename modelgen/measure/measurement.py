@@ -39,7 +39,7 @@ class Measurement:
     points: list[Point]
     peers: list[PeerPoints] = field(default_factory=list)
     interrupted: str = ""
-    reused: int = 0
+    reused: int = 0  # points that were remembered
 
     @property
     def front(self) -> list[Point]:

@@ -85,7 +85,7 @@ def measured_schema() -> dict[str, Any]:
             "points": _POINTS | {"description": "all settings, in the order in which they were tried"},
             "peers": entry("object", "by name", additionalProperties=_PEER),
             "interrupted": entry("string", "why it stopped early, or empty"),
-            "reused": entry("integer", "measurements that were remembered"),
+            "reused": entry("integer", "points that were remembered, and not measured anew"),
             "plot": entry(["string", "null"], "the file that holds the picture, or null"),
         },
     )
