@@ -22,7 +22,7 @@ from modelgen.scene.types import Scene
 INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early
 KEPT = "what was measured is kept, the same command{} goes on from there"
 SHOWN = 1.5  # of the error between two rows of a table; `--json` has all
-COUNTED_NS = 2e8  # of CPU time for a run whose instructions are counted, which takes fifty times as long
+COUNTED_NS = 2e8  # of CPU time: longer runs are not counted, which takes fifty times as long
 
 Report = Callable[[str], None]  # told what is measured next
 
@@ -115,6 +115,7 @@ def measure(
     points, others = list[Point](), list[PeerPoints]()
     report = on_progress or (lambda text: None)
     stopped = _sweep_all(bench, points, peers, others, limit, report)
+    _share_speed(points, others)
     if count and not stopped:
         stopped = _count_all(bench, points, report)
     return _measurement(bench, facts, points, others, stopped)
@@ -124,7 +125,6 @@ def _measurement(
     bench: Bench, reference: dict[str, Any], points: list[Point], peers: list[PeerPoints], stopped: str
 ) -> Measurement:
     space = bench.space
-    _share_speed(points, peers)
     turned = [knob for knob in space.knobs if _turns(bench, knob.name)]
     return Measurement(
         subject=bench.subject,

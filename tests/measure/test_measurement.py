@@ -12,7 +12,9 @@ from rich.console import Console
 from modelgen import derive, emit, require
 from modelgen.errors import ModelgenError
 from modelgen.measure import cost, program
-from modelgen.measure.measurement import measure
+from modelgen.measure.front import Point, spaced
+from modelgen.measure.knobs import Settings
+from modelgen.measure.measurement import SHOWN, measure
 from modelgen.measure.motion import Bodies
 from modelgen.measure.peers.setup import _solid
 from modelgen.measure.store import NAME
@@ -110,3 +112,21 @@ def test_only_what_was_compiled_has_a_time_of_the_compiler(
     first, again = (Subject(thrown(name="compiled"), 0.1, 2, Path(".")).built({}) for _ in range(2))
     assert first.compile_s is not None
     assert again.compile_s is None
+
+
+def test_what_is_counted_is_what_the_table_shows(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that was half as fast for every other point: which rows are shown is known once that is told."""
+    made: list[Point] = []
+
+    def uneven(bench: program.Bench, settings: Settings) -> Point:
+        slow, n = 1 + len(made) % 2, len(made)
+        costs = {"yard_s": 1e-3 * slow}
+        made.append(Point(settings, 0.1 * 0.5**n, 10 * 1.1**n * slow, costs=costs))
+        return made[-1]
+
+    monkeypatch.setattr(program, "_measured", uneven)
+    monkeypatch.setattr(program, "instructions", lambda *arguments: 1000)
+    found = measure(thrown(), knobs=["tolerance"], root=root)
+    shown = spaced(found.front, SHOWN)
+    assert len(shown) > 3
+    assert all(point.costs.get("instructions_per_s") for point in shown)
