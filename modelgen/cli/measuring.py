@@ -206,12 +206,13 @@ def _budget(text: str | None) -> float | None:
     unit = next((unit for unit in UNITS if text.endswith(unit)), "")
     if not unit:
         raise ModelgenError("--budget", repr(text), "a time with its unit: ns, us, ms or s", "write 20us")
-    return UNITS[unit] * _number("budget", text.removesuffix(unit), "a time such as 20us")
+    return UNITS[unit] * _number("budget", text, "a time such as 20us", unit)
 
 
-def _number(name: str, text: str, allowed: str) -> float:
+def _number(name: str, text: str, allowed: str, unit: str = "") -> float:
+    """The positive number before the unit."""
     try:
-        value = float(text)
+        value = float(text.removesuffix(unit))
     except ValueError:
         value = -1.0
     if not 0 < value < float("inf"):

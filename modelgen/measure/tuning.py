@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, Context
 from math import log
 from pathlib import Path
 from typing import Any
@@ -135,7 +136,7 @@ def _verified(
     bench: Bench, points: list[Point], demand: Demand, found: Measurement
 ) -> tuple[Point, RunSettings]:
     """The first pick that a fresh run confirms, and the run settings with it."""
-    again = replace(bench, fresh=True)
+    again, slow = replace(bench, fresh=True), list[Point]()
     for _ in range(CANDIDATES):
         pick = demand.pick(points)
         if pick is None:
@@ -144,11 +145,13 @@ def _verified(
             fresh = scaled([*points, point_of(again, pick.settings)])[-1]
             if demand.is_met(fresh):
                 return fresh, applied(found.subject.scene.run, pick.settings)
+            slow.append(fresh)
         points = [point for point in points if point.settings != pick.settings]
-    raise _refusal(found, demand)
+    raise _refusal(found, demand, slow)
 
 
-def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
+def _refusal(found: Measurement, demand: Demand, slow: Sequence[Point]) -> ModelgenError:
+    """`slow`: candidates as they were measured again."""
     known = front(found.points)
     if found.interrupted:
         return _time_up(known, demand)
@@ -161,16 +164,21 @@ def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
         return ModelgenError(
             "--error",
             f"{demand.error:g} is not reached",
-            f"the reachable error is {error:.2g}, at {cost / 1e3:.3g} us per simulated second",
+            f"the reachable error is {_up(error, 2)}, at {cost / 1e3:.3g} us per simulated second",
             "ask for that, or for less of the run (--until)",
         )
-    cost, error = place(known[0])
+    cost, error = place((front(slow) or known)[0])
     return ModelgenError(
         "--budget",
         f"{(demand.budget or 0.0) / 1e3:g} us per simulated second is not enough",
-        f"the cheapest setting takes {cost / 1e3:.3g} us, with an error of {error:.2g}",
+        f"the cheapest setting takes {_up(cost / 1e3, 3)} us, with an error of {error:.2g}",
         "ask for that, or leave more --knobs to be turned",
     )
+
+
+def _up(value: float, digits: int) -> str:
+    """Rounded up, so that what is asked for by this number can be had."""
+    return f"{float(Context(digits, ROUND_CEILING).create_decimal(repr(value))):g}"
 
 
 def _time_up(known: Sequence[Point], demand: Demand) -> ModelgenError:
@@ -181,7 +189,7 @@ def _time_up(known: Sequence[Point], demand: Demand) -> ModelgenError:
         wanted = f"{(demand.budget or 0.0) / 1e3:g} us per simulated second was met"
         best = known[:1]
     told = [
-        f"the best so far is {error:.2g}, at {cost / 1e3:.3g} us per simulated second"
+        f"the best so far is {_up(error, 2)}, at {_up(cost / 1e3, 3)} us per simulated second"
         for cost, error in map(place, best)
     ]
     remedy = "the same command goes on from there, or give it more"

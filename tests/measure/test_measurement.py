@@ -130,3 +130,21 @@ def test_what_is_counted_is_what_the_table_shows(root: Path, monkeypatch: pytest
     shown = spaced(found.front, SHOWN)
     assert len(shown) > 3
     assert all(point.costs.get("instructions_per_s") for point in shown)
+
+
+def test_a_budget_that_is_refused_is_below_what_is_said_to_be_needed(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At once, and where the setting that met it does not meet it again."""
+
+    def made(bench: program.Bench, settings: Settings) -> Point:
+        cheap = 30001.0 if bench.fresh else 19651.0
+        return Point(settings, 1e-3, cheap if settings["tolerance"] == 1e-3 else 1e9)
+
+    monkeypatch.setattr(program, "_measured", made)
+    for budget, words in ((19650.0, "19.65 us"), (19652.0, "19.652 us")):
+        with pytest.raises(ModelgenError) as refused:
+            tune(thrown(), budget=budget, knobs=["tolerance"], root=root)
+        needed = "19.7" if budget < 19651.0 else "30.1"
+        assert refused.value.found == f"{words} per simulated second is not enough"
+        assert refused.value.allowed.startswith(f"the cheapest setting takes {needed} us")

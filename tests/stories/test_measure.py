@@ -163,6 +163,7 @@ def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) ->
             "--budget: 0.001 us per simulated second is not enough; the cheapest setting takes",
         ),
         (("--budget", "20"), "a time with its unit"),
+        (("--budget", "-20us"), "--budget: '-20us'; a time such as 20us, positive"),
         (("--error", "small"), "a number such as 1e-6"),
         ((), "no demand, or two"),
         (("--error", "1e-3", "--budget", "1ms"), "no demand, or two"),
