@@ -75,7 +75,12 @@ def measure(
     from modelgen.measure import measure as measured
 
     if extremes or scene is None:
-        given = {"--until": until, "--samples": samples, "--knobs": knobs, "--against": against}
+        given: dict[str, object] = {
+            "--until": until,
+            "--samples": samples,
+            "--knobs": knobs,
+            "--against": against,
+        }
         given |= {"--limit": limit, "--fresh": fresh or None, "--plot": plot}
         _survey(scene, extremes, only, given, as_json)
         return
@@ -174,6 +179,10 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
     if out is not None and in_place:
         raise ModelgenError("--out", "together with --in-place", "one of them", "leave one out")
     target = scene if in_place else out or scene.with_name(f"{scene.stem}_tuned.toml")
+    if target.is_dir():
+        raise ModelgenError("--out", f"{str(target)!r} is a folder", "a file", "name one")
+    if not in_place and target.exists() and scene.exists() and target.samefile(scene):
+        raise ModelgenError("--out", f"{target} is the scene itself", "another file", "or give --in-place")
     if not target.parent.is_dir():
         raise ModelgenError(str(target), f"no folder {str(target.parent)!r}", "", "make it first")
     return target

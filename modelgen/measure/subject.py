@@ -59,7 +59,15 @@ class Subject:
             joints=bool(model.joints),
             friction=any(pair.friction for pair in self.scene.contacts),
         )
-        return Space(KNOBS, facts, names)
+        return Space(KNOBS, facts, names, self._own(facts))
+
+    def _own(self, facts: Facts) -> dict[str, Any]:
+        """What the scene says of the knobs; not a form that gives the same equations as `auto`."""
+        said = {knob.name: getattr(self.scene.run, knob.name) for knob in KNOBS}
+        own = {name: value for name, value in said.items() if value is not None}
+        if own.get("form") not in facts.forms:
+            own.pop("form", None)
+        return own
 
     def _model(self, form: str | None) -> Model:
         return require(self.with_form(form))
@@ -112,8 +120,9 @@ def applied(run: RunSettings, settings: Settings) -> RunSettings:
 
 
 def _forms(subject: Subject, model: Model) -> dict[str, int]:
-    """`auto`, and each form that gives other equations; with the entries of eta under it."""
-    kinds = [regular_forms(kind.o, kind.f) for kind in model.contact_kinds]
+    """`auto`, and each form that gives other equations, the scene's own first; with the entries of eta under it."""
+    own = subject.scene.run.form
+    kinds = [[own] if own else [], *(regular_forms(kind.o, kind.f) for kind in model.contact_kinds)]
     found, known = {"auto": model.n_eta}, [model.contact_kinds]
     for form in dict.fromkeys(form for forms in kinds for form in forms):
         other = require(subject.with_form(form))

@@ -36,7 +36,7 @@ def print_measurement(found: Measurement, console: Console) -> None:
     _print_reference(found, console)
     noise = "unknown" if found.noise is None else f"{100 * found.noise:.0f} %"
     console.print(
-        f"{len(found.points)} settings ({found.reused} remembered), knobs: {', '.join(found.knobs)}; "
+        f"{len(found.points)} settings ({found.reused} remembered), knobs: {_turned(found.knobs)}; "
         f"repeats scatter by {noise}; error: "
         f"largest distance of body points over the length {found.length:.6g} m",
         markup=False,
@@ -49,6 +49,13 @@ def print_measurement(found: Measurement, console: Console) -> None:
         console.print(why_not_counted(), markup=False, soft_wrap=True)
     if found.interrupted:
         console.print(found.interrupted, markup=False, soft_wrap=True)
+
+
+def _turned(knobs: dict[str, list[Any]]) -> str:
+    """The names of those that are turned; those that are not, with their value."""
+    return ", ".join(
+        name if len(values) > 1 else f"{name} {values[0]} (not turned)" for name, values in knobs.items()
+    )
 
 
 def _print_reference(found: Measurement, console: Console) -> None:

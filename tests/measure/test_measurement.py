@@ -17,9 +17,10 @@ from modelgen.measure.knobs import Settings
 from modelgen.measure.measurement import SHOWN, measure
 from modelgen.measure.motion import Bodies
 from modelgen.measure.peers.setup import _solid
+from modelgen.measure.settings_file import with_run
 from modelgen.measure.store import NAME
 from modelgen.measure.subject import Subject
-from modelgen.measure.table import print_tuned
+from modelgen.measure.table import print_measurement, print_tuned
 from modelgen.measure.tuning import tune
 from modelgen.scene.types import Scene
 from tests.measure.thrown import TEXT, thrown
@@ -148,3 +149,13 @@ def test_a_budget_that_is_refused_is_below_what_is_said_to_be_needed(
         needed = "19.7" if budget < 19651.0 else "30.1"
         assert refused.value.found == f"{words} per simulated second is not enough"
         assert refused.value.allowed.startswith(f"the cheapest setting takes {needed} us")
+
+
+def test_tuning_some_knobs_keeps_what_the_scene_says_of_the_others(root: Path) -> None:
+    text = TEXT.replace("samples = 4", 'samples = 4\nlevel = "O1"\nscheme = "moreau"  # idle')
+    tuned = tune(thrown(text), error=1e-3, knobs=["tolerance"], root=root)
+    assert tuned.point.settings["level"] == tuned.run.level == "O1"
+    assert 'level = "O1"' in with_run(text, tuned.point.settings, "thrown.toml")
+    out = StringIO()
+    print_measurement(tuned.measurement, Console(file=out, width=200))
+    assert "knobs: method dop853 (not turned), tolerance, level O1 (not turned);" in out.getvalue()

@@ -169,6 +169,8 @@ def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) ->
         (("--error", "1e-3", "--budget", "1ms"), "no demand, or two"),
         (("--error", "1e-3", "--knobs", "tolerence"), "did you mean 'tolerance'?"),
         (("--error", "1e-3", "--in-place", "--out", "x.toml"), "together with --in-place"),
+        (("--error", "1e-3", "--out", EGG), "is the scene itself; another file; or give --in-place"),
+        (("--error", "1e-3", "--out", ""), "--out: '.' is a folder; a file; name one"),
     ],
 )
 def test_what_cannot_be_is_refused_and_nothing_is_written(
