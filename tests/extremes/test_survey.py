@@ -9,6 +9,7 @@ import pytest
 from modelgen.errors import ModelgenError
 from modelgen.measure.extremes import Extreme, Found, Trial, tried
 from modelgen.measure.survey import EXTREMES, survey
+from modelgen.measure.survey_table import _ranges
 from modelgen.measure.variants import Variants
 from modelgen.runtime.session import Session
 from tests.running import folder
@@ -96,6 +97,14 @@ def test_ctrl_c_in_any_run_ends_the_survey(name: str, nth: int, monkeypatch: pyt
     with pytest.raises(KeyboardInterrupt):
         tried([each for each in EXTREMES if each.name == name], VARIANTS, True, lambda text: None, found)
     assert not found
+
+
+def test_the_table_has_the_values_of_a_verdict_as_runs_by_size() -> None:
+    verdicts = [(1e-2, "safe"), (1e2, "safe"), (1e-1, "warned"), (10.0, "warned"), (1e3, "safe")]
+    found = [Found(extreme(), value, Trial(0.5, (), verdict)) for value, verdict in verdicts]  # type: ignore[arg-type]
+    assert _ranges(found, "safe") == "0.01, 100 .. 1000"
+    assert _ranges(found, "warned") == "0.1 .. 10"
+    assert _ranges(found, "refused") == "-"
 
 
 def test_an_unknown_extreme_is_refused_by_name() -> None:
