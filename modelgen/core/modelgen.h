@@ -164,7 +164,8 @@ typedef struct {
   mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
   int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
   mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
-  mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
+  mg_real *share;         /* per contact, a spare, per row of joints, per row below: forces from which the least change is sought
+                             while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */

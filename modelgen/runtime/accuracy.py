@@ -280,8 +280,8 @@ class Accuracy:
     def companion(self, epsilon: float) -> Accuracy:
         """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
 
-        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step, so that
-        their part in the error shows.
+        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step,
+        so that their part in the error shows.
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
