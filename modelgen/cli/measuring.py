@@ -75,17 +75,10 @@ def measure(
     from modelgen.measure import measure as measured
 
     if extremes or scene is None:
-        given: dict[str, object] = {
-            "--until": until,
-            "--samples": samples,
-            "--knobs": knobs,
-            "--against": against,
-        }
-        given |= {"--limit": limit, "--fresh": fresh or None, "--plot": plot}
-        _survey(scene, extremes, only, given, as_json)
+        others = {"until": until, "samples": samples, "knobs": knobs, "against": against, "limit": limit}
+        _survey(scene, extremes, only, others | {"fresh": fresh or None, "plot": plot}, as_json)
         return
-    if only is not None:
-        raise ModelgenError("--only", f"with the scene {scene}", "--extremes and no scene", "leave it out")
+    _refuse({"only": only}, f"with the scene {scene}", "--extremes and no scene go with it")
     check_outputs(None, plot)
     what = modelgen.read(scene)
     with _told() as report:
@@ -125,9 +118,7 @@ def _survey(
         raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")
     if scene is not None:
         raise ModelgenError("--extremes", f"with the scene {scene}", "no scene", "leave one of them out")
-    for option, value in given.items():
-        if value is not None:
-            raise ModelgenError(option, "with --extremes", "--only and --json go with it", "leave it out")
+    _refuse(given, "with --extremes", "--only and --json go with it")
     with _told() as report:
         found = survey(_names("only", only), on_progress=report)
     print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
@@ -186,6 +177,13 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
     if not target.parent.is_dir():
         raise ModelgenError(str(target), f"no folder {str(target.parent)!r}", "", "make it first")
     return target
+
+
+def _refuse(given: Mapping[str, object], found: str, allowed: str) -> None:
+    """Options that would be passed over; None: not given."""
+    for option, value in given.items():
+        if value is not None:
+            raise ModelgenError(f"--{option}", found, allowed, "leave it out")
 
 
 def _names(option: str, text: str | None) -> tuple[str, ...] | None:

@@ -107,15 +107,14 @@ def measure(
     Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name.
     """
     expect("measure", scene, Scene)
-    peers = [PEERS[name] for name in _known("against", against, list(PEERS)) or ()]
+    peers = [PEERS[name] for name in _known("--against", against, list(PEERS)) or ()]
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
-    chosen = _known("knobs", knobs, turned)
+    chosen = _known("--knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
     points, others = list[Point](), list[PeerPoints]()
     report = on_progress or (lambda text: None)
     stopped = _sweep_all(bench, points, peers, others, limit, report)
-    _share_speed(points, others)
     if count and not stopped:
         stopped = _count_all(bench, points, report)
     return _measurement(bench, facts, points, others, stopped)
@@ -168,7 +167,7 @@ def _sweep_all(
     limit: float | None,
     report: Report,
 ) -> str:
-    """Fills points and others; INTERRUPTED, TIME_UP, or an empty text."""
+    """Fills points and others, at one speed of the machine; INTERRUPTED, TIME_UP, or an empty text."""
     begun = time.monotonic()
 
     def left() -> bool:
@@ -185,6 +184,8 @@ def _sweep_all(
             peer_points(peer, bench, others[-1], left, report)
     except KeyboardInterrupt:
         return INTERRUPTED
+    finally:
+        _share_speed(points, others)
     return "" if left() else TIME_UP
 
 
@@ -221,6 +222,9 @@ def _known(option: str, names: Sequence[str] | None, allowed: list[str]) -> tupl
     for name in names or ():
         if name not in allowed:
             raise ModelgenError(
-                option, f"no {name!r}", f"allowed: {', '.join(allowed)}", nearest(name, allowed)
+                option,
+                f"no {name!r}",
+                f"allowed: {', '.join(allowed)}",
+                nearest(name, allowed) or "use one of these names",
             )
     return None if names is None else tuple(names)

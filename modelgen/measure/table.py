@@ -99,7 +99,7 @@ def _print_front(title: str, points: Sequence[Point], knobs: dict[str, list[Any]
 def _print_rows(title: str, rows: Sequence[tuple[str, ...]], console: Console) -> None:
     """Aligned columns, numbers to the right and the last to the left; a terminal wraps what is too long."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    console.print(Text(title, style="italic"))
+    console.print(Text(title, style="italic"), soft_wrap=True)
     for number, row in enumerate(rows):
         cells = [cell.rjust(width) for cell, width in zip(row[:-1], widths, strict=False)]
         console.print(Text("  ".join([*cells, row[-1]]), style="" if number else "bold"), soft_wrap=True)
@@ -135,7 +135,9 @@ def print_tuned(tuned: Tuned, console: Console) -> None:
     point = tuned.point
     cost = (point.cost_ns_per_s or 0.0) / 1e3
     name = tuned.measurement.subject.scene.name
-    console.print(f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False)
+    console.print(
+        f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False, soft_wrap=True
+    )
     console.print(settings_text(point, {}), markup=False, soft_wrap=True)
     if tuned.measurement.interrupted:
         console.print(f"not all settings were tried; {tuned.measurement.interrupted}", soft_wrap=True)

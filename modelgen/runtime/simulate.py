@@ -45,15 +45,14 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
-        estimate: whether a companion run follows, from which the error is estimated; the scene's own, or
-            True, when None. As a rule it costs 1.2 to 1.4 times what the run does.
+        estimate: whether a companion run, of 1.2 to 1.4 times the cost as a rule, follows, from which the
+            error is estimated; the scene's own, or True, when None.
         on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
-        Ctrl-C and failures keep what was computed, with one more sample at the end; the outcome says which.
-        Ctrl-C in the companion run keeps the whole run; the estimate says so.
+        Ctrl-C and failures keep what was computed, with one more sample at the end; outcome, estimate say so.
 
     Raises:
         ModelgenError: what is given is no library.

@@ -65,6 +65,11 @@ def test_an_interrupted_survey_prints_what_it_has_and_says_so(
         (("--extremes", "--only", ""), "--only: ''; names with commas between them"),
         ((EGG, "--knobs", " , "), "--knobs: ' , '; names with commas between them"),
         ((EGG, "--against", ""), "--against: ''; names"),
+        ((EGG, "--knobs", "foo"), "--knobs: no 'foo'; allowed: method, tolerance"),
+        ((EGG, "--against", "foo"), "--against: no 'foo'; allowed: mujoco"),
+        ((EGG, "--against", "foo"), "use one of these names"),
+        (("--extremes", "--only", "foo"), "--only: no 'foo'; allowed: gap"),
+        (("--extremes", "--only", "needel"), "did you mean 'needle'?"),
     ],
 )
 def test_no_option_is_passed_over(modelgen: Modelgen, options: tuple[str, ...], words: str) -> None:
