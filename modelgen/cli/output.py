@@ -115,7 +115,7 @@ def exit_with(trajectory: Trajectory) -> None:
     if not outcome.succeeded:
         typer.echo(_ending(trajectory), err=True)
     elif trajectory.interrupted:
-        typer.echo("interrupted in the companion run: the run is whole, its error is not known", err=True)
+        typer.echo("interrupted in the companion run: the run is whole, its error is not certified", err=True)
     else:
         return
     raise typer.Exit(INTERRUPTED if trajectory.interrupted else FAILED)

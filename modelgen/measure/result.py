@@ -27,8 +27,8 @@ _POINT = record(
             "object",
             "noise (spread of repeats, relative), yard_s (the yardstick beside it), steps, rhs_evals, "
             "instructions_per_s (per simulated second, by callgrind as compiled for Haswell; of points on "
-            "the front; null: not counted, as long double and runs beyond 0.2 s are not), binary_bytes, compile_s (null: compiled before); of a peer noise "
-            "and yard_s",
+            "the front; null: not counted, as long double and runs beyond 0.2 s are not), binary_bytes, "
+            "compile_s (null: compiled before); of a peer noise and yard_s",
         ),
         "remark": entry("string", "why there is no error, or empty"),
     },

@@ -120,7 +120,7 @@ def applied(run: RunSettings, settings: Settings) -> RunSettings:
 
 
 def _forms(subject: Subject, model: Model) -> dict[str, int]:
-    """`auto`, and each form that gives other equations, the scene's own first; with the entries of eta under it."""
+    """`auto`, and each form that gives other equations, the scene's own first; with its entries of eta."""
     own = subject.scene.run.form
     kinds = [[own] if own else [], *(regular_forms(kind.o, kind.f) for kind in model.contact_kinds)]
     found, known = {"auto": model.n_eta}, [model.contact_kinds]

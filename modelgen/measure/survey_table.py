@@ -38,7 +38,7 @@ def _row(extreme: Extreme, found: Sequence[Found]) -> tuple[str, ...]:
 
 
 def _ranges(found: Sequence[Found], verdict: str) -> str:
-    """The values with this verdict by size, as runs `1e-09 .. 1e-03` between which others have another one."""
+    """The values with this verdict by size, as runs `1e-09 .. 0.001`; between two, others have another."""
     runs: list[list[float]] = []
     for each in sorted(found, key=lambda each: each.value):
         if each.trial.verdict == verdict:

@@ -55,7 +55,7 @@ def estimate_of(
     """
     length, last = sentence["scales"]["length"], len(path.t)
     position, rotation = np.full(last, np.inf), np.full(last, np.inf)
-    n = 0 if twin is None else min(last, len(twin.t))
+    n = 0 if twin is None else _common(path, twin)
     if twin is not None:
         position[:n], rotation[:n] = _errors(path, twin, n, sentence)
     predicted = _predicted(position / length, rotation, n, accuracy.predictable)
@@ -78,6 +78,12 @@ def estimate_of(
     )
 
 
+def _common(path: Trajectory, twin: Trajectory) -> int:
+    """How many samples both have; a companion that ended early has one more, at a time of its own."""
+    n = min(len(path.t), len(twin.t))
+    return n - int(twin.t[n - 1] != path.t[n - 1])
+
+
 def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]) -> tuple[Array, Array]:
     """(n,) m and rad: what differs up to each sample, doubled, and what rounding hides."""
     bodies = list(enumerate(sentence["bodies"]))
@@ -85,7 +91,7 @@ def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, A
     turning = [k for k, body in bodies if body["motion"] == "free"]
     tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
     size = max(sentence["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
-    apart = distance_between(path, twin, moving)
+    apart = distance_between(path, twin, moving)[:n]
     turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
     rounded = tiny * size, tiny if turning else 0.0
     return (

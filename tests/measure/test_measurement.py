@@ -116,7 +116,7 @@ def test_only_what_was_compiled_has_a_time_of_the_compiler(
 
 
 def test_what_is_counted_is_what_the_table_shows(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine that was half as fast for every other point: which rows are shown is known once that is told."""
+    """A machine that was half as fast for every other point: once that is told, the rows are known."""
     made: list[Point] = []
 
     def uneven(bench: program.Bench, settings: Settings) -> Point:
