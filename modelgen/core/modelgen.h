@@ -127,6 +127,7 @@ typedef struct {
   mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
+  mg_real look;           /* what functions of time do within look * time may pass unseen */
   mg_real stride;         /* part of the longest step allowed; < 1: none leads from event to event */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */
