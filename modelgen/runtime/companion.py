@@ -81,7 +81,7 @@ def estimate_of(
 def _common(path: Trajectory, twin: Trajectory) -> int:
     """How many samples both have; a companion that ended early has one more, at a time of its own."""
     n = min(len(path.t), len(twin.t))
-    return n - int(twin.t[n - 1] != path.t[n - 1])
+    return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
 
 
 def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]) -> tuple[Array, Array]:
