@@ -159,7 +159,7 @@ def _is_unbalanced(path: Trajectory, sentence: Mapping[str, Any]) -> bool:
     mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
     kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
     least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
-    return path.energy_drift * kinetic > UNBALANCED * max(kinetic, least)
+    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
 
 
 def _order(
