@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -75,8 +75,10 @@ def measure(
     from modelgen.measure import measure as measured
 
     if extremes or scene is None:
-        _survey(scene, extremes, only, as_json)
+        others = {"until": until, "samples": samples, "knobs": knobs, "against": against, "limit": limit}
+        _survey(scene, extremes, only, others | {"fresh": fresh or None, "plot": plot}, as_json)
         return
+    _refuse({"only": only}, f"with the scene {scene}", "--extremes and no scene go with it")
     check_outputs(None, plot)
     what = modelgen.read(scene)
     with _told() as report:
@@ -84,8 +86,8 @@ def measure(
             what,
             until=read_option("until", until),
             samples=read_option("samples", samples),
-            knobs=_names(knobs),
-            against=_names(against) or (),
+            knobs=_names("knobs", knobs),
+            against=_names("against", against) or (),
             limit=_seconds(limit),
             fresh=fresh,
             on_progress=report,
@@ -101,11 +103,14 @@ def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
         draw_measurement(found, plot)
     facts = found.as_json() | {"plot": None if plot is None else str(plot)}
     print_facts(facts, as_json, lambda: print_measurement(found, Console()))
-    if found.interrupted.startswith("interrupted"):
+    if found.was_stopped:
         raise typer.Exit(INTERRUPTED)
 
 
-def _survey(scene: Path | None, extremes: bool, only: str | None, as_json: bool) -> None:
+def _survey(
+    scene: Path | None, extremes: bool, only: str | None, given: Mapping[str, object], as_json: bool
+) -> None:
+    """`given`: options of a measurement, which a survey does not take."""
     from modelgen.measure.survey import survey
     from modelgen.measure.survey_table import print_survey
 
@@ -113,8 +118,9 @@ def _survey(scene: Path | None, extremes: bool, only: str | None, as_json: bool)
         raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")
     if scene is not None:
         raise ModelgenError("--extremes", f"with the scene {scene}", "no scene", "leave one of them out")
+    _refuse(given, "with --extremes", "--only and --json go with it")
     with _told() as report:
-        found = survey(_names(only), on_progress=report)
+        found = survey(_names("only", only), on_progress=report)
     print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
     if found.interrupted:
         raise typer.Exit(INTERRUPTED)
@@ -142,13 +148,13 @@ def tune(
     target = _target(scene, out, in_place)
     what = modelgen.read(scene)
     text = scene.read_text(encoding="utf-8")
-    with _told() as report:
+    with _told() as report, _resumable():
         found = tuned(
             what,
             error=_error(error),
             budget=_budget(budget),
             until=read_option("until", until),
-            knobs=_names(knobs),
+            knobs=_names("knobs", knobs),
             limit=_seconds(limit),
             on_progress=report,
         )
@@ -164,13 +170,32 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
     if out is not None and in_place:
         raise ModelgenError("--out", "together with --in-place", "one of them", "leave one out")
     target = scene if in_place else out or scene.with_name(f"{scene.stem}_tuned.toml")
+    if target.is_dir():
+        raise ModelgenError("--out", f"{str(target)!r} is a folder", "a file", "name one")
+    if not in_place and target.exists() and scene.exists() and target.samefile(scene):
+        raise ModelgenError("--out", f"{target} is the scene itself", "another file", "or give --in-place")
     if not target.parent.is_dir():
         raise ModelgenError(str(target), f"no folder {str(target.parent)!r}", "", "make it first")
     return target
 
 
-def _names(text: str | None) -> tuple[str, ...] | None:
-    return None if text is None else tuple(part.strip() for part in text.split(",") if part.strip())
+def _refuse(given: Mapping[str, object], found: str, allowed: str) -> None:
+    """Options that would be passed over; None: not given."""
+    for option, value in given.items():
+        if value is not None:
+            raise ModelgenError(f"--{option}", found, allowed, "leave it out")
+
+
+def _names(option: str, text: str | None) -> tuple[str, ...] | None:
+    """The names in `A,B,..`; None if the option was not given. Refuses a list without names."""
+    if text is None:
+        return None
+    names = tuple(part.strip() for part in text.split(",") if part.strip())
+    if not names:
+        raise ModelgenError(
+            f"--{option}", repr(text), "names with commas between them", f"name one, or leave --{option} out"
+        )
+    return names
 
 
 def _error(text: str | None) -> float | None:
@@ -188,17 +213,31 @@ def _budget(text: str | None) -> float | None:
     unit = next((unit for unit in UNITS if text.endswith(unit)), "")
     if not unit:
         raise ModelgenError("--budget", repr(text), "a time with its unit: ns, us, ms or s", "write 20us")
-    return UNITS[unit] * _number("budget", text.removesuffix(unit), "a time such as 20us")
+    return UNITS[unit] * _number("budget", text, "a time such as 20us", unit)
 
 
-def _number(name: str, text: str, allowed: str) -> float:
+def _number(name: str, text: str, allowed: str, unit: str = "") -> float:
+    """The positive number before the unit."""
     try:
-        value = float(text)
+        value = float(text.removesuffix(unit))
     except ValueError:
         value = -1.0
     if not 0 < value < float("inf"):
         raise ModelgenError(f"--{name}", repr(text), f"{allowed}, positive", "write one")
     return value
+
+
+@contextmanager
+def _resumable() -> Iterator[None]:
+    """Ctrl-C where there is no result yet: what was measured on the way to it is remembered."""
+    from modelgen.measure.measurement import INTERRUPTED as STOPPED
+    from modelgen.measure.measurement import resumable
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(resumable(STOPPED), err=True)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 @contextmanager

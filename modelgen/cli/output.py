@@ -110,11 +110,19 @@ def _finite(value: Any) -> Any:
 
 
 def exit_with(trajectory: Trajectory) -> None:
+    """Ends a verb whose run did not end well, or whose companion was interrupted."""
     outcome = trajectory.outcome
-    if outcome.succeeded:
+    if not outcome.succeeded:
+        typer.echo(_ending(trajectory), err=True)
+    elif trajectory.interrupted:
+        typer.echo("interrupted in the companion run: the run is whole, its error is not certified", err=True)
+    else:
         return
+    raise typer.Exit(INTERRUPTED if trajectory.interrupted else FAILED)
+
+
+def _ending(trajectory: Trajectory) -> str:
+    outcome = trajectory.outcome
     place = f" ({trajectory.outcome_contact})" if trajectory.outcome_contact else ""
     last = "; the last sample is the state then" if trajectory.reaches_its_end else ""
-    message = f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}{last}"
-    typer.echo(message, err=True)
-    raise typer.Exit(INTERRUPTED if outcome.name == "INTERRUPTED" else FAILED)
+    return f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}{last}"

@@ -7,11 +7,10 @@ from math import log10, sqrt
 
 import numpy as np
 
-from modelgen.measure.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
+from modelgen.measure.extremes import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
 from modelgen.measure.units import Units, in_units
 from modelgen.measure.variants import Variants
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.simulate import simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.build import dynamic, ellipsoid, fixed, plane, scene, sphere
 from modelgen.scene.types import Scene
@@ -43,7 +42,7 @@ def rocking_egg(x: float = 0.0) -> Scene:
 def _try_units(name: str, x: float, variants: Variants) -> Trial:
     """The same egg with its unit of length, mass or time worth x new ones."""
     units = Units(**{name: x})
-    true = simulate(variants.library(rocking_egg()), accuracy=Accuracy.tight(), samples=50)
+    true = run_of(variants.library(rocking_egg()), Accuracy.tight(), samples=50)
 
     def error(path: Trajectory) -> float:
         lengths = float(np.abs(path.p / units.length - true.p).max()) / 0.05

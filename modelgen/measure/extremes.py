@@ -9,13 +9,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.measure.errors import separation
-from modelgen.measure.motion import Bodies, motion_of
+from modelgen.measure.motion import Bodies, motion_of, uninterrupted
 from modelgen.measure.variants import Variants
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.simulate import simulate
-from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import Scene
 
 EPS = float(np.finfo(float).eps)
@@ -124,6 +125,11 @@ def tried(
             found.append(Found(extreme, value, extreme.attempt(value, variants)))
 
 
+def run_of(library: Library, accuracy: Accuracy, samples: int) -> Trajectory:
+    """A run to the scene's own end, and no companion; an interruption stays one."""
+    return uninterrupted(simulate(library, accuracy=accuracy, samples=samples, estimate=False))
+
+
 def tried_run(
     make: Callable[[], Scene],
     variants: Variants,
@@ -137,11 +143,9 @@ def tried_run(
     try:
         what = make()
         library = variants.library(what, real)
-        path = simulate(library, accuracy=accuracy or Accuracy.tight(), samples=samples)
+        path = run_of(library, accuracy or Accuracy.tight(), samples)
     except ModelgenError as refused:
         return Trial(None, (str(refused),), "refused")
-    if path.outcome is Outcome.INTERRUPTED:
-        raise KeyboardInterrupt
     told = tuple(path.warnings)
     if not path.outcome.succeeded:
         return Trial(None, (path.outcome.value, *told), "refused")
@@ -156,7 +160,7 @@ def against(
 
     def error(path: Trajectory) -> float:
         library = variants.library(make(), "long double")
-        true = simulate(library, accuracy=Accuracy.finest(), samples=samples)
+        true = run_of(library, Accuracy.finest(), samples)
         if not true.outcome.succeeded:
             return inf
         bodies = Bodies.of(library.manifest.sentence)

@@ -6,7 +6,7 @@ A further choice is a further row, or a further value of one.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 
 from modelgen.scene.run import SCHEMES, SOLVERS
@@ -107,21 +107,29 @@ KNOBS: tuple[Knob, ...] = (
 class Space:
     """The settings that a sweep may take: knobs, the first of which is the method, for one subject.
 
-    Where `free` names knobs, these and the ladders are turned, and all others stay at their first value.
+    Where `free` names knobs, these and the ladders are turned, and all others stay as they are in `own`, what
+    the scene says of itself, or else at their first value.
     """
 
     knobs: tuple[Knob, ...]
     facts: Facts
     free: tuple[str, ...] | None = None
+    own: Settings = field(default_factory=dict)
 
     def values(self, knob: Knob) -> Sequence[Value]:
         """The values that the knob may take here."""
-        fixed = self.free is not None and knob.name not in self.free and not knob.ladder
-        return knob.values(self.facts)[:1] if fixed else knob.values(self.facts)
+        values = knob.values(self.facts)
+        if not self._is_fixed(knob):
+            return values
+        return [self.own[knob.name]] if knob.name in self.own else values[:1]
 
     def matters(self, knob: Knob, settings: Settings) -> bool:
-        turns = knob is self.knobs[0] or len(self.values(knob)) > 1
+        said = self._is_fixed(knob) and knob.name in self.own
+        turns = said or knob is self.knobs[0] or len(self.values(knob)) > 1
         return turns and knob.matters(self.facts, settings)
+
+    def _is_fixed(self, knob: Knob) -> bool:
+        return self.free is not None and knob.name not in self.free and not knob.ladder
 
     def settled(self, chosen: Settings) -> dict[str, Value]:
         """All knobs that matter, in their order; those left open at their first value, the others dropped."""

@@ -19,16 +19,17 @@ from modelgen.measure.store import Store
 from modelgen.measure.subject import Subject
 from modelgen.scene.types import Scene
 
-INTERRUPTED = "interrupted: what was measured is kept, the same command goes on from there"
+INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early
+KEPT = "what was measured is kept, the same command{} goes on from there"
 SHOWN = 1.5  # of the error between two rows of a table; `--json` has all
-COUNTED_NS = 2e8  # of CPU time for a run whose instructions are counted, which takes fifty times as long
+COUNTED_NS = 2e8  # of CPU time: longer runs are not counted, which takes fifty times as long
 
 Report = Callable[[str], None]  # told what is measured next
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured of a scene; `interrupted` says that there would be more."""
+    """What was measured of a scene; `interrupted` says why there would be more, and how to get it."""
 
     subject: Subject
     knobs: dict[str, list[Any]]
@@ -38,7 +39,7 @@ class Measurement:
     points: list[Point]
     peers: list[PeerPoints] = field(default_factory=list)
     interrupted: str = ""
-    reused: int = 0
+    reused: int = 0  # points that were remembered
 
     @property
     def front(self) -> list[Point]:
@@ -64,6 +65,11 @@ class Measurement:
             "interrupted": self.interrupted,
             "reused": self.reused,
         }
+
+    @property
+    def was_stopped(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.interrupted.startswith(INTERRUPTED)
 
     @property
     def noise(self) -> float | None:
@@ -101,9 +107,9 @@ def measure(
     Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name.
     """
     expect("measure", scene, Scene)
-    peers = [PEERS[name] for name in _known("against", against, list(PEERS)) or ()]
+    peers = [PEERS[name] for name in _known("--against", against, list(PEERS)) or ()]
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
-    chosen = _known("knobs", knobs, turned)
+    chosen = _known("--knobs", knobs, turned)
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
     points, others = list[Point](), list[PeerPoints]()
@@ -118,7 +124,6 @@ def _measurement(
     bench: Bench, reference: dict[str, Any], points: list[Point], peers: list[PeerPoints], stopped: str
 ) -> Measurement:
     space = bench.space
-    _share_speed(points, peers)
     turned = [knob for knob in space.knobs if _turns(bench, knob.name)]
     return Measurement(
         subject=bench.subject,
@@ -128,7 +133,7 @@ def _measurement(
         length=bench.plain.manifest.sentence["scales"]["length"],
         points=points,
         peers=peers,
-        interrupted=stopped,
+        interrupted=stopped and resumable(stopped, bench.fresh),
         reused=bench.reused,
     )
 
@@ -162,7 +167,7 @@ def _sweep_all(
     limit: float | None,
     report: Report,
 ) -> str:
-    """Fills points and others; why it stopped early, or an empty text."""
+    """Fills points and others, at one speed of the machine; INTERRUPTED, TIME_UP, or an empty text."""
     begun = time.monotonic()
 
     def left() -> bool:
@@ -179,7 +184,9 @@ def _sweep_all(
             peer_points(peer, bench, others[-1], left, report)
     except KeyboardInterrupt:
         return INTERRUPTED
-    return "" if left() else "the time was up: the same command goes on from there"
+    finally:
+        _share_speed(points, others)
+    return "" if left() else TIME_UP
 
 
 def _count_all(bench: Bench, points: list[Point], report: Report) -> str:
@@ -193,6 +200,11 @@ def _count_all(bench: Bench, points: list[Point], report: Report) -> str:
     except KeyboardInterrupt:
         return INTERRUPTED
     return ""
+
+
+def resumable(stopped: str, fresh: bool = False) -> str:
+    """The sentence on a measurement that stopped early; one that forgets goes on only if it remembers."""
+    return f"{stopped}: {KEPT.format(' without --fresh' if fresh else '')}"
 
 
 def described(settings: Settings) -> str:
@@ -210,6 +222,9 @@ def _known(option: str, names: Sequence[str] | None, allowed: list[str]) -> tupl
     for name in names or ():
         if name not in allowed:
             raise ModelgenError(
-                option, f"no {name!r}", f"allowed: {', '.join(allowed)}", nearest(name, allowed)
+                option,
+                f"no {name!r}",
+                f"allowed: {', '.join(allowed)}",
+                nearest(name, allowed) or "use one of these names",
             )
     return None if names is None else tuple(names)

@@ -30,7 +30,7 @@ class Bodies:
             length=sentence["scales"]["length"],
             moving=tuple(k for k, _ in bodies),
             turning=tuple(b["motion"] == "free" for _, b in bodies),
-            mass=tuple(b["parameters"][0] for _, b in bodies),
+            mass=tuple(1 / b["mass_inverse"][0] for _, b in bodies),
         )
 
 
@@ -45,6 +45,13 @@ class Motion:
     force: Array | None  # (n, nc) N
     events: Sequence[Event] | None
     invariants: Mapping[str, float]  # by name: energy (relative), gap and joints (over the length)
+
+
+def uninterrupted(path: Trajectory) -> Trajectory:
+    """The run; Ctrl-C in it, or in its companion, is Ctrl-C again."""
+    if path.interrupted:
+        raise KeyboardInterrupt
+    return path
 
 
 def motion_of(path: Trajectory, bodies: Bodies) -> Motion:

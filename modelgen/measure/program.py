@@ -34,7 +34,7 @@ class Bench:
     space: Space
     store: Store
     fresh: bool = False  # nothing that was remembered is believed
-    reused: int = 0
+    reused: int = 0  # points that were remembered
     yards: list[float] = field(default_factory=list)
 
     @cached_property
@@ -52,12 +52,13 @@ class Bench:
         key = self.subject.key(self.plain, {"reference": asdict(Accuracy.finest())})
         return dict(self.recall(key, lambda: self.reference.facts()))
 
+    def remembers(self, key: str) -> bool:
+        return not self.fresh and self.store.get(key) is not None
+
     def recall(self, key: str, make: Callable[[], Any]) -> Any:
         """What is remembered under a key, or is made now and remembered."""
-        known = None if self.fresh else self.store.get(key)
-        if known is not None:
-            self.reused += 1
-            return known
+        if self.remembers(key):
+            return self.store.get(key)
         made = make()
         self.store.put(key, made)
         return made
@@ -82,6 +83,7 @@ def point_of(bench: Bench, settings: Settings) -> Point:
     """One setting of this program, measured, or remembered."""
     built = bench.subject.built(settings)
     key = bench.subject.key(built.library, {"settings": dict(settings)})
+    bench.reused += bench.remembers(key)
     known = bench.recall(key, lambda: _measured(bench, settings).as_json())
     return Point(**known)
 

@@ -27,8 +27,8 @@ _POINT = record(
             "object",
             "noise (spread of repeats, relative), yard_s (the yardstick beside it), steps, rhs_evals, "
             "instructions_per_s (per simulated second, by callgrind as compiled for Haswell; of points on "
-            "the front; null: not counted), binary_bytes, compile_s (null: compiled before); of a peer noise "
-            "and yard_s",
+            "the front; null: not counted, as long double and runs beyond 0.2 s are not), binary_bytes, "
+            "compile_s (null: compiled before); of a peer noise and yard_s",
         ),
         "remark": entry("string", "why there is no error, or empty"),
     },
@@ -85,7 +85,7 @@ def measured_schema() -> dict[str, Any]:
             "points": _POINTS | {"description": "all settings, in the order in which they were tried"},
             "peers": entry("object", "by name", additionalProperties=_PEER),
             "interrupted": entry("string", "why it stopped early, or empty"),
-            "reused": entry("integer", "measurements that were remembered"),
+            "reused": entry("integer", "points that were remembered, and not measured anew"),
             "plot": entry(["string", "null"], "the file that holds the picture, or null"),
         },
     )
@@ -104,6 +104,7 @@ def tuned_schema() -> dict[str, Any]:
             "reference_error": entry("number", "the error of the reference"),
             "horizon": entry(NUMBER, "s; null: the whole span can be predicted"),
             "length": entry("number", "characteristic length that errors are relative to, m"),
+            "interrupted": entry("string", "why not all settings were tried, or empty"),
             "file": entry("string", "the scene with these settings in [run]"),
         },
     )

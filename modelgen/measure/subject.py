@@ -16,18 +16,18 @@ from modelgen.codegen.library import Library
 from modelgen.contact.kinds import regular_forms
 from modelgen.derive import derive
 from modelgen.measure.knobs import KNOBS, Facts, Settings, Space
-from modelgen.measure.motion import Bodies
+from modelgen.measure.motion import Bodies, uninterrupted
 from modelgen.model import Model
 from modelgen.require import require
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
-from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import RunSettings, Scene
 
 BUILD = {"form": "auto", "real": "double", "level": "O2"}  # knobs of the build, and what a scene has unasked
 
-FORMAT = 2  # of what is remembered; another one makes the old unknown
+FORMAT = 3  # of what is remembered; another one makes the old unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,15 @@ class Subject:
             joints=bool(model.joints),
             friction=any(pair.friction for pair in self.scene.contacts),
         )
-        return Space(KNOBS, facts, names)
+        return Space(KNOBS, facts, names, self._own(facts))
+
+    def _own(self, facts: Facts) -> dict[str, Any]:
+        """What the scene says of the knobs; not a form that gives the same equations as `auto`."""
+        said = {knob.name: getattr(self.scene.run, knob.name) for knob in KNOBS}
+        own = {name: value for name, value in said.items() if value is not None}
+        if own.get("form") not in facts.forms:
+            own.pop("form", None)
+        return own
 
     def _model(self, form: str | None) -> Model:
         return require(self.with_form(form))
@@ -75,11 +83,13 @@ class Subject:
             own = [part for part, plain in ((form, "auto"), (level, "O2")) if part != plain]
             folder = self.root / ".".join([self.scene.name, *own])
             package = emit(derive(require(self.with_form(form))))
-            files = set(folder.glob("lib*.so"))
+            files = set(folder.resolve().glob("lib*.so"))
             begun = time.perf_counter()
             library = build(package, real=real, folder=folder, level=level)
             spent = time.perf_counter() - begun
-            self._built[form, real, level] = Built(library, None if library.path in files else spent)
+            self._built[form, real, level] = Built(
+                library, None if library.path.resolve() in files else spent
+            )
         return self._built[form, real, level]
 
     def accuracy(self, settings: Settings) -> Accuracy:
@@ -89,9 +99,7 @@ class Subject:
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""
         path = simulate(library, until=self.until, samples=self.samples, accuracy=accuracy, estimate=False)
-        if path.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        return path
+        return uninterrupted(path)
 
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""
@@ -112,8 +120,9 @@ def applied(run: RunSettings, settings: Settings) -> RunSettings:
 
 
 def _forms(subject: Subject, model: Model) -> dict[str, int]:
-    """`auto`, and each form that gives other equations; with the entries of eta under it."""
-    kinds = [regular_forms(kind.o, kind.f) for kind in model.contact_kinds]
+    """`auto`, and each form that gives other equations, the scene's own first; with its entries of eta."""
+    own = subject.scene.run.form
+    kinds = [[own] if own else [], *(regular_forms(kind.o, kind.f) for kind in model.contact_kinds)]
     found, known = {"auto": model.n_eta}, [model.contact_kinds]
     for form in dict.fromkeys(form for forms in kinds for form in forms):
         other = require(subject.with_form(form))

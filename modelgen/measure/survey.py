@@ -64,7 +64,8 @@ def survey(
 def _named(name: str) -> Extreme:
     known = {extreme.name: extreme for extreme in EXTREMES}
     if name not in known:
-        raise ModelgenError("extremes", repr(name), ", ".join(known), nearest(name, known))
+        remedy = nearest(name, known) or "use one of these names"
+        raise ModelgenError("--only", f"no {name!r}", f"allowed: {', '.join(known)}", remedy)
     return known[name]
 
 

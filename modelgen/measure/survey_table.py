@@ -23,23 +23,34 @@ def print_survey(found: Survey, console: Console) -> None:
     for each in found.found:
         if not each.holds:
             console.print(Text(_failure(each)), soft_wrap=True)
+    if found.interrupted:
+        console.print("interrupted: what was found is above, the same command begins anew", soft_wrap=True)
 
 
 def _row(extreme: Extreme, found: Sequence[Found]) -> tuple[str, ...]:
     """The worst is the largest error over its law."""
     shares = [each.trial.error / each.allowed for each in found if each.trial.error is not None]
     verdicts = ("safe", "warned", "refused")
-    ranges = [_range([each.value for each in found if each.trial.verdict == verdict]) for verdict in verdicts]
+    ranges = [_ranges(found, verdict) for verdict in verdicts]
     worst = f"{max(shares):.0e} of it" if shares else "-"
     holds = "yes" if all(each.holds for each in found) else "NO"
     return (extreme.name, extreme.of, *ranges, extreme.law, worst, holds)
 
 
-def _range(values: Sequence[float]) -> str:
-    if not values:
-        return "-"
-    ends = f"{values[0]:g}", f"{values[-1]:g}"
-    return ends[0] if ends[0] == ends[1] else " .. ".join(ends)
+def _ranges(found: Sequence[Found], verdict: str) -> str:
+    """The values with this verdict by size, as runs `1e-09 .. 0.001`; between two, others have another."""
+    runs: list[list[float]] = []
+    for each in sorted(found, key=lambda each: each.value):
+        if each.trial.verdict == verdict:
+            runs = runs or [[]]
+            runs[-1].append(each.value)
+        elif runs and runs[-1]:
+            runs.append([])
+    return ", ".join(_range(run) for run in runs if run) or "-"
+
+
+def _range(run: Sequence[float]) -> str:
+    return f"{run[0]:g}" if len(run) == 1 else f"{run[0]:g} .. {run[-1]:g}"
 
 
 def _failure(found: Found) -> str:

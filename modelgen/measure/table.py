@@ -36,7 +36,7 @@ def print_measurement(found: Measurement, console: Console) -> None:
     _print_reference(found, console)
     noise = "unknown" if found.noise is None else f"{100 * found.noise:.0f} %"
     console.print(
-        f"{len(found.points)} settings ({found.reused} remembered), knobs: {', '.join(found.knobs)}; "
+        f"{len(found.points)} settings ({found.reused} remembered), knobs: {_turned(found.knobs)}; "
         f"repeats scatter by {noise}; error: "
         f"largest distance of body points over the length {found.length:.6g} m",
         markup=False,
@@ -46,9 +46,16 @@ def print_measurement(found: Measurement, console: Console) -> None:
     for peer in found.peers:
         _print_peer(peer, found, console)
     if why_not_counted():
-        console.print(why_not_counted(), markup=False)
+        console.print(why_not_counted(), markup=False, soft_wrap=True)
     if found.interrupted:
-        console.print(found.interrupted, markup=False)
+        console.print(found.interrupted, markup=False, soft_wrap=True)
+
+
+def _turned(knobs: dict[str, list[Any]]) -> str:
+    """The names of those that are turned; those that are not, with their value."""
+    return ", ".join(
+        name if len(values) > 1 else f"{name} {values[0]} (not turned)" for name, values in knobs.items()
+    )
 
 
 def _print_reference(found: Measurement, console: Console) -> None:
@@ -92,7 +99,7 @@ def _print_front(title: str, points: Sequence[Point], knobs: dict[str, list[Any]
 def _print_rows(title: str, rows: Sequence[tuple[str, ...]], console: Console) -> None:
     """Aligned columns, numbers to the right and the last to the left; a terminal wraps what is too long."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    console.print(Text(title, style="italic"))
+    console.print(Text(title, style="italic"), soft_wrap=True)
     for number, row in enumerate(rows):
         cells = [cell.rjust(width) for cell, width in zip(row[:-1], widths, strict=False)]
         console.print(Text("  ".join([*cells, row[-1]]), style="" if number else "bold"), soft_wrap=True)
@@ -128,5 +135,9 @@ def print_tuned(tuned: Tuned, console: Console) -> None:
     point = tuned.point
     cost = (point.cost_ns_per_s or 0.0) / 1e3
     name = tuned.measurement.subject.scene.name
-    console.print(f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False)
+    console.print(
+        f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False, soft_wrap=True
+    )
     console.print(settings_text(point, {}), markup=False, soft_wrap=True)
+    if tuned.measurement.interrupted:
+        console.print(f"not all settings were tried; {tuned.measurement.interrupted}", soft_wrap=True)

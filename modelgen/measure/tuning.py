@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, Context
 from math import log
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ class Tuned:
             "reference_error": self.measurement.reference["error"],
             "horizon": self.measurement.reference["horizon"],
             "length": self.measurement.length,
+            "interrupted": self.measurement.interrupted,
         }
 
 
@@ -82,7 +84,8 @@ def tune(
         error: over the characteristic length.
         budget: ns of CPU time per simulated second; the fresh run may exceed it by 20 %.
 
-    Raises ModelgenError, naming what can be reached, where the demand cannot be met.
+    Raises ModelgenError, naming what can be reached, where the demand cannot be met, or not within `limit`.
+    Ctrl-C raises KeyboardInterrupt; what was measured is remembered.
     """
     if (error is None) == (budget is None):
         raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
@@ -91,13 +94,13 @@ def tune(
     found = measure(
         scene, until=until, knobs=knobs, count=False, limit=limit, root=root, on_progress=on_progress
     )
-    if found.interrupted and "interrupted" in found.interrupted:
+    if found.was_stopped:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)
     bench = Bench(
         found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name)
     )
-    points = _refined(bench, list(found.points), demand)
+    points = list(found.points) if found.interrupted else _refined(bench, list(found.points), demand)
     report("verifying on a fresh run")
     return Tuned(*_verified(bench, points, demand, found), measurement=found)
 
@@ -133,7 +136,7 @@ def _verified(
     bench: Bench, points: list[Point], demand: Demand, found: Measurement
 ) -> tuple[Point, RunSettings]:
     """The first pick that a fresh run confirms, and the run settings with it."""
-    again = replace(bench, fresh=True)
+    again, slow = replace(bench, fresh=True), list[Point]()
     for _ in range(CANDIDATES):
         pick = demand.pick(points)
         if pick is None:
@@ -142,12 +145,16 @@ def _verified(
             fresh = scaled([*points, point_of(again, pick.settings)])[-1]
             if demand.is_met(fresh):
                 return fresh, applied(found.subject.scene.run, pick.settings)
+            slow.append(fresh)
         points = [point for point in points if point.settings != pick.settings]
-    raise _refusal(found, demand)
+    raise _refusal(found, demand, slow)
 
 
-def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
+def _refusal(found: Measurement, demand: Demand, slow: Sequence[Point]) -> ModelgenError:
+    """`slow`: candidates as they were measured again."""
     known = front(found.points)
+    if found.interrupted:
+        return _time_up(known, demand)
     if not known:
         return ModelgenError(
             "tune", "no setting runs this scene to its end", "", "look at `modelgen simulate`"
@@ -157,16 +164,36 @@ def _refusal(found: Measurement, demand: Demand) -> ModelgenError:
         return ModelgenError(
             "--error",
             f"{demand.error:g} is not reached",
-            f"the reachable error is {error:.2g}, at {cost / 1e3:.3g} us per simulated second",
+            f"the reachable error is {_up(error, 2)}, at {cost / 1e3:.3g} us per simulated second",
             "ask for that, or for less of the run (--until)",
         )
-    cost, error = place(known[0])
+    cost, error = place((front(slow) or known)[0])
     return ModelgenError(
         "--budget",
         f"{(demand.budget or 0.0) / 1e3:g} us per simulated second is not enough",
-        f"the cheapest setting takes {cost / 1e3:.3g} us, with an error of {error:.2g}",
+        f"the cheapest setting takes {_up(cost / 1e3, 3)} us, with an error of {error:.2g}",
         "ask for that, or leave more --knobs to be turned",
     )
+
+
+def _up(value: float, digits: int) -> str:
+    """Rounded up, so that what is asked for by this number can be had."""
+    return f"{float(Context(digits, ROUND_CEILING).create_decimal(repr(value))):g}"
+
+
+def _time_up(known: Sequence[Point], demand: Demand) -> ModelgenError:
+    """The refusal of a demand that more time may meet."""
+    if demand.error is not None:
+        wanted, best = f"an error of {demand.error:g} was reached", known[-1:]
+    else:
+        wanted = f"{(demand.budget or 0.0) / 1e3:g} us per simulated second was met"
+        best = known[:1]
+    told = [
+        f"the best so far is {_up(error, 2)}, at {_up(cost / 1e3, 3)} us per simulated second"
+        for cost, error in map(place, best)
+    ]
+    remedy = "the same command goes on from there, or give it more"
+    return ModelgenError("--limit", f"the time was up before {wanted}", "".join(told), remedy)
 
 
 def _refuse_beyond_horizon(found: Measurement, demand: Demand) -> None:

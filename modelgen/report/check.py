@@ -43,8 +43,13 @@ def check_facts(derivation: Derivation) -> dict[str, Any]:
 def print_check(facts: dict[str, Any], console: Console) -> None:
     """The same facts as tables."""
     states, scales = facts["states"], facts["scales"]
-    console.print(f"[bold]{facts['scene']}[/]: q {states['q']}, u {states['u']}, eta {states['eta']} states")
-    console.print(f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s")
+    console.print(
+        f"[bold]{facts['scene']}[/]: q {states['q']}, u {states['u']}, eta {states['eta']} states",
+        soft_wrap=True,
+    )
+    console.print(
+        f"scales: {scales['length']:.6g} m, {scales['mass']:.6g} kg, {scales['time']:.6g} s", soft_wrap=True
+    )
     _print_table(console, "bodies", ("name", "kind", "motion"), facts["bodies"])
     _print_table(console, "contacts", ("kind", "form", "contacts", "why"), _by_kind(facts["contacts"]))
     print_patches(console, facts["patches"], facts["patches_at_start"])
@@ -54,7 +59,7 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     _print_table(console, "functions", ("function", "instructions"), counts)
     _print_table(console, "decisions", DECIDED, [_decided(each) for each in facts.get("savings", ())])
     for sentence in facts["left_out"]:
-        console.print(f"left out: {sentence}", markup=False)
+        console.print(f"left out: {sentence}", markup=False, soft_wrap=True)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
 
@@ -155,7 +160,7 @@ def _print_table(console: Console, title: str, columns: tuple[str, ...], rows: l
         return
     cells = [columns, *(tuple(str(row[column]) for column in columns) for row in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    console.print(f"[italic]{title}[/]")
+    console.print(f"[italic]{title}[/]", soft_wrap=True)
     for number, row in enumerate(cells):
         aligned = [
             text.rjust(width) if column == "instructions" else text.ljust(width)

@@ -40,9 +40,11 @@ def mode_facts(found: Linearised) -> dict[str, Any]:
 
 def print_modes(facts: dict[str, Any], console: Console) -> None:
     """The same for people: a line a mode, with the bodies that take part."""
-    console.print(f"{facts['scene']}: at rest", markup=False)
+    console.print(f"{facts['scene']}: at rest", markup=False, soft_wrap=True)
     for name, state in facts["bodies"].items():
-        console.print(f"{name}: p ({_vector(state['p'])}), quaternion ({_vector(state['quaternion'])})")
+        console.print(
+            f"{name}: p ({_vector(state['p'])}), quaternion ({_vector(state['quaternion'])})", soft_wrap=True
+        )
     for name, force in facts["force"].items():
         console.print(
             f"{name}: {force:.6g} N{_held(facts['friction'].get(name))}", markup=False, soft_wrap=True

@@ -16,10 +16,12 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     console.print(
         f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.9g} s ({summary['accuracy']})",
         markup=False,
+        soft_wrap=True,
     )
     console.print(
         f"{summary['steps']} steps, {summary['rejected']} rejected, {summary['rhs_evals']} evaluations, "
-        f"{summary['wall_s']:.3g} s"
+        f"{summary['wall_s']:.3g} s",
+        soft_wrap=True,
     )
     console.print(
         f"energy drift {summary['energy_drift']:.2e}, largest gap {summary['gap_max']:.2e} m, "
@@ -29,9 +31,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     if summary["estimate"]:
         console.print(summary["estimate"]["statement"], markup=False, highlight=False, soft_wrap=True)
     if summary["joints"]:
-        console.print(f"joints hold within {summary['joint_error_max']:.2e} m")
+        console.print(f"joints hold within {summary['joint_error_max']:.2e} m", soft_wrap=True)
     for warning in summary["warnings"]:
-        console.print(f"warning: {warning}", markup=False)
+        console.print(f"warning: {warning}", markup=False, soft_wrap=True)
     _print_events(summary["events"], console)
     _print_bodies(summary["final"], console)
     for name, patch in summary["patches"].items():
@@ -81,10 +83,14 @@ def _print_events(events: list[dict[str, Any]], console: Console) -> None:
     between = max(len(events) - FIRST - LAST, 0)
     for k, event in enumerate(events):
         if between and k == FIRST:
-            console.print(f"... {between} more in between; --json and --out hold all")
+            console.print(f"... {between} more in between; --json and --out hold all", soft_wrap=True)
         if not between or not FIRST <= k < len(events) - LAST:
             speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
-            console.print(f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}", markup=False)
+            console.print(
+                f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}",
+                markup=False,
+                soft_wrap=True,
+            )
 
 
 def _contact(event: dict[str, Any]) -> str:

@@ -22,7 +22,7 @@ from modelgen.runtime.apart import (
 from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import Array
-from modelgen.runtime.trajectory import Trajectory
+from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.runtime.undecided import undecided_blows
 
 SAFE = 2.0  # times the difference: for what the companion errs itself
@@ -47,24 +47,24 @@ def estimate_of(
     twin: Trajectory | None,
     accuracy: Accuracy,
     sentence: Mapping[str, Any],
-    refused: str = "",
+    missing: str = "",
 ) -> Estimate:
     """The error of `path` from its companion's run `twin` at the same times.
 
     Args:
         path, accuracy: the run, and its record.
-        twin: None where the companion did not start; `refused` says why.
+        twin: None where there is none; `missing` says why.
         sentence: of the manifest.
     """
     length, last = sentence["scales"]["length"], len(path.t)
     position, rotation = np.full(last, np.inf), np.full(last, np.inf)
-    n = 0 if twin is None else min(last, len(twin.t))
+    n = 0 if twin is None else _common(path, twin)
     if twin is not None:
         position[:n], rotation[:n] = _errors(path, twin, n, sentence)
     predicted = _predicted(position / length, rotation, n, accuracy.predictable)
     slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
     other = _other(path, twin, predicted, slow)
-    reasons = [*_reasons(path, twin, accuracy, sentence, refused)]
+    reasons = [*_reasons(path, twin, accuracy, sentence, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
     if twin is not None:
@@ -77,7 +77,14 @@ def estimate_of(
         horizon=float(path.t[predicted - 1]) if predicted < n else None,
         uncertified=tuple(reasons),
         rhs_evals=0 if twin is None else twin.rhs_evals,
+        interrupted=twin is not None and twin.outcome is Outcome.INTERRUPTED,
     )
+
+
+def _common(path: Trajectory, twin: Trajectory) -> int:
+    """How many samples both have; a companion that ended early has one more, at a time of its own."""
+    n = min(len(path.t), len(twin.t))
+    return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
 
 
 def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]) -> tuple[Array, Array]:
@@ -87,7 +94,7 @@ def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, A
     turning = [k for k, body in bodies if body["motion"] == "free"]
     tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
     size = max(sentence["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
-    apart = distance_between(path, twin, moving)
+    apart = distance_between(path, twin, moving)[:n]
     turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
     rounded = tiny * size, tiny if turning else 0.0
     return (
@@ -123,11 +130,13 @@ def _reasons(
     twin: Trajectory | None,
     accuracy: Accuracy,
     sentence: Mapping[str, Any],
-    refused: str,
+    missing: str,
 ) -> Iterator[str]:
     """What a companion shares with its run, or why there is none."""
     if twin is None:
-        yield f"the companion run did not start: {refused}"
+        yield missing
+    elif twin.outcome is Outcome.INTERRUPTED:
+        yield f"the companion run was interrupted at {twin.t_end:.6g} s"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
     if not accuracy.use_gamma and sentence["pairs"]:

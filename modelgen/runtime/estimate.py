@@ -24,6 +24,7 @@ class Estimate:
         horizon: s, the last of them, if there are others: later errors exceed `Accuracy.predictable`.
         uncertified: what the companion cannot show: reasons, each in words.
         rhs_evals: evaluations of the right-hand side that the companion took.
+        interrupted: whether Ctrl-C fell into the companion run.
     """
 
     position: Array
@@ -36,6 +37,7 @@ class Estimate:
     horizon: float | None
     uncertified: tuple[str, ...]
     rhs_evals: int
+    interrupted: bool = False
 
     def __repr__(self) -> str:
         return f"<Estimate: {self.statement}>"

@@ -45,14 +45,14 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
-        estimate: whether a companion run follows, from which the error is estimated; the scene's own, or
-            True, when None. As a rule it costs 1.2 to 1.4 times what the run does.
+        estimate: whether a companion run, of 1.2 to 1.4 times the cost as a rule, follows, from which the
+            error is estimated; the scene's own, or True, when None.
         on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
-        Ctrl-C and failures keep what was computed, with one more sample at the end; the outcome says which.
+        Ctrl-C and failures keep what was computed, with one more sample at the end; outcome, estimate say so.
 
     Raises:
         ModelgenError: what is given is no library.
@@ -90,13 +90,17 @@ def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Re
     """The error of a run, by its companion; a run that was interrupted has none."""
     sentence = library.manifest.sentence
     if path.outcome is Outcome.INTERRUPTED:
-        return estimate_of(path, None, accuracy, sentence, "interrupted")
-    twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
-    nudge(twin)
+        return estimate_of(path, None, accuracy, sentence, "the run was interrupted: no companion followed")
     try:
+        twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
+        nudge(twin)
         return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, sentence)
     except SimulationError as refused:
-        return estimate_of(path, None, accuracy, sentence, str(refused))
+        why = f"the companion run did not start: {refused}"
+        return estimate_of(path, None, accuracy, sentence, why)
+    except KeyboardInterrupt:
+        stopped = estimate_of(path, None, accuracy, sentence, "the companion run was interrupted")
+        return replace(stopped, interrupted=True)
 
 
 def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:

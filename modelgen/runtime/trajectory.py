@@ -17,9 +17,7 @@ class Outcome(Enum):
     """How a run ended; the value says what to do about it."""
 
     DONE = "the run reached its end"
-    INTERRUPTED = (
-        "interrupted; what had been computed is kept: to get further, loosen the accuracy or be patient"
-    )
+    INTERRUPTED = "what had been computed is kept; to get further, loosen the accuracy or be patient"
     MARGIN = (
         "a closed contact came too near a singularity of its closest points; look at the shapes there: "
         "curvatures that almost conform, or surfaces flat against each other, need another contact model"
@@ -145,6 +143,12 @@ class Trajectory:
     def rotation_error(self) -> Array:
         """(n,) rad, the same of a body's rotation."""
         return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C fell into the run, or into its companion."""
+        companion = self.estimate is not None and self.estimate.interrupted
+        return companion or self.outcome is Outcome.INTERRUPTED
 
     @property
     def reaches_its_end(self) -> bool:

@@ -55,6 +55,23 @@ def called_names(path: Path) -> set[str]:
     return names | {f.attr for f in calls if isinstance(f, ast.Attribute)}
 
 
+def test_no_line_is_broken_where_a_console_thinks_it_ends() -> None:
+    """Through a pipe it would be after 80 characters, within a sentence."""
+    calls = [(path, node) for path in PYTHON for node in ast.walk(tree(path)) if isinstance(node, ast.Call)]
+    printed = [
+        (path, node)
+        for path, node in calls
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "print"
+    ]
+    broken = [
+        f"{short(path)}:{node.lineno}"
+        for path, node in printed
+        if "soft_wrap" not in {keyword.arg for keyword in node.keywords}
+    ]
+    assert printed
+    assert not broken
+
+
 @pytest.mark.parametrize("path", [p for p in PYTHON if not short(p).startswith(IO_PLACES)], ids=short)
 def test_input_and_output_have_their_places(path: Path) -> None:
     modules = {name.split(".")[0] for _, name in imports(path)}

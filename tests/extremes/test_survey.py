@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from modelgen.errors import ModelgenError
 from modelgen.measure.extremes import Extreme, Found, Trial, tried
 from modelgen.measure.survey import EXTREMES, survey
+from modelgen.measure.survey_table import _ranges
 from modelgen.measure.variants import Variants
+from modelgen.runtime.session import Session
 from tests.running import folder
 
 NAMES = [extreme.name for extreme in EXTREMES]
@@ -72,6 +76,35 @@ def test_a_value_holds_by_its_law_and_by_what_is_told(value: float, trial: Trial
 def test_where_another_model_takes_over_it_is_safe_again() -> None:
     assert extreme(switched=1e-4).expected(1e-5) == "safe"
     assert extreme(switched=1e-4).expected(1e-3) == "warned"
+
+
+@pytest.mark.parametrize(
+    ("name", "nth"), [("unit of mass", 1), ("unit of mass", 2), ("far from the origin", 2)]
+)
+def test_ctrl_c_in_any_run_ends_the_survey(name: str, nth: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the run itself, and in what it is compared with, before it or after."""
+    runs: list[float] = []
+    advance = Session.advance
+
+    def stopping(self: Session, end: float, steps: int, record: Any) -> int:
+        runs.append(end)
+        if len(runs) == nth:
+            raise KeyboardInterrupt
+        return advance(self, end, 10**9, record)
+
+    monkeypatch.setattr(Session, "advance", stopping)
+    found: list[Found] = []
+    with pytest.raises(KeyboardInterrupt):
+        tried([each for each in EXTREMES if each.name == name], VARIANTS, True, lambda text: None, found)
+    assert not found
+
+
+def test_the_table_has_the_values_of_a_verdict_as_runs_by_size() -> None:
+    verdicts = [(1e-2, "safe"), (1e2, "safe"), (1e-1, "warned"), (10.0, "warned"), (1e3, "safe")]
+    found = [Found(extreme(), value, Trial(0.5, (), verdict)) for value, verdict in verdicts]  # type: ignore[arg-type]
+    assert _ranges(found, "safe") == "0.01, 100 .. 1000"
+    assert _ranges(found, "warned") == "0.1 .. 10"
+    assert _ranges(found, "refused") == "-"
 
 
 def test_an_unknown_extreme_is_refused_by_name() -> None:

@@ -92,6 +92,6 @@ def test_one_that_is_missing_is_named(name: str, tmp_path: Path) -> None:
         '[[body]]\nname = "ball"\ndensity = 1.0\nshape = { kind = "sphere", radius = 0.1 }\n', "ball.toml"
     )
     with pytest.raises(
-        ModelgenError, match=f"against: {name} is not installed.*pip install 'modelgen.{name}"
+        ModelgenError, match=f"--against: {name} is not installed.*pip install 'modelgen.{name}"
     ):
         measure(scene, knobs=coarse(name), against=[name], root=tmp_path, **SHORT)  # type: ignore[arg-type]

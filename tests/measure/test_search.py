@@ -93,6 +93,17 @@ def test_only_knobs_that_can_differ_are_turned() -> None:
     assert "solver" not in without_eta.settled({"method": "time-stepping", "scheme": "moreau"})
 
 
+def test_what_is_not_turned_stays_as_the_scene_has_it() -> None:
+    own = {"method": "rk4", "step": 1e-3, "project": 10, "level": "O3", "scheme": "moreau"}
+    space = Space(KNOBS, FACTS, ("form",), own)
+    kept = space.settled({})
+    assert kept == {"method": "rk4", "step": 0.01, "form": "auto", "project": 10, "level": "O3"}
+    assert all(rung == kept | {"step": rung["step"]} for ladder in space.ladders() for rung in ladder)
+    assert space.with_value(kept, "form", "block") == kept | {"form": "block"}
+    assert list(space.alternatives()) == [("form", "block")]
+    assert Space(KNOBS, FACTS, None, own).settled({}) == SPACE.settled({})
+
+
 def test_between_two_rungs_lies_their_geometric_mean() -> None:
     coarse, fine = (SPACE.settled({"tolerance": tolerance}) for tolerance in (1e-4, 1e-6))
     assert SPACE.between(coarse, fine) == SPACE.settled({"tolerance": 1e-5})

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.companion import estimate_of
+from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
 from tests.measure.cases import Verdict, judged, scene_named, true_form
 from tests.measure.test_reference import BILLIARD
@@ -106,11 +108,33 @@ def test_event_times_have_an_estimate() -> None:
     assert error / 10 < path.estimate.events < 10 * error
 
 
+def test_a_companion_that_ends_early_is_compared_at_the_samples_of_its_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    advance, calls = Session.advance, list[float]()
+
+    def stopping(self: Session, *arguments: Any) -> int:
+        if self.accuracy.name.endswith("companion"):
+            calls.append(float(self.run.t))
+            if len(calls) == 2:
+                raise KeyboardInterrupt
+        return advance(self, *arguments)
+
+    monkeypatch.setattr(Session, "advance", stopping)
+    found = simulate(scene_of("ellipsoid_on_plane"), until=20.0, samples=100)
+    assert found.interrupted
+    assert found.estimate is not None
+    assert 0.2 < calls[1] < 19
+    assert found.estimate.predicted == int(calls[1] / 0.2) + 1
+    assert found.estimate.horizon is None
+    assert found.position_error[found.estimate.predicted - 1] < 1e-6
+
+
 def test_a_companion_that_does_not_start_is_no_estimate() -> None:
     egg = scene_of("ellipsoid_on_plane")
     path = simulate(egg, until=0.1, estimate=False)
-    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.sentence, "interrupted")
-    assert none.statement == "uncertified: the companion run did not start: interrupted"
+    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.sentence, "it did not start")
+    assert none.statement == "uncertified: it did not start"
     assert none.as_json()["position"] is None
     assert none.status == "uncertified"
 

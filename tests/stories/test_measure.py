@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator
 
 from modelgen.measure import program
 from modelgen.measure.front import Point
+from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 FEW = ("--knobs", "tolerance,form", "--until", "0.5")
@@ -39,6 +40,44 @@ def test_extremes_answer_to_their_schema_and_hold(modelgen: Modelgen) -> None:
     assert "penetration" in modelgen("measure", "--extremes", "--only", "penetration").out
 
 
+def test_an_interrupted_survey_prints_what_it_has_and_says_so(
+    modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopping(self: Session, *arguments: Any) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Session, "advance", stopping)
+    answer = modelgen("measure", "--extremes", "--only", "gap,unit of mass")
+    assert answer.code == 130
+    assert "gap  " in answer.out
+    assert answer.out.splitlines()[-1].startswith("interrupted: ")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ((EGG, "--only", "gap"), "--only: with the scene"),
+        (("--extremes", "--until", "1"), "--until: with --extremes; --only and --json go with it"),
+        (("--extremes", "--plot", "front.svg"), "--plot: with --extremes"),
+        (("--extremes", "--fresh"), "--fresh: with --extremes"),
+        (("--extremes", "--limit", "9"), "--limit: with --extremes"),
+        (("--extremes", "--against", "mujoco"), "--against: with --extremes"),
+        (("--extremes", "--only", ""), "--only: ''; names with commas between them"),
+        ((EGG, "--knobs", " , "), "--knobs: ' , '; names with commas between them"),
+        ((EGG, "--against", ""), "--against: ''; names"),
+        ((EGG, "--knobs", "foo"), "--knobs: no 'foo'; allowed: method, tolerance"),
+        ((EGG, "--against", "foo"), "--against: no 'foo'; allowed: mujoco"),
+        ((EGG, "--against", "foo"), "use one of these names"),
+        (("--extremes", "--only", "foo"), "--only: no 'foo'; allowed: gap"),
+        (("--extremes", "--only", "needel"), "did you mean 'needle'?"),
+    ],
+)
+def test_no_option_is_passed_over(modelgen: Modelgen, options: tuple[str, ...], words: str) -> None:
+    answer = modelgen("measure", *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert words in answer.err
+
+
 @pytest.mark.parametrize("wrong", [(), (EGG, "--extremes"), ("--extremes", "--only", "gaps")])
 def test_measure_wants_a_scene_or_extremes_by_name(modelgen: Modelgen, wrong: tuple[str, ...]) -> None:
     answer = modelgen("measure", *wrong)
@@ -61,7 +100,7 @@ def test_tighter_tolerances_never_raise_the_error_above_its_floor(modelgen: Mode
 def test_what_was_measured_is_remembered_and_a_fresh_error_is_the_same(modelgen: Modelgen) -> None:
     first = modelgen("measure", EGG, *FEW, "--json").json
     again = modelgen("measure", EGG, *FEW, "--json").json
-    assert again["reused"] >= len(again["points"]) + 1  # counts of instructions, where there are any, as well
+    assert again["reused"] == len(again["points"])
     assert again["front"] == first["front"]
     fresh = modelgen("measure", EGG, *FEW, "--fresh", "--json").json
     assert fresh["reused"] == 0
@@ -89,9 +128,12 @@ def test_an_interrupted_measurement_keeps_what_it_has_and_goes_on(
     assert stopped.code == 130
     assert len(stopped.json["points"]) == 3
     assert "goes on from there" in stopped.json["interrupted"]
+    tuning = modelgen("tune", EGG, *span, "--error", 1e-3, "--json")
+    assert (tuning.code, tuning.out) == (130, "")
+    assert "interrupted: what was measured is kept, the same command goes on from there" in tuning.err
     monkeypatch.setattr(program, "_measured", measured)
     done = modelgen("measure", EGG, *span, "--json").json
-    assert done["reused"] == 4
+    assert done["reused"] == 3
     assert len(done["points"]) > 3
 
 
@@ -126,11 +168,14 @@ def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) ->
             "--budget: 0.001 us per simulated second is not enough; the cheapest setting takes",
         ),
         (("--budget", "20"), "a time with its unit"),
+        (("--budget", "-20us"), "--budget: '-20us'; a time such as 20us, positive"),
         (("--error", "small"), "a number such as 1e-6"),
         ((), "no demand, or two"),
         (("--error", "1e-3", "--budget", "1ms"), "no demand, or two"),
         (("--error", "1e-3", "--knobs", "tolerence"), "did you mean 'tolerance'?"),
         (("--error", "1e-3", "--in-place", "--out", "x.toml"), "together with --in-place"),
+        (("--error", "1e-3", "--out", EGG), "is the scene itself; another file; or give --in-place"),
+        (("--error", "1e-3", "--out", ""), "--out: '.' is a folder; a file; name one"),
     ],
 )
 def test_what_cannot_be_is_refused_and_nothing_is_written(

@@ -136,6 +136,27 @@ def test_a_run_that_ends_early_keeps_what_was_computed(
     assert record.summary["outcome"] == outcome
     assert 0 < record.columns["t"][-1] == answer.json["t_end"] < 1e3
     assert "the last sample is the state then" in answer.err
+    assert answer.err.count("interrupted") == (code == 130)
+
+
+@pytest.mark.parametrize("where", ["advance", "begin"])
+def test_ctrl_c_in_the_companion_run_keeps_the_run_and_says_so(
+    where: str, modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    whole = getattr(Session, where)
+
+    def stopping(self: Session, *arguments: Any) -> Any:
+        if self.accuracy.name.endswith("companion"):
+            raise KeyboardInterrupt
+        return whole(self, *arguments)
+
+    monkeypatch.setattr(Session, where, stopping)
+    answer = modelgen("simulate", EGG, "--until", 0.1, "--out", tmp_path / "run.npz", "--json")
+    assert answer.code == 130
+    assert answer.err.startswith("interrupted in the companion run")
+    assert answer.json["outcome"] == "done"
+    assert "uncertified: the companion run was interrupted" in answer.json["estimate"]["statement"]
+    assert load(tmp_path / "run.npz").columns["t"][-1] == 0.1
 
 
 STOP_AT = """

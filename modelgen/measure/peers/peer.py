@@ -161,4 +161,4 @@ def sampled(
 
 def missing(name: str, remedy: str) -> ModelgenError:
     """The error of a simulator that is asked for and not installed."""
-    return ModelgenError("against", f"{name} is not installed", "", remedy)
+    return ModelgenError("--against", f"{name} is not installed", "", remedy)

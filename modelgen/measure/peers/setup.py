@@ -102,15 +102,19 @@ class Setup:
 
 def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], start: list[Array]) -> Solid:
     fixed = entry["motion"] not in ("point", "free")
-    mass, *moments = [0.0] if fixed else entry["parameters"]
-    full = {0: [mass] * 3, 1: moments * 3, 3: moments, 6: moments}[len(moments)]
-    inertia = np.diag(full[:3])
-    for value, (row, column) in zip(full[3:], ((0, 1), (0, 2), (1, 2)), strict=False):
-        inertia[row, column] = inertia[column, row] = value
+    mass, inertia = (0.0, np.zeros((3, 3))) if fixed else _mass(entry["mass_inverse"])
     p, quaternion, v, w = start
     if entry["motion"] == "point":
         quaternion, w = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
     return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), p, quaternion, v, w, shapes)
+
+
+def _mass(inverse: Sequence[float]) -> tuple[float, Array]:
+    """Mass, kg, and inertia (3, 3), kg m^2; of a body that does not turn, some."""
+    mass, turning = 1 / inverse[0], np.reshape(inverse[1:], (3, 3))
+    if not turning.any():
+        return mass, mass * np.eye(3)
+    return mass, np.asarray(np.linalg.inv((turning + turning.T) / 2))
 
 
 def numbers(shape: Shape) -> dict[str, float]:
