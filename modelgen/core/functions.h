@@ -145,9 +145,10 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 /* reach.c */
 static mg_real mg_reach(const mg_context *c);
 static mg_real mg_sight(const mg_context *c);
-static void mg_mark_falling(mg_context *c);
+static void mg_note_gaps(mg_context *c);
 static void mg_mark_upright(mg_context *c);
-static int mg_dips(mg_context *c, mg_real h);
+enum { MG_DIPS = 1, MG_WAVES = 2 };
+static int mg_mark_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */
 enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
