@@ -125,6 +125,7 @@ static void mg_eta_reach(const mg_context *c, int link, mg_real *reach);
 static int mg_settle_safely(mg_context *c, int link, mg_real *eta);
 
 /* advance.c */
+static mg_real mg_growth(mg_real error, mg_real most);
 static void mg_pass_time(mg_run *run, mg_real h);
 static int mg_finite(const mg_real *x, int n);
 
