@@ -15,7 +15,8 @@ from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"
-NAMES = tuple(sorted(path.stem for path in SCENES.glob("*.toml")))
+FILES = tuple(sorted(path for path in SCENES.glob("*.toml") if not path.stem.endswith("_tuned")))  # by `tune`
+NAMES = tuple(path.stem for path in FILES)
 
 
 @cache

@@ -139,14 +139,23 @@ def _tables(derivation: Derivation) -> list[str]:
     contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
     shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
     joints = [_joint_sizes(kind) for kind in model.joint_kinds]
-    loads = [f"{sizes['wrench', i]}" for i in range(len(model.load_kinds))]
+    timed = {
+        formula.kind: _depends_on_time(formula) for formula in derivation.formulas if formula.role == "wrench"
+    }
+    loads = [_row(sizes["wrench", i], int(timed[i])) for i in range(len(model.load_kinds))]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
-        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
     ]
+
+
+def _depends_on_time(load: Formula) -> bool:
+    f = load.function
+    of = f.index_in("t")
+    return any(f.jac_sparsity(out, of).nnz() > 0 for out in range(f.n_out()))
 
 
 def _limit_turns(model: Model) -> list[int]:

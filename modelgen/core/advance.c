@@ -142,6 +142,11 @@ static mg_real mg_first_within(mg_context *c, mg_real h) {
   return mg_locate(c, h, passed);
 }
 
+/* A stage saw an event that is over before it could be located: what moves in time came and went. */
+static int mg_overlooks(const mg_context *c, mg_real h) {
+  return c->n_timed && c->suspect && h > c->set->look * c->sys->time;
+}
+
 /* Ends a step that was collocated beyond the time it may take. */
 static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
@@ -150,36 +155,11 @@ static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
   return 1;
 }
 
-/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
-   begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
-static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
-  mg_run *run = c->run;
-  const mg_real end = h;
-  const mg_real longest = mg_longest(c);
-  if (mg_starts_rolling(c)) h = run->h;
-  if (c->set->method == MG_DOP853 && h > longest) h = longest;
-  c->left.count = 0;
-  mg_note_gaps(c);
-  mg_mark_upright(c);
-  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
-  int outcome = mg_accurate_step(c, &h);
-  if (outcome) return outcome;
-  mg_finish_step(c, run->t, h);
-  const mg_real shorter = mg_first_within(c, h);
-  int event = shorter > 0;
-  if (event) h = shorter;
-  if (mg_differs(c, h)) {
-    outcome = mg_step_part(c, &h), event = 0;
-    if (outcome) return outcome;
-  }
-  event &= !mg_is_cut(c, &h, end);
-  if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
-    run->rejected++, run->h = h / 2;
-    return MG_DONE;
-  }
+/* Takes the step h that is settled, and what happens at its end. */
+static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
   mg_record_until(c, record, h);
   mg_commit(c, h);
-  outcome = mg_settle_drift(c);
+  int outcome = mg_settle_drift(c);
   if (outcome) return outcome;
   if (event) outcome = mg_change_mode(c, events);
   else if (mg_unsettled(c)) {
@@ -191,6 +171,40 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   if (!outcome) outcome = mg_vault_all(c, record, events);
   if (!outcome) outcome = mg_check_margins(c, events);
   return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
+}
+
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
+   begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
+static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  mg_run *run = c->run;
+  const mg_real end = h;
+  const mg_real longest = mg_longest(c);
+  if (mg_starts_rolling(c)) h = run->h;
+  if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
+  c->left.count = 0;
+  mg_note_gaps(c);
+  mg_mark_upright(c);
+  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
+  int outcome = mg_accurate_step(c, &h);
+  if (outcome) return outcome;
+  mg_finish_step(c, run->t, h);
+  const mg_real shorter = mg_first_within(c, h);
+  int event = shorter > 0;
+  if (event) h = shorter;
+  else if (mg_overlooks(c, h)) {
+    run->rejected++, run->h = h / 2;
+    return MG_DONE;
+  }
+  if (mg_differs(c, h)) {
+    outcome = mg_step_part(c, &h), event = 0;
+    if (outcome) return outcome;
+  }
+  event &= !mg_is_cut(c, &h, end);
+  if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
+    run->rejected++, run->h = h / 2;
+    return MG_DONE;
+  }
+  return mg_conclude(c, h, event, record, events);
 }
 
 static mg_real mg_first_step(const mg_context *c) {

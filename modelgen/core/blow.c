@@ -4,7 +4,7 @@
 #include "blow.h"
 #include "dop853_coefficients.h"
 
-enum { MG_BLOW_STEPS = 20000, MG_BLOW_PARTS = 4, MG_BLOW_HALVES = 80 };
+enum { MG_BLOW_STEPS = 100000, MG_BLOW_PARTS = 4, MG_BLOW_HALVES = 80 };
 
 #define MG_BLOW_ERROR (4 * MG_EPS) /* of a step, of what the blow began with */
 #define MG_BLOW_STRAIGHT (16 * MG_EPS) /* rounding of the angle by which slip turns */

@@ -188,14 +188,10 @@ static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
   }
 }
 
+/* The solution is added to what the joints hold by themselves. */
 static void mg_take_shares(mg_context *c, const mg_friction_problem *p) {
-  const int m = c->sys->n_contact;
-  for (int i = 0; i < m + c->sys->n_below; i++) c->run->share[i] = 0;
-  for (int r = 0; r < p->n; r++) {
-    const int row = c->list[r];
-    if (row < m) c->run->share[row] = c->z[r];
-    else if (row >= c->below) c->run->share[m + row - c->below] = c->z[r];
-  }
+  for (int i = 0; i < c->n_all; i++) c->run->share[i] = 0;
+  for (int r = 0; r < p->n; r++) c->run->share[c->list[r]] = c->force[c->list[r]] + c->z[r];
   c->run->shared = 1;
 }
 

@@ -66,7 +66,7 @@ MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 42 * b + 45 * r + 8 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
-         mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s);
+         mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s) + mg_instant_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
@@ -150,6 +150,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->vault.column = mg_take(&work, 12 * r), c->vault.rate = mg_take(&work, r), c->vault.impulse = mg_take(&work, r);
   c->vault.point = mg_take(&work, 3 * m), c->vault.landed = mg_take(&work, 3 * m);
   c->vault.free = mg_take(&work, 6 * b), c->vault.gained = mg_take(&work, 6 * b);
+  c->n_timed = mg_count_timed(s), c->instant = mg_take(&work, mg_instant_size(s));
   c->tangents = c->block = 0;
   if (s->n_grip) mg_carve_grips(c, work, iwork);
 }

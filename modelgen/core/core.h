@@ -120,6 +120,8 @@ typedef struct {
   mg_founds left;                           /* what contacts left in this step, not to be found again */
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
+  int n_timed;                              /* functions of time: of driven bodies, given motions and loads */
+  mg_real *instant;                         /* what they do in a step */
   mg_arc *arc;                              /* the boundaries of a patch */
   mg_regions regions;
   mg_real *lay;                             /* memory of the hull */

@@ -129,6 +129,11 @@ static mg_real mg_growth(mg_real error, mg_real most);
 static void mg_pass_time(mg_run *run, mg_real h);
 static int mg_finite(const mg_real *x, int n);
 
+/* instants.c */
+static int mg_count_timed(const mg_system *s);
+static long mg_instant_size(const mg_system *s);
+static mg_real mg_seen_in_time(mg_context *c, mg_real h);
+
 /* vault.c */
 static int mg_vault_all(mg_context *c, mg_record *record, mg_events *events);
 

@@ -26,6 +26,7 @@ typedef struct {
 
 typedef struct {
   int n_parameters;
+  int timed; /* it depends on time */
 } mg_load_kind;
 
 typedef struct {

@@ -127,6 +127,7 @@ typedef struct {
   mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
   mg_real shared;         /* boundaries of two faces nearer than shared * length are one */
   mg_real border;         /* a contact walks when a condition falls below -border (angles; lengths: * length) */
+  mg_real look;           /* what functions of time do within look * time may pass unseen */
   mg_real stride;         /* part of the longest step allowed; < 1: none leads from event to event */
   int lcp_iterations;     /* bound on the active-set changes of one complementarity problem */
   int scan;               /* parts of a step in which the first event is sought */
@@ -164,7 +165,8 @@ typedef struct {
   mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
   int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
   mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
-  mg_real *share;         /* per contact, then per row below: forces from which the least change is sought while redundant */
+  mg_real *share;         /* per contact, a spare, per row of joints, per row below: forces from which the least change is sought
+                             while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
   int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */

@@ -68,6 +68,23 @@ static int mg_held_by_others(mg_context *c, int contact) {
   return own <= c->set->dependent * column[n - 1];
 }
 
+/* Forces of least norm may pull where they are not unique: there the contact that pulls most carries none. */
+static void mg_drop_pulling(mg_context *c) {
+  for (;;) {
+    const mg_real slack = mg_slack(c) * c->sys->mass;
+    int worst = -1;
+    for (int i = 0; i < c->first_pad; i++)
+      if (c->run->active[i] && c->force[i] < -slack && (worst < 0 || c->force[i] < c->force[worst])) worst = i;
+    if (worst < 0) return;
+    c->run->active[worst] = 0;
+    if (!mg_held_by_others(c, worst)) {
+      c->run->active[worst] = 1;
+      return;
+    }
+    mg_refresh(c);
+  }
+}
+
 /* A closed contact without active force opens: at once where its gap accelerates, and at a force that has
    just reached zero, after which its gap will. */
 static int mg_opens(mg_context *c, int contact) {
@@ -90,6 +107,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
     outcome = mg_choose_active(c, c->fired);
     if (outcome) return outcome;
   }
+  if (!c->sys->n_grip) mg_drop_pulling(c);
   for (int i = 0; i < m; i++)
     if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
   if (c->sys->n_grip) mg_report_grips(c, events), mg_report_rubs(c, events);

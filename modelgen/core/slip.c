@@ -92,22 +92,17 @@ static int mg_leans(const mg_context *c, const int *list, int n) {
   return 0;
 }
 
-static mg_real mg_share_of(const mg_context *c, int row) {
-  const int m = c->sys->n_contact;
-  return row < m ? c->run->share[row] : row >= c->below ? c->run->share[m + row - c->below] : 0;
-}
-
 /* The forces of an island whose n rows are assembled in c->A, c->b: those nearest to their shares where they are not
    unique. */
 static void mg_hold_leaning(mg_context *c, int n, mg_real *amount) {
   const int oblique = mg_leans(c, c->island, n);
   if (oblique) mg_lean_columns(c, c->island, n);
   for (int j = 0; j < n && c->run->shared; j++)
-    for (int r = 0; r < n; r++) c->b[r] += c->A[r + n * j] * mg_share_of(c, c->island[j]);
+    for (int r = 0; r < n; r++) c->b[r] += c->A[r + n * j] * c->run->share[c->island[j]];
   if (oblique) mg_oblique_solve(c, c->island, n, c->z);
   else mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
   for (int r = 0; r < n; r++)
-    amount[c->island[r]] = c->z[r] + (c->run->shared ? mg_share_of(c, c->island[r]) : 0);
+    amount[c->island[r]] = c->z[r] + (c->run->shared ? c->run->share[c->island[r]] : 0);
 }
 
 /* The forces of slipping grips, from the normal forces, into c->force and c->accel. */

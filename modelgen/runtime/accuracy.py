@@ -23,24 +23,9 @@ Impacts = Literal["simultaneous", "sequential"]
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
 RESOLVED: Mapping[str, int] = MappingProxyType(
     {
-        "tolerance": 8,
-        "gap": 16,
-        "start_gap": 64,
-        "start_joint": 64,
-        "drift": 4,
-        "rest_speed": 16,
-        "slip_speed": 64,
-        "cone": 64,
-        "rest_acceleration": 64,
-        "event": 8,
-        "residual": 64,
-        "step_min": 8,
-        "singular": 4096,
-        "lost": 8,
-        "apart": 4096,
-        "border": 512,
-        "flat": 2048,
-        "shared": 256,
+        **{"tolerance": 8, "gap": 16, "start_gap": 64, "start_joint": 64, "drift": 4, "rest_speed": 16},
+        **{"slip_speed": 64, "cone": 64, "rest_acceleration": 64, "event": 8, "residual": 64, "step_min": 8},
+        **{"singular": 4096, "lost": 8, "apart": 4096, "border": 512, "flat": 2048, "shared": 256},
         "dependent": 4096,
     }
 )
@@ -113,6 +98,7 @@ class Accuracy:
             until it leans so far (section 5.3), instead of rolling on the rim at once.
         shared: boundaries of two faces nearer to each other than shared L are one.
         border: a contact leaves its feature beyond border, in rad, or in L.
+        look: what loads, given motions and driven bodies do within look T may pass unseen.
         stride: no step is longer than this part of the longest in which nothing can pass unseen.
         predictable: where the estimated error exceeds predictable L, or rad, nothing is predicted.
     """
@@ -166,6 +152,7 @@ class Accuracy:
     imaginary_edge: float = 0.0
     shared: float = 1e-13
     border: float = 1e-9
+    look: float = 0.02
     stride: float = 1.0
     predictable: float = 1e-2
 
@@ -205,6 +192,7 @@ class Accuracy:
             rest_acceleration=1e-13,
             event=1e-16,
             residual=1e-16,
+            look=1e-3,
         )
 
     @classmethod
@@ -280,13 +268,14 @@ class Accuracy:
     def companion(self, epsilon: float) -> Accuracy:
         """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
 
-        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step, so that
-        their part in the error shows.
+        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step,
+        so that their part in the error shows.
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
         finer = {
-            key: getattr(self, key) / FINER for key in ("rest_acceleration", "event", "gap", "cone", "border")
+            key: getattr(self, key) / FINER
+            for key in ("rest_acceleration", "event", "gap", "cone", "border", "look")
         }
         slower = {key: getattr(self, key) / SLOWER for key in ("rest_speed", "slip_speed")}
         return replace(

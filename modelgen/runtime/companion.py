@@ -28,6 +28,9 @@ from modelgen.runtime.undecided import undecided_blows
 SAFE = 2.0  # times the difference: for what the companion errs itself
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 DYING = ("stick", "spin-stop", "roll-stop")  # events at which slip has died
+UNBALANCED = (
+    1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
+)
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
@@ -129,6 +132,8 @@ def _reasons(
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
     if not accuracy.use_gamma and sentence["pairs"]:
         yield "Gamma2 is left out, and so the motion is another"
+    if _is_unbalanced(path, sentence):
+        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy, as where a driven body jerks"
     if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
@@ -138,6 +143,14 @@ def _reasons(
     sampled = [pair["name"] for pair in sentence["pairs"] if _is_sampled(pair, sentence)]
     if sampled:
         yield f"closest points are sought by sampling: {', '.join(sampled)}"
+
+
+def _is_unbalanced(path: Trajectory, sentence: Mapping[str, Any]) -> bool:
+    scales, bodies = sentence["scales"], sentence["bodies"]
+    mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
+    kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
+    least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
 
 
 def _order(

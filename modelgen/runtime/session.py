@@ -47,7 +47,7 @@ class Session:
         grips = int(self.system.n_grip)
         self.grip, self.course = np.zeros(grips + 1, dtype=np.intc), self._reals(3 * grips + 1)
         self.rub, self.rub_course = np.zeros(self.n_slot + 1, dtype=np.intc), self._reals(4 * self.n_slot + 1)
-        self.share = self._reals(n_contact + int(self.system.n_below) + 1)
+        self.share = self._reals(n_contact + 1 + int(self.system.n_row) + int(self.system.n_below))
         self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
         self.fresh = np.zeros(n_contact + 1, dtype=np.intc)

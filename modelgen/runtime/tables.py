@@ -60,7 +60,7 @@ SETTINGS_REALS = (
     *("slip_speed", "cone", "rest_acceleration"),
     *("event", "residual", "arrest", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
     *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
-    *("flat", "imaginary_edge", "shared", "border", "stride"),
+    *("flat", "imaginary_edge", "shared", "border", "look", "stride"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (

@@ -40,7 +40,7 @@ int main(void) {
                           .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
                           .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
                           .lost = (mg_real)1e-9, .apart = (mg_real)1e-6, .reach = (mg_real)0.2,
-                          .search = (mg_real)0.05, .border = (mg_real)1e-9, .stride = 1,
+                          .search = (mg_real)0.05, .border = (mg_real)1e-9, .look = (mg_real)0.02, .stride = 1,
                           .leave = 100, .polish = (mg_real)1e-3, .dependent = (mg_real)1e-10,
                           .depth = (mg_real)0.02, .scan = 16,
                           .lcp_iterations = 100, .events_at_once = 100};

@@ -113,3 +113,30 @@ def test_a_companion_that_does_not_start_is_no_estimate() -> None:
     assert none.statement == "uncertified: the companion run did not start: interrupted"
     assert none.as_json()["position"] is None
     assert none.status == "uncertified"
+
+
+JERK = """
+[[body]]
+name = "lift"
+motion = "driven"
+shape = { kind = "plane" }
+path = { position = ["0.0", "0.0", "0.5*max(0, t - 0.3)"] }
+
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+density = 1000
+position = [0.0, 0.0, 0.1]
+
+[[contact]]
+between = ["ball", "lift"]
+restitution = 0.5
+"""
+
+
+def test_energy_that_is_lost_at_the_jerk_of_a_driven_body_voids_the_estimate() -> None:
+    path = simulate(library_of(read_text(JERK, "jerk.toml")), until=1.0)
+    assert path.estimate is not None
+    assert path.estimate.status == "uncertified"
+    assert "energy is off by 1 " in path.estimate.statement
+    assert "energy" not in simulate(library_of(read_text(JERK, "jerk.toml")), until=0.25).estimate.statement

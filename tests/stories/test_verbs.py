@@ -13,10 +13,10 @@ from jsonschema import Draft202012Validator
 
 from modelgen import __version__
 from modelgen.report.export import load
+from tests.running import FILES
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 BALL = "scenes/bouncing_ball.toml"
-SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 Modelgen = Callable[..., Any]
 
 
@@ -24,7 +24,7 @@ def test_version(modelgen: Modelgen) -> None:
     assert modelgen("--version").out == f"modelgen {__version__}\n"
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_check_says_what_a_scene_requires_and_compiles_nothing(
     path: Path, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -167,7 +167,7 @@ def test_inspect_writes_each_formula_with_source_and_units(modelgen: Modelgen) -
 def test_schema_is_valid_and_admits_the_shipped_scenes(modelgen: Modelgen) -> None:
     schema = modelgen("schema").json
     Draft202012Validator.check_schema(schema)
-    for path in SCENES:
+    for path in FILES:
         Draft202012Validator(schema).validate(tomllib.loads(path.read_text()))
 
 
