@@ -136,7 +136,7 @@ static mg_real mg_longest(const mg_context *c) {
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect;
+  const int dips = mg_mark_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect || dips == MG_WAVES;
   if (!passed && !dips) return 0;
   mg_make_dense(c, c->run->t, c->run->x, h);
   return mg_locate(c, h, passed);
@@ -182,7 +182,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   if (mg_starts_rolling(c)) h = run->h;
   if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
   c->left.count = 0;
-  mg_mark_falling(c);
+  mg_note_gaps(c);
   mg_mark_upright(c);
   if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
   int outcome = mg_accurate_step(c, &h);

@@ -2,8 +2,12 @@
    Coulomb's law at every moment of it (Routh, Dynamics of a System of Rigid Bodies, 1877; Keller, J. Appl. Mech. 53 (1986),
    1-4; Stronge, Impact Mechanics, 2000). */
 #include "blow.h"
+#include "dop853_coefficients.h"
 
-enum { MG_BLOW_STEPS = 20000, MG_BLOW_PARTS = 100, MG_BLOW_HALVES = 60 };
+enum { MG_BLOW_STEPS = 100000, MG_BLOW_PARTS = 4, MG_BLOW_HALVES = 80 };
+
+#define MG_BLOW_ERROR (4 * MG_EPS) /* of a step, of what the blow began with */
+#define MG_BLOW_STRAIGHT (16 * MG_EPS) /* rounding of the angle by which slip turns */
 
 static mg_real mg_blow_row(const mg_blow *b, int row, const mg_real *share) {
   return b->G[3 * row] + b->G[3 * row + 1] * share[0] + b->G[3 * row + 2] * share[1];
@@ -47,34 +51,59 @@ static void mg_blow_slope(const mg_blow *b, const mg_real *y, mg_real *slope) {
   slope[3] = share[0], slope[4] = share[1], slope[5] = y[0];
 }
 
-/* A step of the classical method of Runge and Kutta; exact where slip keeps its direction. */
-static void mg_blow_go(const mg_blow *b, mg_real dp, mg_blow *to) {
-  static const mg_real at[3] = {(mg_real)0.5, (mg_real)0.5, 1}, weight[4] = {1, 2, 2, 1};
-  mg_real slope[6], y[6], sum[6] = {0};
-  for (int k = 0; k < 6; k++) y[k] = b->u[k];
-  for (int stage = 0; stage < 4; stage++) {
-    mg_blow_slope(b, y, slope);
-    for (int k = 0; k < 6; k++) {
-      sum[k] += weight[stage] * slope[k] / 6;
-      if (stage < 3) y[k] = b->u[k] + at[stage] * dp * slope[k];
-    }
+/* The error of a step relative to what it may be, of Dormand and Prince's two estimates as Hairer blends them. */
+static mg_real mg_blow_error(const mg_blow *b, mg_real dp, mg_real (*slope)[6], const mg_real *y) {
+  const mg_real impulse = b->swift / b->G[0];
+  const mg_real size[6] = {b->swift, b->swift, b->swift, impulse, impulse, impulse * b->swift};
+  mg_real fifth = 0, third = 0;
+  for (int k = 0; k < 6; k++) {
+    mg_real e5 = 0, e3 = (y[k] - b->u[k]) / dp;
+    for (int j = 0; j < 12; j++) e5 += mg_dop_fifth[j] * slope[j][k], e3 -= mg_dop_third[j] * slope[j][k];
+    const mg_real weight = 1 / (MG_BLOW_ERROR * size[k]);
+    fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }
-  *to = *b;
-  for (int k = 0; k < 6; k++) to->u[k] += dp * sum[k];
-  to->p += dp;
+  return fifth > 0 ? dp * fifth / sqrt(6 * (fifth + third / 100)) : fifth;
 }
 
-/* The impulse over which slip goes on as it does: to its end where it keeps its direction, else a part of what turns it. */
+/* A step of Dormand and Prince's method of order 8. */
+static mg_real mg_blow_turn(const mg_blow *b, mg_real dp, mg_real *y) {
+  mg_real slope[12][6];
+  for (int stage = 0; stage <= 12; stage++) {
+    for (int k = 0; k < 6; k++) {
+      mg_real sum = 0;
+      for (int j = mg_dop_row[stage]; j < mg_dop_row[stage + 1]; j++) sum += mg_dop_value[j] * slope[mg_dop_column[j]][k];
+      y[k] = b->u[k] + dp * sum;
+    }
+    if (stage < 12) mg_blow_slope(b, y, slope[stage]);
+  }
+  return mg_blow_error(b, dp, slope, y);
+}
+
+/* On by the normal impulse dp: exact where slip keeps its direction. Returns the error relative to what it may be. */
+static mg_real mg_blow_go(const mg_blow *b, mg_real dp, mg_blow *to) {
+  mg_real slope[6], y[6], error = 0;
+  if (b->ended || b->straight) {
+    mg_blow_slope(b, b->u, slope);
+    for (int k = 0; k < 6; k++) y[k] = b->u[k] + dp * slope[k];
+    y[5] += dp * dp * slope[0] / 2;
+  } else error = mg_blow_turn(b, dp, y);
+  *to = *b;
+  for (int k = 0; k < 6; k++) to->u[k] = y[k];
+  to->p += dp;
+  return error;
+}
+
+/* The impulse over which slip goes on as it does: to its end where it keeps its direction, else a part of what ends it. */
 static mg_real mg_blow_stretch(mg_blow *b, int *dies) {
   mg_real slope[6];
   *dies = b->straight = 0;
   if (b->ended) return MG_MAX;
   mg_blow_slope(b, b->u, slope);
-  const mg_real slip = sqrt(b->u[1] * b->u[1] + b->u[2] * b->u[2]), rate = sqrt(slope[1] * slope[1] + slope[2] * slope[2]);
-  const mg_real turns = b->u[1] * slope[2] - b->u[2] * slope[1], grows = b->u[1] * slope[1] + b->u[2] * slope[2];
-  if (fabs(turns) > 64 * MG_EPS * slip * rate) return slip / rate / MG_BLOW_PARTS;
+  const mg_real x = b->mu[0] * b->u[1], y = b->mu[1] * b->u[2], dx = b->mu[0] * slope[1], dy = b->mu[1] * slope[2];
+  const mg_real slip = sqrt(x * x + y * y), rate = sqrt(dx * dx + dy * dy);
+  if (fabs(x * dy - y * dx) > MG_BLOW_STRAIGHT * slip * rate) return slip / rate / MG_BLOW_PARTS;
   mg_blow_share(b, b->u, b->share);
-  b->straight = 1, *dies = grows < 0;
+  b->straight = 1, *dies = x * dx + y * dy < 0;
   return *dies ? slip / rate : MG_MAX;
 }
 
@@ -88,12 +117,15 @@ static mg_real mg_blow_left(const mg_blow *b, const mg_real *start, int law, mg_
 
 /* Through one phase; `turn`: where compression ended, none as yet in compression. Returns 0 where it does not end. */
 static int mg_blow_phase(mg_blow *b, const mg_real *start, int law, mg_real e, const mg_blow *turn) {
-  mg_real guess = -start[0] / b->G[0];
+  const mg_real first = -start[0] / b->G[0];
+  mg_real guess = first;
   for (int step = 0; step < MG_BLOW_STEPS; step++) {
     int dies;
     mg_blow to;
     const mg_real stretch = mg_blow_stretch(b, &dies), dp = stretch < guess ? stretch : guess;
-    mg_blow_go(b, dp, &to);
+    const mg_real error = mg_blow_go(b, dp, &to);
+    guess = dp * mg_growth(error, 4);
+    if (!(error <= 1)) continue;
     if (mg_blow_left(&to, start, law, e, turn) >= 0) {
       mg_real low = 0, high = dp;
       for (int j = 0; j < MG_BLOW_HALVES; j++) {
@@ -105,8 +137,10 @@ static int mg_blow_phase(mg_blow *b, const mg_real *start, int law, mg_real e, c
       return 1;
     }
     *b = to;
-    if (dp < stretch) guess *= 2;
-    else if (dies || sqrt(b->u[1] * b->u[1] + b->u[2] * b->u[2]) <= MG_EPS * b->swift) mg_blow_holds(b);
+    const mg_real slip = sqrt(b->u[1] * b->u[1] + b->u[2] * b->u[2]);
+    if (b->ended || !((dies && dp == stretch) || slip <= MG_EPS * b->swift)) continue;
+    mg_blow_holds(b);
+    guess = first;
   }
   return 0;
 }

@@ -80,7 +80,7 @@ static void mg_lean_known(mg_context *c, int contact) {
 
 /* The matrix and the accelerations of the closed contacts that are not skipped, of pads and of joints. */
 static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
-  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
+  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0, 0};
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   mg_activate_pads(c);

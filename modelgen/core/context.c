@@ -64,7 +64,7 @@ static long mg_table_size(const mg_system *s) { return s->n_table ? (long)MG_IN 
 
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
-  return 42 * b + 45 * r + 6 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+  return 42 * b + 45 * r + 8 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
          mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s) + mg_instant_size(s);
 }
@@ -130,7 +130,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->settled = mg_take(&work, x), c->scale = mg_take(&work, x);
   c->dense = mg_take(&work, 8 * x), c->place = mg_take(&work, 32 + 2 * s->n_eta);
   c->rate = mg_take(&work, r), c->amount = mg_take(&work, r), c->MJ_before = mg_take(&work, 12L * s->n_row);
-  c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint);
+  c->part = mg_take(&work, s->n_row), c->most = mg_take(&work, s->n_joint), c->gap = mg_take(&work, 2 * m);
   c->sample = (mg_sample *)(void *)mg_take(&work, mg_sample_size() - MG_SAMPLES), c->merit = mg_take(&work, MG_SAMPLES);
   c->table = mg_take(&work, mg_table_size(s)), c->tabled = mg_take_int(&iwork, s->n_table);
   c->onset = (mg_onset *)(void *)mg_take(&work, m * mg_onset_size());
@@ -140,7 +140,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
   c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
-  c->falling = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
+  c->dips = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
   c->near = mg_take_int(&iwork, m);
   c->trying = mg_take_int(&iwork, s->n_slot), c->barred = mg_take_int(&iwork, s->n_slot);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));

@@ -103,7 +103,8 @@ typedef struct {
   int *kind, *o, *f, *n_eta, *parameters;   /* per contact: of its link; n_eta 0 on no link */
   int *upright;                             /* per contact: it had passed no watched border at the start of the step; MG_TIPS: is on one */
   int *way;                                 /* per contact: the condition that leads it off its link */
-  int *falling;                             /* per contact: its open gap shrinks at the start of a step, grows at its end */
+  mg_real *gap;                             /* per contact 2: d and d_dot where a step, or a part of it, begins */
+  int *dips;                                /* per contact: its open gap may have been closed within that part */
   int *column;                              /* per row: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */
   int *first, *incident;                    /* rows at each moving body: incident[first[b]] .. */

@@ -183,22 +183,42 @@ static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried)
   return h;
 }
 
-/* The first of the parts of the step h at which an event has fired; 0 when none has. */
-static mg_real mg_scan(mg_context *c, mg_real h) {
-  for (int j = 1; j <= c->set->scan; j++)
-    if (mg_fired_at(c, h, (mg_real)j / c->set->scan)) return (mg_real)j / c->set->scan;
-  return 0;
-}
-
-/* Where a gap that shrinks and grows again is low enough for an event; 0 when it nowhere is. */
-static mg_real mg_dip(mg_context *c, int contact, mg_real h) {
-  mg_real low = 0, high = 1;
+/* Where within a part of the step h a gap that shrinks and grows again is low enough for an event of its own; 0 when it
+   nowhere is. */
+static mg_real mg_dip(mg_context *c, int contact, mg_real h, mg_real low, mg_real high) {
   for (int j = 0; j < 50; j++) {
     const mg_real middle = (low + high) / 2;
-    if (mg_fired_at(c, h, middle)) return middle;
+    mg_fired_at(c, h, middle);
+    if (c->fired[contact]) return middle;
     if (c->d[contact] > fabs(c->d_dot[contact]) * (high - low) * h) return 0;
     if (c->d_dot[contact] < 0) low = middle;
     else high = middle;
+  }
+  return 0;
+}
+
+/* The first of the marked dips within a part of the step h; 0 when there is none. */
+static mg_real mg_first_dip(mg_context *c, mg_real h, mg_real low, mg_real high) {
+  mg_real first = 0;
+  for (int i = 0; i < c->first_pad; i++) {
+    const mg_real dip = c->dips[i] ? mg_dip(c, i, h, low, first > 0 ? first : high) : 0;
+    if (dip > 0) first = dip;
+  }
+  return first;
+}
+
+/* The first of the parts of the step h at whose end an event has fired, or within which a gap dips: from *low to where that
+   is, which is returned; 0 when there is none. Needs the gaps noted at the start of the step. */
+static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
+  const mg_real part = (mg_real)1 / c->set->scan;
+  for (int j = 1; j <= c->set->scan; j++) {
+    const mg_real at = (mg_real)j / c->set->scan;
+    const int fired = mg_fired_at(c, h, at), dips = mg_mark_dips(c, part * h);
+    *low = at - part;
+    mg_note_gaps(c);
+    const mg_real dip = dips ? mg_first_dip(c, h, *low, at) : 0;
+    if (dip > 0) return dip;
+    if (fired) return at;
   }
   return 0;
 }
@@ -231,11 +251,10 @@ static int mg_is_plain(mg_context *c, mg_crossing *event, int count, mg_real h, 
 }
 
 /* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
-   c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end. Needs the interpolant. */
+   c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
+   interpolant, and the dips of the step marked. */
 static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
-  mg_real high = passed ? mg_scan(c, h) : 0, low = high > 0 ? high - (mg_real)1 / c->set->scan : 0;
-  for (int i = 0; i < c->sys->n_contact && high == 0; i++)
-    if (c->falling[i]) high = mg_dip(c, i, h);
+  mg_real low = 0, high = passed ? mg_scan(c, h, &low) : mg_first_dip(c, h, 0, 1);
   if (high == 0) return 0;
   const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;
   mg_crossing event;

@@ -2,7 +2,7 @@
    fail, then the certificate. */
 #include "friction_scaled.h"
 
-enum { MG_FRICTION_ROUNDS = 4, MG_FRICTION_SWEEPS = 6, MG_FRICTION_MORE = 4, MG_FRICTION_STEPS = 40 };
+enum { MG_FRICTION_ROUNDS = 4, MG_FRICTION_SWEEPS = 6, MG_FRICTION_MORE = 4, MG_FRICTION_STEPS = 40, MG_FRICTION_LAST = 3 };
 
 /* Sweeps, then Newton; more sweeps from where the first ended where Newton failed. */
 static int mg_friction_try(mg_frictional *s, int rounds)
@@ -64,10 +64,31 @@ static int mg_friction_judge(mg_frictional *s, mg_real *z, int *marks, mg_fricti
   return report->outcome == MG_FRICTION_SOLVED;
 }
 
+/* Newton steps from a solution for its last digits, as long as they gain: the tolerance is a thousand roundings. */
+static void mg_friction_polish(mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real *before = s->spare;
+  for (int step = 0; step < MG_FRICTION_LAST && !s->given->hasty; ++step) {
+    const mg_real residual = s->residual, tolerance = mg_friction_tolerance(s, s->best);
+    if (!(residual > tolerance / 1000 && residual <= tolerance)) return;
+    for (int i = 0; i < m; ++i) before[i] = s->y[i] = s->best[i];
+    mg_friction_newton(s, 1, 1);
+    for (int i = 0; i < m; ++i) s->y[i] = s->best[i];
+    mg_friction_motion(s);
+    s->residual = mg_friction_error(s);
+    if (s->residual < residual) continue;
+    for (int i = 0; i < m; ++i) s->best[i] = before[i];
+    s->residual = residual;
+    return;
+  }
+}
+
 static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_friction_report *report)
 {
   report->starts = 1;
   if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
+  mg_friction_polish(s);
   if (mg_friction_judge(s, z, marks, report)) return;
   if (mg_friction_impossible(s)) {
     report->outcome = MG_FRICTION_INFEASIBLE;
@@ -76,6 +97,7 @@ static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_frict
   for (int path = 0; path < MG_PATHS && report->starts != s->given->starts; ++path) {
     ++report->starts;
     mg_friction_follow(s, path);
+    mg_friction_polish(s);
     if (mg_friction_judge(s, z, marks, report)) return;
   }
 }

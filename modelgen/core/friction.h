@@ -24,6 +24,7 @@ typedef struct {
   const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read; 0: no force along that row */
   const mg_real *A, *b;  /* rows that belong to no contact are bilateral: w = 0, any force */
   int starts;            /* starting points at most, 0: all that are known; each may take a hundred times the first */
+  int hasty;             /* a solution within the tolerance will do, which is a thousand roundings: its last digits cost a step */
 } mg_friction_problem;
 
 enum { MG_FRICTION_SOLVED = 0,

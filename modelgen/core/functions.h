@@ -125,6 +125,7 @@ static void mg_eta_reach(const mg_context *c, int link, mg_real *reach);
 static int mg_settle_safely(mg_context *c, int link, mg_real *eta);
 
 /* advance.c */
+static mg_real mg_growth(mg_real error, mg_real most);
 static void mg_pass_time(mg_run *run, mg_real h);
 static int mg_finite(const mg_real *x, int n);
 
@@ -150,9 +151,10 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 /* reach.c */
 static mg_real mg_reach(const mg_context *c);
 static mg_real mg_sight(const mg_context *c);
-static void mg_mark_falling(mg_context *c);
+static void mg_note_gaps(mg_context *c);
 static void mg_mark_upright(mg_context *c);
-static int mg_dips(mg_context *c, mg_real h);
+enum { MG_DIPS = 1, MG_WAVES = 2 };
+static int mg_mark_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */
 enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,

@@ -87,8 +87,8 @@ static int mg_project_start(mg_context *c) {
 
 /* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
 static void mg_join_velocities(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = 0;
-  mg_correction(c, c->falling, c->d_dot);
+  for (int i = 0; i < c->sys->n_contact; i++) c->dips[i] = 0;
+  mg_correction(c, c->dips, c->d_dot);
   mg_push(c);
   mg_refresh(c);
 }

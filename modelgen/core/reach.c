@@ -17,17 +17,29 @@ static mg_real mg_reach(const mg_context *c) {
   return reach;
 }
 
-static void mg_mark_falling(mg_context *c) {
-  const mg_real rest = -c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->sys->n_contact; i++) c->falling[i] = !c->run->closed[i] && !mg_is_pad(c, i) && c->d_dot[i] < rest;
+/* Notes the open gaps and their rates where a part of a step begins. */
+static void mg_note_gaps(mg_context *c) {
+  for (int i = 0; i < c->first_pad; i++) c->gap[2 * i] = c->d[i], c->gap[2 * i + 1] = c->d_dot[i];
 }
 
-/* Keeps the marks of the gaps that grow again at the end of the step h and may have been closed on the way. */
-static int mg_dips(mg_context *c, mg_real h) {
-  int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    c->falling[i] = c->falling[i] && c->d_dot[i] > 0 && c->d[i] <= c->d_dot[i] * h;
-    count += c->falling[i];
+/* Whether an open gap may have been closed since it was noted, h ago: MG_DIPS where it shrank then and grows now, MG_WAVES
+   where it does both or neither, and the cubic through both ends is not far from turning twice. A tangent reaches zero. */
+static int mg_may_dip(const mg_context *c, int contact, mg_real h) {
+  const mg_real before = c->gap[2 * contact], first = c->gap[2 * contact + 1] * h;
+  const mg_real now = c->d[contact], last = c->d_dot[contact] * h, rest = c->set->rest_speed * c->sys->length / c->sys->time * h;
+  if (c->run->closed[contact] || !((first < -rest && before <= -first) || (last > rest && now <= last))) return 0;
+  const int falls = first < -rest, rises = last > 0;
+  if (falls && rises) return MG_DIPS;
+  const mg_real thrice = 3 * (now - before), ends = first + last;
+  return (rises && thrice < ends) || (falls && thrice > ends) ? MG_WAVES : 0;
+}
+
+/* Marks the gaps that may have been closed since they were noted, h ago; returns the larger of what they do. */
+static int mg_mark_dips(mg_context *c, mg_real h) {
+  int most = 0;
+  for (int i = 0; i < c->first_pad; i++) {
+    c->dips[i] = mg_may_dip(c, i, h);
+    if (c->dips[i] > most) most = c->dips[i];
   }
-  return count;
+  return most;
 }

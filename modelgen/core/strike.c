@@ -13,7 +13,7 @@ static void mg_put_kinetic(mg_context *c, int contact, mg_real *cone) {
 /* Of all closed contacts that are not hidden, of pads and of joints, with the velocities after the impact as what the
    impulses must make right. */
 static mg_friction_problem mg_pose_impact(mg_context *c) {
-  mg_friction_problem p = {0, 0, MG_COULOMB, 0, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0};
+  mg_friction_problem p = {0, 0, MG_COULOMB, 0, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0, 0};
   for (int i = 0; i < c->first_pad; i++) {
     if (!c->run->closed[i] || c->hidden[i]) continue;
     mg_put_kinetic(c, i, c->cone + MG_CONE * p.n_contact);

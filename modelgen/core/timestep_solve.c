@@ -60,7 +60,7 @@ static void mg_bound_in_time(mg_context *c) {
 }
 
 static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
-  mg_friction_problem p = {0, 0, c->set->law, 0, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 1};
+  mg_friction_problem p = {0, 0, c->set->law, 0, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 1, 1};
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->near[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   p.n = mg_list_joints(c, c->list, p.n);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from modelgen.runtime.complementarity import solve_qp
 from modelgen.runtime.friction import FrictionProblem, Motion, Outcome, coulomb, relaxation, residual
-from tests.core.frictional import feasible, natural_map, with_bilateral
+from tests.core.frictional import feasible, mild, natural_map, with_bilateral
 
 laws = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 seeds = st.integers(10_000, 2**32 - 1)
@@ -77,6 +78,25 @@ def test_an_answer_is_a_solution_to_start_from(lcp: Any, seed: int) -> None:
     again = coulomb(problem, lcp, start=answer.z)
     assert again.outcome is Outcome.SOLVED
     assert again.iterations <= 4
+
+
+def with_resistance(seed: int) -> FrictionProblem:
+    """1 to 3 contacts of 6 rows on a regular A."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 4))
+    J = rng.normal(size=(6 * count, 6 * count + 3))
+    cone = np.hstack([rng.uniform(0.1, 1, (count, 2)), rng.uniform(0.01, 0.3, (count, 2))])
+    return FrictionProblem.of(J @ J.T, J @ rng.normal(size=6 * count + 3), cone, rows=6)
+
+
+@pytest.mark.parametrize("make", [mild, with_resistance])
+def test_an_answer_is_good_to_rounding(lcp: Any, make: Callable[[int], FrictionProblem]) -> None:
+    for problem in map(make, range(200)):
+        answer = coulomb(problem, lcp)
+        d = np.sqrt(np.diag(problem.A))
+        growth = max(1.0, np.abs(answer.z * d).max() / np.abs(problem.b / d).max())
+        assert answer.outcome is Outcome.SOLVED
+        assert natural_map(problem, answer.z) <= 4 * problem.n * np.finfo(float).eps * growth
 
 
 @laws

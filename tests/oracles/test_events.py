@@ -13,6 +13,11 @@ from modelgen.scene import build as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, rotations, solid, times
 
 AXES = (0.12, 0.09, 0.07)
+THROWS = [  # start, velocity, centre of the post
+    ([-0.4284, 0, 0], [0.584, 0, 3.9186], [-0.1137, 0, -0.3472]),
+    ([-0.2208, 0, 0], [0.5709, 0, 3.8769], [0.418, 0, 0.0407]),
+    ([-0.8299, 0, 0], [1.3104, 0, 3.869], [0.7218, 0, -1.2407]),
+]
 
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-8, -1e-8])
@@ -27,6 +32,44 @@ def test_a_grazing_ball_touches_if_it_comes_low_enough(depth: float) -> None:
     )
     expected = [1 - np.sqrt(depth)] if depth > 0 else []
     assert times(path, "impact") == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("accuracy", [Accuracy.fast(), Accuracy.balanced(), Accuracy.tight()])
+@pytest.mark.parametrize("later", [1e-3, 5e-3, 2e-2])
+def test_a_ball_grazes_a_post_a_moment_before_another_lands(accuracy: Accuracy, later: float) -> None:
+    """The landing ends the step, and is no reason to look for nothing else in it."""
+    fall = 0.2 + later
+    bodies = [
+        TABLE,
+        make.fixed("post", make.sphere(0.05), position=[0, 0, 1]),
+        ball("a", [3, 0, 0.05 + G * fall**2 / 2], radius=0.05),
+        ball("b", [-1, 0.0999, 1], radius=0.05, velocity=[5, 0, 0]),
+    ]
+    contact = [{"between": ["a", "table"]}, {"between": ["b", "post"], "restitution": 0.5}]
+    aloft = [{"body": "b", "force": [0.0, 0.0, G]}]
+    path = ran(bodies, 0.3, contact, accuracy, force=aloft)
+    assert times(path, "impact")[0] == pytest.approx((1 - np.sqrt(0.1**2 - 0.0999**2)) / 5, abs=1e-9)
+
+
+@pytest.mark.parametrize(("start", "velocity", "post"), THROWS)
+def test_a_thrown_ball_passes_a_post_that_it_first_rises_from(
+    start: list[float], velocity: list[float], post: list[float]
+) -> None:
+    """The gap grows, shrinks and grows again within one step, and is closed for a moment."""
+    fall = np.array([0, 0, -G / 2])
+
+    def gap(t: float) -> float:
+        return float(np.linalg.norm(start + np.array(velocity) * t + fall * t * t - post) - 0.2)
+
+    sampled = np.linspace(0, 2, 200_001)
+    first = next(t for t in sampled if gap(t) < 0)
+    path = ran(
+        [make.fixed("post", make.sphere(0.1), position=post), ball("b", start, velocity=velocity)],
+        2.0,
+        [{"between": ["b", "post"], "restitution": 0.5}],
+        Accuracy.fast(),
+    )
+    assert times(path, "impact")[0] == pytest.approx(brentq(gap, first - 1e-5, first), abs=1e-7)
 
 
 def test_a_thrown_ellipsoid_flies_freely_and_lands_where_it_must() -> None:

@@ -24,6 +24,7 @@ class _Problem(ctypes.Structure):
         *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
         *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
         ("starts", ctypes.c_int),
+        ("hasty", ctypes.c_int),
     )
 
 
@@ -130,7 +131,13 @@ def _record(
     cone = np.ascontiguousarray(problem.cone, dtype=real)
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
     pointers = (pointer(array) for array in (first, rows, cone, A, b))
-    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts), (A, b, cone, first, rows)
+    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0), (
+        A,
+        b,
+        cone,
+        first,
+        rows,
+    )
 
 
 def _report(dtype: np.dtype[Any]) -> Any:

@@ -36,6 +36,32 @@ def test_a_thrown_ball_strikes_sliding_or_gripping(
     assert imbalance(path) < 1e-12
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_blow_with_resistance_to_spin_and_rolling_is_on_its_cones_to_rounding(seed: int) -> None:
+    """Impulses on the edge of their cones, against what slips, spins and rolls after the blow."""
+    mu, spinning, rolling, e, r, inertia = 0.2, 2e-3, 1e-3, 0.7, 0.1, 0.4 * 0.1**2
+    rng = np.random.default_rng(seed)
+    v, w = np.append(rng.uniform(-3, 3, 2), -0.3), rng.uniform(-40, 40, 3)
+    hit = ball("ball", [0, 0, r], velocity=list(v), angular_velocity=list(w))
+    contact = {
+        "between": ["ball", "table"], "friction": mu, "restitution": e,
+        "spinning_resistance": spinning, "rolling_resistance": rolling,
+    }  # fmt: skip
+    path = ran([hit, TABLE], 1e-3, [contact], gravity=[0, 0, 0], samples=1)
+    push, turn = path.v[-1, 0] - v, inertia * (path.w[-1, 0] - w)
+    torque = turn - np.cross([0, 0, -r], push)  # about the point that was struck
+    slip = path.v[-1, 0, :2] + np.cross(path.w[-1, 0], [0, 0, -r])[:2]
+    along = [
+        (push[:2], slip, mu),
+        (torque[:2], path.w[-1, 0, :2], rolling),
+        (torque[2:], path.w[-1, 0, 2:], spinning),
+    ]
+    assert push[2] == pytest.approx((1 + e) * 0.3, rel=1e-14)
+    for impulse, motion, coefficient in along:
+        edge = -coefficient * push[2] * motion / np.linalg.norm(motion)
+        assert np.linalg.norm(impulse - edge) <= 4e-15
+
+
 def thrown(turn: Rotation) -> list[Body]:
     tilted = (turn * Rotation.from_rotvec([0.4, 0.3, 0])).as_quat()[[3, 0, 1, 2]]
     egg = solid(
