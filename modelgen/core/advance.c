@@ -181,6 +181,10 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real longest = mg_longest(c);
   if (mg_starts_rolling(c)) h = run->h;
   if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
+  mg_real before, after;
+  const int jerks = mg_find_jerk(c, h, &before, &after);
+  if (jerks && before - run->t <= c->set->event * c->sys->time) return mg_take_jerk(c, after, events);
+  if (jerks) h = before - run->t;
   c->left.count = 0;
   mg_note_gaps(c);
   mg_mark_upright(c);

@@ -134,6 +134,15 @@ static int mg_count_timed(const mg_system *s);
 static long mg_instant_size(const mg_system *s);
 static mg_real mg_seen_in_time(mg_context *c, mg_real h);
 
+/* modes.c, advance.c, instants.c, for jerks.c */
+static void mg_open_far(mg_context *c, mg_events *events);
+static int mg_change_mode(mg_context *c, mg_events *events);
+static int mg_is_driven(const mg_system *s, int body);
+
+/* jerks.c */
+static int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after);
+static int mg_take_jerk(mg_context *c, mg_real after, mg_events *events);
+
 /* vault.c */
 static int mg_vault_all(mg_context *c, mg_record *record, mg_events *events);
 

@@ -142,7 +142,7 @@ def _reasons(
     if not accuracy.use_gamma and sentence["pairs"]:
         yield "Gamma2 is left out, and so the motion is another"
     if _is_unbalanced(path, sentence):
-        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy, as where a driven body jerks"
+        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
     if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
