@@ -7,7 +7,7 @@ enum { MG_MOST_JERKS = 4096 }; /* parts of a step in which one is looked for */
    tells most of it. */
 static mg_real mg_jump(const mg_context *c, int body, mg_real t, mg_real h) {
   const mg_system *s = c->sys;
-  mg_real pose[12], twist[2][6], accel[2][6], untold = 0, whole = 0;
+  mg_real pose[12], twist[2][6] = {{0}}, accel[2][6] = {{0}}, untold = 0, whole = 0;
   for (int end = 0; end < 2; end++) {
     const mg_real at = t + end * h;
     mg_body_path(s->body_kind[body], &at, s->parameters + s->body_parameters[body], pose, twist[end], accel[end]);
