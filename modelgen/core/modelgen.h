@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 6
+#define MG_ABI 7
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
