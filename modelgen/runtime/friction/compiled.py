@@ -130,14 +130,9 @@ def _record(
     A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
     cone = np.ascontiguousarray(problem.cone, dtype=real)
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
-    pointers = (pointer(array) for array in (first, rows, cone, A, b))
-    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0), (
-        A,
-        b,
-        cone,
-        first,
-        rows,
-    )
+    kept = (first, rows, cone, A, b)
+    pointers = (pointer(array) for array in kept)
+    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0), kept
 
 
 def _report(dtype: np.dtype[Any]) -> Any:
