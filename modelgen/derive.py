@@ -11,9 +11,9 @@ import casadi as ca
 from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
 from modelgen.contact.seek import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics.bodies import body_kernels
-from modelgen.dynamics.closed_form import is_closed_form, right_hand_side
+from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
 from modelgen.dynamics.loads import load_kernel
-from modelgen.errors import expect
+from modelgen.errors import ModelgenError, expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points3d import is_point, point_kernel
 from modelgen.geometry.surface import surface_kernel
@@ -91,9 +91,18 @@ class Derivation:
     model: Model
     formulas: tuple[Formula, ...]
 
-    def rhs(self) -> ca.Function | None:
-        """The composed right-hand side with all contacts closed; None above four contacts."""
-        return next((formula.function for formula in self.formulas if formula.role == "rhs"), None)
+    def rhs(self) -> ca.Function:
+        """The composed right-hand side with all contacts closed.
+
+        Raises ModelgenError, with the reason, where a scene has joints, friction, more than four contacts, or
+        shapes of several pieces that touch (solids, splines, poles of charts).
+        """
+        why = why_not_closed(self.model)
+        if why:
+            allowed = f"up to {MAX_CONTACTS} contacts of single surfaces or curves, no friction, no joints"
+            remedy = "its kernels, `derivation.function(name)`, have all formulas"
+            raise ModelgenError(f"{self.model.scene.source}: rhs", why, allowed, remedy)
+        return next(formula.function for formula in self.formulas if formula.role == "rhs")
 
     def function(self, name: str) -> ca.Function:
         """The function of that name; KeyError if there is none."""
@@ -110,7 +119,7 @@ def derive(model: Model) -> Derivation:
         *(*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model)),
         *(*_of_limits(model), *_of_joints(model)),
     )
-    if not is_closed_form(model):
+    if why_not_closed(model):
         return Derivation(model, formulas)
     rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
     return Derivation(model, (*formulas, _formula(rhs, "rhs", 0, CITATIONS["rhs"])))

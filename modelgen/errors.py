@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from os import PathLike
+from pathlib import Path
 
 STREET = {  # each value of the street, and the verb that takes it
     "path": "read",
@@ -109,9 +110,24 @@ def expect(verb: str, value: object, kind: type) -> None:
     raise ModelgenError(verb, found, f"it takes a {kind.__name__}", _call(verb, given, kind))
 
 
+def path_of(verb: str, value: object) -> Path:
+    """The path that a verb is given, as such or as text.
+
+    >>> path_of("read", 3)
+    Traceback (most recent call last):
+    modelgen.errors.ModelgenError: read: the argument is of type int; it takes a path, as str or Path
+    """
+    if isinstance(value, str | PathLike):
+        return Path(value)
+    found = f"the argument is of type {type(value).__name__}"
+    raise ModelgenError(verb, found, "it takes a path, as str or Path")
+
+
 def _call(verb: str, given: str, kind: type) -> str:
     """`write build(emit(derivation))` for a Derivation that `build` was given; from a file if need be."""
     values = list(STREET)
+    if kind.__name__ == "Record":
+        return f"write {verb}(record_of(trajectory, library), ...)"
     if kind.__name__ not in values:
         return ""
     end = values.index(kind.__name__)

@@ -16,7 +16,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"flat": 1, "slip": 1},
         apart=1e-9,
         single=1e-3,
-        reachable=3,
+        reachable=10,
     ),
     "bouncing_ellipsoid": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),

@@ -19,7 +19,9 @@ from modelgen.cli.options import (
     Fallback,
     Form,
     Frames,
+    MainFile,
     Method,
+    OutFolder,
     OutPicture,
     OutRun,
     Quality,
@@ -34,15 +36,19 @@ from modelgen.cli.options import (
     Until,
     Verify,
     read_configuration,
+    read_main,
     read_option,
 )
 from modelgen.cli.output import (
     FAILED,
+    check_file,
     check_outputs,
     exit_with,
     guarded,
+    print_built,
     print_facts,
     print_text,
+    write_main,
     write_run,
 )
 from modelgen.cli.street import (
@@ -92,14 +98,17 @@ def check(scene: SceneFile, form: Form = None, brief: Brief = False, as_json: As
 @guarded
 def build(
     scene: SceneFile,
-    out: Annotated[Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER")] = None,
+    out: OutFolder = None,
     real: RealName = None,
     form: Form = None,
+    main: MainFile = None,
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
+    name = read_main(main)
     what = read_scene(scene, form)
     library = build_scene(what, out or folder_of(what, form), read_option("real", real))
+    program = None if name is None else write_main(library, name)
     manifest = library.manifest
     facts = {
         "scene": manifest.sentence["name"],
@@ -107,8 +116,9 @@ def build(
         "real": library.real,
         "hash": library.record.hash,
         "instructions": {name: entry["instructions"] for name, entry in manifest.functions.items()},
+        "main": program and str(program),
     }
-    print_facts(facts, as_json, lambda: typer.echo(library.path))
+    print_facts(facts, as_json, lambda: print_built(library, program))
 
 
 @app.command()
@@ -162,8 +172,12 @@ app.command()(tune)
 @app.command()
 @guarded
 def plot(
-    source: Annotated[Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE")],
+    source: Annotated[
+        Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE", readable=False)
+    ],
     frames: Frames = None,
     as_json: AsJson = False,
 ) -> None:
@@ -198,12 +212,16 @@ def inspect(
     style: Style = "text",
     at: At = None,
     verify: Verify = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="file to write the text into")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="file to write the text into", readable=False)
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Print the formulas of a scene or of a kind of contact: source, units, cost, tree, numbers, status."""
     from modelgen.report.inspection import inspected, written
 
+    if out is not None:
+        check_file(out)
     writing, n = read_option("format", style), read_option("verify", verify)
     is_scene = source.endswith(".toml") or Path(source).exists()
     scene = read_scene(Path(source), None) if is_scene else None

@@ -14,7 +14,8 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 import modelgen
 from modelgen.cli import INTERRUPTED
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
-from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
+from modelgen.cli.output import FAILED, check_file, check_outputs, guarded, print_facts
+from modelgen.cli.street import check_folder, folder_of
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ Against = Annotated[
         help="other simulators beside it: mujoco, drake, siconos, exudyn, simbody", metavar="A,B,..."
     ),
 ]
-SceneOrNone = Annotated[Path | None, typer.Argument(metavar="SCENE", help="scene file, TOML")]
+SceneOrNone = Annotated[Path | None, typer.Argument(metavar="SCENE", help="scene file, TOML", readable=False)]
 Extremes = Annotated[
     bool,
     typer.Option(
@@ -48,10 +49,17 @@ AllowedError = Annotated[
 ]
 Budget = Annotated[
     str | None,
-    typer.Option(help="CPU time per simulated second that is allowed, such as 20us", metavar="TIME"),
+    typer.Option(
+        help="CPU time per simulated second that is allowed, such as 20us; the setting found may exceed it "
+        "by 20 %, and says so",
+        metavar="TIME",
+    ),
 ]
 OutScene = Annotated[
-    Path | None, typer.Option(help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE")
+    Path | None,
+    typer.Option(
+        help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE", readable=False
+    ),
 ]
 InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")]
 
@@ -81,6 +89,7 @@ def measure(
     _refuse({"only": only}, f"with the scene {scene}", "--extremes and no scene go with it")
     check_outputs(None, plot)
     what = modelgen.read(scene)
+    check_folder(folder_of(what, None))
     with _told() as report:
         found = measured(
             what,
@@ -144,9 +153,11 @@ def tune(
     from modelgen.measure import tune as tuned
     from modelgen.measure.settings_file import with_run
     from modelgen.measure.table import print_tuned
+    from modelgen.report.summary import print_written
 
     target = _target(scene, out, in_place)
     what = modelgen.read(scene)
+    check_folder(folder_of(what, None))
     text = scene.read_text(encoding="utf-8")
     with _told() as report, _resumable():
         found = tuned(
@@ -162,7 +173,7 @@ def tune(
     facts = found.as_json() | {"file": str(target)}
     print_facts(facts, as_json, lambda: print_tuned(found, Console()))
     if not as_json:
-        typer.echo(target)
+        print_written(target, Console())
 
 
 def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
@@ -174,8 +185,7 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
         raise ModelgenError("--out", f"{str(target)!r} is a folder", "a file", "name one")
     if not in_place and target.exists() and scene.exists() and target.samefile(scene):
         raise ModelgenError("--out", f"{target} is the scene itself", "another file", "or give --in-place")
-    if not target.parent.is_dir():
-        raise ModelgenError(str(target), f"no folder {str(target.parent)!r}", "", "make it first")
+    check_file(target)
     return target
 
 

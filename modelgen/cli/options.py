@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,7 +31,7 @@ def _among(names: tuple[str, ...]) -> str:
     return f"[{'|'.join(names)}]"
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file, TOML")]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file, TOML", readable=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON object on standard output")]
 Brief = Annotated[
     bool, typer.Option("--brief", help="without what decisions save, for which the scene is derived again")
@@ -66,6 +67,10 @@ RealName = Annotated[
     str | None,
     typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),
 ]
+MainFile = Annotated[
+    str | None,
+    typer.Option(help="write a C program of the run beside the generated C, such as run.c", metavar="NAME.c"),
+]
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
 At = Annotated[
     str | None,
@@ -78,8 +83,15 @@ Frames = Annotated[
 Verify = Annotated[
     str | None, typer.Option(help="recompute each status on so many configurations", metavar="NUMBER")
 ]
-OutRun = Annotated[Path | None, typer.Option(help="write the run to FILE.npz or FILE.csv", metavar="FILE")]
-OutPicture = Annotated[Path | None, typer.Option(help="draw the run to FILE.png or FILE.svg", metavar="FILE")]
+OutFolder = Annotated[
+    Path | None, typer.Option(help="folder for the generated files", metavar="FOLDER", readable=False)
+]
+OutRun = Annotated[
+    Path | None, typer.Option(help="write the run to FILE.npz or FILE.csv", metavar="FILE", readable=False)
+]
+OutPicture = Annotated[
+    Path | None, typer.Option(help="draw the run to FILE.png or FILE.svg", metavar="FILE", readable=False)
+]
 
 
 def read_option(name: str, text: str | None) -> Any:
@@ -94,6 +106,14 @@ def read_option(name: str, text: str | None) -> Any:
         raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
 
 
+def read_main(name: str | None) -> str | None:
+    """The file name of `--main`. Raises ModelgenError unless it is one of C, that is not of the generated."""
+    if name is None or (re.fullmatch(r"\w[\w.-]*\.c", name) and name != "model.c"):
+        return name
+    allowed = "the name of a C file, in the folder of the generated files"
+    raise ModelgenError("--main", repr(name), allowed, "write run.c; --out names another folder")
+
+
 def read_configuration(text: str | None) -> tuple[int, dict[str, Any]]:
     """Seed and given inputs of `--at`. Raises ModelgenError where it is neither a seed nor a JSON object."""
     if text is None or not text.endswith(".json"):
@@ -102,6 +122,9 @@ def read_configuration(text: str | None) -> tuple[int, dict[str, Any]]:
         given = json.loads(Path(text).read_text(encoding="utf-8"))
     except ValueError as error:
         raise ModelgenError(f"--at: {text}", f"no JSON: {error}", "an object of inputs") from None
+    except OSError as error:
+        found, remedy = f"it cannot be read: {error.strerror}", "check the path, or give a seed such as 7"
+        raise ModelgenError(f"--at: {text}", found, "a seed, or a JSON file of inputs", remedy) from None
     if not isinstance(given, dict):
         raise ModelgenError(f"--at: {text}", "no JSON object", 'an object such as {"eta": [0.1, 0.2]}')
     return 0, given

@@ -53,10 +53,30 @@ def check_outputs(run: Path | None, picture: Path | None) -> None:
         if path is None:
             continue
         export.check_suffix(path, formats)
-        if not path.parent.is_dir():
-            raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
+        check_file(path)
     if picture is not None:
         require_matplotlib()
+
+
+def check_file(path: Path) -> None:
+    """Refuse what is no file that can be written, and leave no trace."""
+    if path.is_dir():
+        raise ModelgenError(str(path), "it is a folder", "a file", "name one")
+    if not path.parent.is_dir():
+        raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
+    if path.exists() and not path.is_file():
+        return
+    is_new = not path.exists()
+    try:
+        path.open("ab").close()
+        if is_new:
+            path.unlink()
+    except OSError as cause:
+        raise _unwritable(path, cause) from cause
+
+
+def _unwritable(path: Path, cause: OSError) -> ModelgenError:
+    return ModelgenError(str(path), f"cannot be written: {cause.strerror}", "", "name another file")
 
 
 def write_run(
@@ -79,6 +99,24 @@ def write_run(
     return written
 
 
+def write_main(library: Library, name: str) -> Path:
+    """Write the C program of a run beside the library's `model.c`."""
+    from modelgen.runtime.driver import program_text
+
+    path = library.path.parent / name
+    path.write_text(program_text(library, name), encoding="utf-8")
+    return path
+
+
+def print_built(library: Library, program: Path | None) -> None:
+    """The library; of a program, the file and how it is compiled there."""
+    from modelgen.runtime.driver import compile_command
+
+    typer.echo(library.path)
+    if program is not None:
+        typer.echo(f"written: {program}\nthere: {compile_command(library, program.name)}")
+
+
 def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) -> None:
     if as_json:
         typer.echo(json.dumps(_finite(facts), allow_nan=False))
@@ -94,9 +132,7 @@ def print_text(text: str, out: Path | None) -> None:
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as cause:
-        raise ModelgenError(
-            str(out), f"cannot be written: {cause.strerror}", "", "name another file"
-        ) from cause
+        raise _unwritable(out, cause) from cause
     typer.echo(f"written: {out}")
 
 
@@ -115,14 +151,22 @@ def exit_with(trajectory: Trajectory) -> None:
     if not outcome.succeeded:
         typer.echo(_ending(trajectory), err=True)
     elif trajectory.interrupted:
-        typer.echo("interrupted in the companion run: the run is whole, its error is not certified", err=True)
+        typer.echo(_whole(trajectory), err=True)
     else:
         return
     raise typer.Exit(INTERRUPTED if trajectory.interrupted else FAILED)
 
 
+def _whole(trajectory: Trajectory) -> str:
+    """Of a run that was interrupted at its very end, or in its companion."""
+    where = "as the run came to its end" if trajectory.stopped else "in the companion run"
+    bare = trajectory.estimate is None or not trajectory.estimate.uncertified
+    return f"interrupted {where}: the run is whole{'' if bare else ', its error is not certified'}"
+
+
 def _ending(trajectory: Trajectory) -> str:
     outcome = trajectory.outcome
-    place = f" ({trajectory.outcome_contact})" if trajectory.outcome_contact else ""
+    named = trajectory.outcome_contact or trajectory.outcome_load
+    place = f" ({named})" if named else ""
     last = "; the last sample is the state then" if trajectory.reaches_its_end else ""
     return f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}{last}"

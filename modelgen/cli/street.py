@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -42,13 +43,33 @@ def folder_of(scene: Scene, form: str | None) -> Path:
     return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
 
 
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that nothing can be generated in, before anything is derived."""
+    nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not nearest.is_dir():
+        raise _no_place(folder, f"{str(nearest)!r} is a file")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise _no_place(folder, f"{str(nearest)!r} is not yours to write into")
+
+
+def _no_place(folder: Path, found: str) -> ModelgenError:
+    allowed = "a folder for the generated files, `generated` in the current one where none is named"
+    remedy = "go to another folder, or name one: build --out FOLDER"
+    return ModelgenError(str(folder), found, allowed, remedy)
+
+
 def build_scene(scene: Scene, folder: Path, real: str | None = None) -> Library:
+    check_folder(folder)
     return build_derivation(derive_scene(scene), folder, real)
 
 
 def build_derivation(derivation: Derivation, folder: Path, real: str | None = None) -> Library:
+    check_folder(folder)
     with progress("compiling"):
-        return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
+        try:
+            return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
+        except OSError as cause:
+            raise _no_place(folder, f"it cannot be written: {cause.strerror}") from cause
 
 
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:

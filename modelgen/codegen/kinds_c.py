@@ -6,10 +6,12 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from modelgen.codegen.hiding import hides
 from modelgen.codegen.manifest import FEET
 from modelgen.codegen.sentence import J_SIZE
 from modelgen.contact.kinds import eta_layout
 from modelgen.derive import Derivation, Formula
+from modelgen.geometry.curves import may_bend
 from modelgen.geometry.domains import dimension_of
 from modelgen.joint.kinds import FORMS
 from modelgen.joint.limits import is_turn
@@ -137,10 +139,14 @@ def _tables(derivation: Derivation) -> list[str]:
         for index, turn in enumerate(_limit_turns(model), start=len(model.contact_kinds))
     ]
     contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
-    shapes = [f"{dimension_of(kind)}, {FEET.get(kind.kind, 0)}" for kind in model.shape_kinds]
+    shapes = [
+        _row(dimension_of(kind), FEET.get(kind.kind, 0), int(may_bend(kind))) for kind in model.shape_kinds
+    ]
     joints = [_joint_sizes(kind) for kind in model.joint_kinds]
     timed = {
-        formula.kind: _depends_on_time(formula) for formula in derivation.formulas if formula.role == "wrench"
+        formula.kind: hides(formula.function, formula.function.index_in("t"))
+        for formula in derivation.formulas
+        if formula.role == "wrench"
     }
     loads = [_row(sizes["wrench", i], int(timed[i])) for i in range(len(model.load_kinds))]
     return [
@@ -148,14 +154,8 @@ def _tables(derivation: Derivation) -> list[str]:
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0"),
-        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0"),
+        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
     ]
-
-
-def _depends_on_time(load: Formula) -> bool:
-    f = load.function
-    of = f.index_in("t")
-    return any(f.jac_sparsity(out, of).nnz() > 0 for out in range(f.n_out()))
 
 
 def _limit_turns(model: Model) -> list[int]:

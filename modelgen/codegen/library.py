@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.manifest import BuildRecord, Manifest, record_name
-from modelgen.errors import LibraryError, nearest
+from modelgen.errors import LibraryError, nearest, path_of
 
 Array = np.ndarray[Any, Any]
 
@@ -46,8 +46,9 @@ class Library:
         self.check()
 
     @classmethod
-    def load(cls, folder: Path, real: str = "double") -> Library:
+    def load(cls, folder: str | Path, real: str = "double") -> Library:
         """The library over one real type that was built last into a folder."""
+        folder = path_of("Library.load", folder)
         manifest, record = folder / "manifest.json", folder / record_name(real)
         return cls(
             Manifest.from_json(_text(manifest), str(manifest)),

@@ -256,7 +256,10 @@ def choose_form(o: Side, f: Side, rows: Rows = 1) -> str:
     names = regular_forms(o, f)
     if not names:
         raise SceneError(
-            f"contact {o.shape.name}-{f.shape.name}", "no form has isolated contact points for this pair"
+            f"contact {o.shape.name}-{f.shape.name}",
+            f"no form has isolated contact points for {o.shape.kind} and {f.shape.kind}",
+            "shapes that touch in points, or solids, whose faces rest on each other",
+            "give one ends: a box for a plane, a segment for a line",
         )
     return min(names, key=lambda name: instructions(ContactKind("candidate", name, o, f, rows)))
 

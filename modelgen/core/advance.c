@@ -31,7 +31,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     run->rejected++;
     if (c->set->method == MG_RK4) return MG_NOT_FINITE;
     most = 1;
-    *h *= finite ? mg_growth(error, most) : (mg_real)0.2;
+    *h *= finite ? mg_growth(error, most) : MG_SHORTER;
     run->h = *h;
     if (*h < c->set->step_min * c->sys->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
   }
@@ -163,7 +163,7 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
   if (outcome) return outcome;
   if (event) outcome = mg_change_mode(c, events);
   else if (mg_unsettled(c)) {
-    for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
+    mg_forget_events(c);
     outcome = mg_solve_modes(c, events);
   }
   if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
@@ -223,6 +223,7 @@ static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *ev
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_take_up(c, events);
   } else outcome = mg_step(c, h, record, events);
+  outcome = mg_verdict(c, outcome);
   return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
 }
 

@@ -85,6 +85,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_report_caught(&c, events);
   if (!outcome) outcome = mg_solve_modes(&c, events);
   if (!outcome && settings->project && !mg_project(&c)) outcome = MG_NO_EXTREMUM;
+  outcome = mg_verdict(&c, outcome);
   if (mg_falls_back(&c, outcome, events)) return mg_begin_in_time(&c);
   if (outcome) return outcome;
   if (!mg_place_all(&c, run->t, run->x)) return MG_NO_EXTREMUM;

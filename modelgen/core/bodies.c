@@ -30,12 +30,19 @@ static void mg_poses(mg_context *c, mg_real t, const mg_real *x) {
   }
 }
 
+/* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
+static inline void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
+  const mg_system *s = c->sys;
+  const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
+  mg_load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
+                 s->parameters + s->load_parameters[load], wrench, wrench + 6);
+}
+
 static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
   const mg_system *s = c->sys;
-  const int a = s->load_a[load], b = s->load_b[load], other = b < 0 ? a : b;
+  const int a = s->load_a[load], b = s->load_b[load];
   mg_real wrench[12] = {0};
-  mg_load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * other,
-                 c->twist + 6 * other, s->parameters + s->load_parameters[load], wrench, wrench + 6);
+  mg_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++) {
     const int body = side ? b : a;
     if (body < 0 || !mg_moves(c, body)) continue;

@@ -17,6 +17,7 @@
 #define MG_WALKS 3      /* mark in c->fired: the contact leaves its link */
 #define MG_TIPS 4       /* mark in c->fired: it stays, but passes a border beyond which others may begin */
 
+#define MG_SHORTER ((mg_real)0.2) /* part of a step that is tried after one without a finite end */
 #define MG_TURNS 5      /* mark in c->fired of a slot's first pad: the centre of pressure leaves the hull */
 #define MG_PARTS 6      /* the same: no force is left between the faces */
 #define MG_ROLLS_OFF 7  /* the same: an imaginary edge gives way to the rim */

@@ -59,6 +59,10 @@ static void mg_mark_upright(mg_context *c) {
   }
 }
 
+static void mg_forget_events(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
+}
+
 /* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
    turns to pulling, a gap held without force that accelerates. */
 static int mg_fired(mg_context *c, mg_real *x) {

@@ -73,6 +73,7 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
 /* bodies.c */
 static inline int mg_moves(const mg_context *c, int body);
 static inline int mg_kind_of(const mg_context *c, int body);
+static inline void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 static void mg_copy_u(const mg_context *c, int body, const mg_real *from, mg_real *to);
 static void mg_poses(mg_context *c, mg_real t, const mg_real *x);
 static void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
@@ -129,6 +130,10 @@ static mg_real mg_growth(mg_real error, mg_real most);
 static void mg_pass_time(mg_run *run, mg_real h);
 static int mg_finite(const mg_real *x, int n);
 
+/* loads.c, and timestep_fallback.c for it */
+static int mg_verdict(mg_context *c, int outcome);
+static int mg_is_closed_to_events(int outcome);
+
 /* instants.c */
 static int mg_count_timed(const mg_system *s);
 static long mg_instant_size(const mg_system *s);
@@ -166,11 +171,12 @@ enum { MG_DIPS = 1, MG_WAVES = 2 };
 static int mg_mark_dips(mg_context *c, mg_real h);
 
 /* transitions.c: what may befall a contact */
-enum { MG_STRIKES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
+enum { MG_STRIKES, MG_MISSES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
        MG_ENDS_RUN, MG_RESTS, MG_TURNS_OVER };
 static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
 
 /* events.c, modes.c, impact.c, project.c, ledger.c, record.c */
+static void mg_forget_events(mg_context *c);
 static int mg_fired(mg_context *c, mg_real *x);
 static mg_real mg_locate(mg_context *c, mg_real h, int passed);
 static mg_real mg_slack(const mg_context *c);

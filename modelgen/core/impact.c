@@ -40,11 +40,12 @@ static void mg_apply_impulses(mg_context *c, int n) {
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
 }
 
-/* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time. */
+/* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time. Where
+   hardly anything presses it, it does not bounce. */
 static mg_real mg_bounces_left(mg_context *c, int contact) {
-  const mg_real e = c->sys->restitution[contact], pull = -mg_separation(c, contact);
-  if (e >= 1 || pull <= mg_slack(c)) return 0;
-  return -2 * e * c->d_dot[contact] / (pull * (1 - e));
+  const mg_real e = c->sys->restitution[contact], pull = -mg_separation(c, contact), most = c->set->look * c->sys->time;
+  const mg_real flights = -2 * e * c->d_dot[contact];
+  return e < 1 && flights > 0 && pull > mg_slack(c) && flights < most * pull * (1 - e) ? flights / (pull * (1 - e)) : 0;
 }
 
 /* Opens the contacts that rebound, and reports every contact that was struck. */
@@ -116,9 +117,9 @@ static int mg_impact(mg_context *c, mg_events *events) {
   const mg_real floor = c->set->rest_speed * c->sys->mass * c->sys->length / c->sys->time;
   int n;
   for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;
-  const int changed = mg_stand_on_points(c);
-  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1) || changed) mg_refresh(c);
+  if (mg_stand_on_points(c)) mg_refresh(c);
   if (mg_takes_turns(c) && !mg_strike_in_turn(c, events)) return MG_COMPLEMENTARITY;
+  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1)) mg_refresh(c);
   if (!mg_is_struck(c)) {
     mg_drop_tried(c);
     return MG_DONE;

@@ -44,10 +44,8 @@ static void mg_look_at_time(mg_context *c, mg_real t, mg_real *value) {
   }
   for (int i = 0; i < s->n_load; i++) {
     if (!mg_load_kinds[s->load_kind[i]].timed) continue;
-    const int a = s->load_a[i], b = s->load_b[i] < 0 ? a : s->load_b[i];
     for (int k = 0; k < 12; k++) value[k] = 0;
-    mg_load_wrench(s->load_kind[i], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
-                   s->parameters + s->load_parameters[i], value, value + 6);
+    mg_wrench(c, t, i, value);
     value += 12;
   }
 }
@@ -119,7 +117,7 @@ static mg_real mg_seen_in_time(mg_context *c, mg_real h) {
   const mg_real least = c->set->look * c->sys->time / MG_WIDEST;
   if (!c->n_timed || h <= least) return h;
   while (h > least && !mg_shows(c, h)) h /= 2;
-  mg_poses(c, c->run->t, c->run->x);
+  if (c->driven) mg_poses(c, c->run->t, c->run->x);
   if (c->prescribed) mg_joint_rates(c, c->run->t);
   return h;
 }

@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
   int n_parameters;
-  int timed; /* it depends on time */
+  int timed; /* it depends on time, and samples may not show how */
 } mg_load_kind;
 
 typedef struct {
@@ -37,6 +37,7 @@ typedef struct {
 typedef struct {
   int dimension; /* 2 surface, 1 curve, 0 point */
   int foot;      /* MG_FLAT, MG_ROUND: the nearest point of a plane, of a sphere about its origin; else 0 */
+  int bends;     /* a curve that may have inflections */
 } mg_shape_kind;
 
 static void mg_body_pose(int kind, const mg_real *q, mg_real *pose);

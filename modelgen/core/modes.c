@@ -103,7 +103,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
   for (int i = 0; i < m; i++)
     if (c->fired[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);
   if (held) {
-    for (int i = 0; i < m; i++) c->fired[i] = 0;
+    mg_forget_events(c);
     outcome = mg_choose_active(c, c->fired);
     if (outcome) return outcome;
   }
@@ -207,7 +207,7 @@ static int mg_transition(mg_context *c, mg_events *events) {
     if (c->fired[i] != MG_NEW) continue;
     c->fired[i] = 0;
     if (c->run->closed[i])
-      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t + mg_bounces_left(c, i), -c->d_dot[i]);
+      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t + mg_bounces_left(c, i), fmax(0, -c->d_dot[i]));
   }
   const int settled = mg_solve_modes(c, events);
   for (int slot = 0; slot < c->sys->n_slot; slot++) c->barred[slot] = -1;

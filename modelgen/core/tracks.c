@@ -130,7 +130,7 @@ static void mg_divide(mg_hull *h, int track, int most) {
       part /= 2;
       continue;
     }
-    if (!k->straight && 2 * least < part) mg_end_at_inflection(h, s);
+    if (!k->straight && mg_shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
     done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
     if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
     if (k->straight) s->turn = 0;

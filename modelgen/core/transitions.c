@@ -11,6 +11,7 @@ static const struct {
     [MG_STRIKES] = {1, MG_SILENT},
     [MG_IS_CAUGHT] = {1, MG_EVENT_TOUCH_DOWN},
     [MG_REBOUNDS] = {0, MG_EVENT_IMPACT},
+    [MG_MISSES] = {0, MG_SILENT},
     [MG_IS_PUSHED_OFF] = {0, MG_EVENT_LIFT_OFF},
     [MG_LIFTS] = {0, MG_EVENT_LIFT_OFF},
     [MG_APPEARS] = {0, MG_EVENT_APPEAR},

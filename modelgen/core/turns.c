@@ -58,6 +58,20 @@ static void mg_reduce_blow(mg_context *c, int n, int own, mg_blow *b) {
   }
 }
 
+/* Turns t1, t2 to where the blow yields most and least, and takes out what joints lock: whatever acts along it, nothing slips.
+   `free`: G_tt's trace without the joints. Returns the angle. */
+static mg_real mg_lock(const mg_context *c, mg_real free, mg_blow *b) {
+  mg_real *G = b->G;
+  const mg_real angle = atan2(2 * G[5], G[4] - G[8]) / 2, x = cos(angle), y = sin(angle);
+  const mg_real most = x * x * G[4] + y * y * G[8] + 2 * x * y * G[5], least = G[4] + G[8] - most, locked = c->set->singular * free;
+  if (least > locked) return 0;
+  const mg_real along = most > locked ? x * b->u[1] + y * b->u[2] : 0, normal = most > locked ? x * G[1] + y * G[2] : 0;
+  const mg_real mu = sqrt(b->mu[0] * b->mu[0] * x * x + b->mu[1] * b->mu[1] * y * y);
+  G[1] = G[3] = normal, G[2] = G[6] = G[5] = G[7] = 0, G[4] = G[8] = most > locked ? most : free;
+  b->u[1] = along, b->u[2] = 0, b->mu[0] = b->mu[1] = mu;
+  return angle;
+}
+
 /* What befalls a contact that was struck with the rate `before`. */
 static void mg_tell_blow(mg_context *c, mg_events *events, int contact, mg_real before, mg_real over) {
   const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
@@ -76,9 +90,12 @@ static int mg_strike(mg_context *c, mg_events *events, int contact) {
   int own;
   const int n = mg_list_blow(c, contact, &own, &b);
   const mg_real over = c->run->t + (e > 0 ? 0 : mg_bounces_left(c, contact));
+  const mg_real free = own > 1 ? c->A[1 + (long)n] + c->A[2 + 2 * (long)n] : 0;
   mg_reduce_blow(c, n, own, &b);
   for (int k = 0; k < 3; k++) b.u[k] = k < own ? c->d_dot[c->list[k]] : 0;
+  const mg_real angle = own > 1 && n > own ? mg_lock(c, free, &b) : 0;
   if (!mg_blow_by(&b, c->sys->impact_law[contact], e)) return 0;
+  mg_turn_pair(cos(angle), -sin(angle), b.u + 3, b.u + 4);
   for (int k = 0; k < own; k++) c->z[k] = k ? b.u[2 + k] : b.p;
   if (n > own) mg_answer(c, n, own);
   if (own > 1) c->cone_contact[0] = contact, c->cone_rows[0] = own, mg_note_gain(c, own);
@@ -89,11 +106,24 @@ static int mg_strike(mg_context *c, mg_events *events, int contact) {
   return 1;
 }
 
+/* Contacts part that blows elsewhere have pushed off; those that had only just met, without a word. */
+static void mg_part_after_blows(mg_context *c, mg_events *events) {
+  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!c->run->closed[i] || !(c->d_dot[i] > rest)) continue;
+    mg_befalls(c, events, i, c->fired[i] ? MG_MISSES : MG_IS_PUSHED_OFF, c->run->t, 0);
+    c->fired[i] = 0;
+  }
+}
+
 /* Leaves approaches that are too slow to rebound. Returns 0 where a blow has no end. */
 static int mg_strike_in_turn(mg_context *c, mg_events *events) {
   for (int turn = 0; turn < MG_BLOWS; turn++) {
     const int contact = mg_fastest(c);
-    if (contact < 0) return 1;
+    if (contact < 0) {
+      mg_part_after_blows(c, events);
+      return 1;
+    }
     if (!mg_strike(c, events, contact)) return 0;
   }
   return 1;

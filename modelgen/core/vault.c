@@ -261,7 +261,7 @@ static int mg_vault_all(mg_context *c, mg_record *record, mg_events *events) {
   int singular = 0;
   while (singular < c->sys->n_contact && !mg_is_singular(c, singular)) singular++;
   if (singular == c->sys->n_contact || !mg_may_vault(c)) return MG_DONE;
-  for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
+  mg_forget_events(c);
   if (mg_vault_on(c, record)) {
     mg_merge(c, events);
     if (mg_present(c, singular)) mg_touch_at_all(c, events, singular);

@@ -96,11 +96,19 @@ class Written:
         )
 
 
-def is_closed_form(model: Model) -> bool:
-    """Whether the scene is small enough, has no joints and no friction, and each pair of shapes one link."""
-    single = all(pair.links[1] - pair.links[0] == 1 for pair in model.pairs)
-    smooth = all(kind.rows == 1 for kind in model.contact_kinds)
-    return single and smooth and not model.joints and len(model.pairs) <= MAX_CONTACTS
+def why_not_closed(model: Model) -> str:
+    """What of a scene one right-hand side cannot have; empty where it has one."""
+    if model.joints:
+        return f"joint {model.joints[0].name!r}"
+    if len(model.pairs) > MAX_CONTACTS:
+        return f"{len(model.pairs)} contacts"
+    for pair in model.pairs:
+        n = pair.links[1] - pair.links[0]
+        if any(model.contact_kinds[model.links[k].kind].rows > 1 for k in range(*pair.links)):
+            return f"friction at contact {pair.name!r}"
+        if n != 1:
+            return f"contact {pair.name!r} goes over {n} pairs of faces, edges, vertices, pieces or caps"
+    return ""
 
 
 def right_hand_side(model: Model, functions: Functions) -> ca.Function:

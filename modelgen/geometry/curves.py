@@ -102,6 +102,11 @@ def is_straight(shape: ShapeKind | Shape) -> bool:
     return shape.kind in STRAIGHT
 
 
+def may_bend(shape: ShapeKind | Shape) -> bool:
+    """Whether the shape is a curve that may have inflections."""
+    return is_curve(shape) and not is_straight(shape) and curve_of(shape).support is None
+
+
 def curve_of(shape: ShapeKind | Shape) -> SpaceCurve:
     """The curve of a kind of the catalogue or of the user's own."""
     if shape.curve is None:

@@ -9,7 +9,8 @@ from modelgen.measure.front import Point, front, improves, is_measured, place
 from modelgen.measure.knobs import Settings, Space, Value
 
 ROUNDS = 3  # in which combinations of knobs are built up
-IDLE = 3  # rungs without a smaller error before a ladder ends
+IDLE = 3  # rungs without a smaller error before the end of a ladder is looked at
+FALLS = 2.0  # times smaller errors are there if the rungs between are worth their time
 
 
 class Evaluate(Protocol):
@@ -47,18 +48,24 @@ def _further(space: Space, points: Sequence[Point]) -> list[Settings]:
 
 
 def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Iterator[Point]:
-    """One ladder from coarse to fine, until its errors stay where they are."""
-    best, idle = float("inf"), 0
+    """One ladder from coarse to fine, until its errors stay where they are, and are no smaller at its end."""
+    best, idle, whole = float("inf"), 0, False
     for settings in rungs:
-        if not left():
+        if not left() or (whole and settings is rungs[-1]):
             return
         point = evaluate(settings)
         yield point
         if is_measured(point):
             idle = 0 if place(point)[1] < best else idle + 1
             best = min(best, place(point)[1])
-        if idle == IDLE or point.costs.get("too_long"):
+        if point.costs.get("too_long"):
             return
+        if idle == IDLE and not whole and settings is not rungs[-1]:
+            last = evaluate(rungs[-1])
+            yield last
+            whole = is_measured(last) and place(last)[1] < best / FALLS
+            if not whole:
+                return
 
 
 def _turn(

@@ -12,16 +12,16 @@ from modelgen.measure.counts import why_not_counted
 from modelgen.measure.front import Point, spaced
 from modelgen.measure.measurement import SHOWN, Measurement
 from modelgen.measure.peers import PeerPoints
-from modelgen.measure.tuning import Tuned
+from modelgen.measure.tuning import BAND, Tuned
 
 KINDS = {  # of errors, with the heads of their columns
     "position": "position m",
     "rotation": "rotation rad",
-    "force": "force",
+    "force": "force rel",
     "events": "events s",
-    "energy": "energy",
-    "gap": "gap",
-    "joints": "joints",
+    "energy": "energy rel",
+    "gap": "gap rel",
+    "joints": "joints rel",
 }
 
 COSTS = {  # beside CPU time: head of the column, and its unit
@@ -138,6 +138,10 @@ def print_tuned(tuned: Tuned, console: Console) -> None:
     console.print(
         f"{name}: error {point.error:.2e} at {cost:.4g} µs per simulated second", markup=False, soft_wrap=True
     )
+    if tuned.over:
+        console.print(
+            f"{tuned.over / 1e3:.2g} µs over the budget, within the {BAND:.0%} band", soft_wrap=True
+        )
     console.print(settings_text(point, {}), markup=False, soft_wrap=True)
     if tuned.measurement.interrupted:
         console.print(f"not all settings were tried; {tuned.measurement.interrupted}", soft_wrap=True)

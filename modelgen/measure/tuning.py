@@ -31,6 +31,12 @@ class Tuned:
     point: Point  # as verified
     run: RunSettings  # of the scene, with it
     measurement: Measurement
+    budget: float | None = None  # ns of CPU time per simulated second
+
+    @property
+    def over(self) -> float:
+        """ns per simulated second by which the setting is over the budget, within BAND; 0 where it is not."""
+        return 0.0 if self.budget is None else max((self.point.cost_ns_per_s or 0.0) - self.budget, 0.0)
 
     def as_json(self) -> dict[str, Any]:
         """The object that `tune --json` prints, less the file written."""
@@ -55,9 +61,10 @@ class Demand:
     budget: float | None = None
 
     def pick(self, points: Sequence[Point]) -> Point | None:
+        """Where nothing is within the budget itself, the cheapest may be within its band."""
         if self.error is not None:
             return cheapest(points, self.error)
-        return finest(points, self.budget or 0.0)
+        return finest(points, self.budget or 0.0) or next(filter(self.is_met, front(points)), None)
 
     def is_met(self, point: Point) -> bool:
         if not is_measured(point):
@@ -88,7 +95,8 @@ def tune(
     Ctrl-C raises KeyboardInterrupt; what was measured is remembered.
     """
     if (error is None) == (budget is None):
-        raise ModelgenError("tune", "no demand, or two", "an error or a budget", "give one of them")
+        given = "neither an error nor a budget" if error is None else "an error and a budget"
+        raise ModelgenError("tune", given, "one of them: --error 1e-6 or --budget 20us", "say which counts")
     demand = Demand(error, budget)
     report = on_progress or (lambda text: None)
     found = measure(
@@ -102,7 +110,7 @@ def tune(
     )
     points = list(found.points) if found.interrupted else _refined(bench, list(found.points), demand)
     report("verifying on a fresh run")
-    return Tuned(*_verified(bench, points, demand, found), measurement=found)
+    return Tuned(*_verified(bench, points, demand, found), measurement=found, budget=budget)
 
 
 def _refined(bench: Bench, points: list[Point], demand: Demand) -> list[Point]:

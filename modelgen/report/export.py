@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.report.record import COLUMNS, Array, Record
 
 FORMATS = (".npz", ".csv")
@@ -26,9 +26,10 @@ def check_suffix(path: Path, formats: Sequence[str]) -> None:
 def save(record: Record, path: str | Path) -> None:
     """Write a run, what `record_of` returned; the suffix says how (.npz or .csv).
 
-    Raises ModelgenError for another suffix.
+    Raises ModelgenError for another suffix, or what is no such run.
     """
-    path = Path(path)
+    expect("save", record, Record)
+    path = path_of("save", path)
     check_suffix(path, FORMATS)
     if path.suffix == ".csv":
         _save_csv(record, path)
@@ -38,7 +39,7 @@ def save(record: Record, path: str | Path) -> None:
 
 def load(path: str | Path) -> Record:
     """Read a run from .npz; ModelgenError if the file is not one."""
-    path = Path(path)
+    path = path_of("load", path)
     if path.suffix == ".csv":
         raise ModelgenError(
             path.name,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.report.export import check_suffix
 from modelgen.report.frames import draw_frames, frame_samples
 from modelgen.report.record import Array, Record
@@ -39,7 +39,8 @@ def draw(record: Record, path: str | Path, frames: int = 0) -> None:
 
     Raises ModelgenError for another suffix, or without matplotlib.
     """
-    path = Path(path)
+    expect("draw", record, Record)
+    path = path_of("draw", path)
     check_suffix(path, FORMATS)
     figure_class = require_matplotlib()
     curves = _curves(record)[: 2 * CURVES]

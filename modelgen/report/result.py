@@ -130,12 +130,20 @@ _LINEARISED = {
         ),
     ),
 }
+_CONTACT = record(
+    "what a contact carries",
+    {
+        "force": entry(NUMBER, "along its normal, N"),
+        "friction": numbers(3, "N, world axes, on the second body of its kind"),
+    },
+)
 _PROPERTIES = {
     "scene": entry("string", "name of the scene"),
     "t_end": entry(NUMBER, "time that the run reached, s"),
     "outcome": entry("string", "done, interrupted, or what stopped the run"),
     "advice": entry("string", "what the outcome means and what to do about it"),
     "outcome_contact": entry("string", "the contact that the outcome speaks of, or empty"),
+    "outcome_load": entry("string", "the load that is not finite where the run ends, or empty"),
     "accuracy": entry("string", "the Accuracy that was used"),
     "warnings": {
         "type": "array",
@@ -168,6 +176,11 @@ _PROPERTIES = {
         "each weighted by the square root of its diagonal entry of J M^-1 J^T",
     ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
+    "contacts": entry(
+        "object",
+        "each contact that presses at the last sample, and limit struck",
+        additionalProperties=_CONTACT,
+    ),
     "joints": entry("object", "each joint at the last sample", additionalProperties=_JOINT),
     "patches": entry("object", "each pair of faces that rest on each other", additionalProperties=_PATCH),
     "final": entry("object", "each body at the last sample", additionalProperties=_STATE),

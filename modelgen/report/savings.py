@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.codegen.emit import emit
 from modelgen.contact.kinds import instructions, regular_forms
 from modelgen.derive import Derivation, derive
+from modelgen.dynamics.closed_form import why_not_closed
 from modelgen.dynamics.planar import in_a_plane
 from modelgen.errors import SceneError
 from modelgen.model import ContactKind, Model
@@ -161,9 +162,9 @@ DECISIONS: Mapping[str, Callable[[Model], Undone]] = {
 def _of_the_whole(derivation: Derivation, own: Size) -> list[Saving]:
     """What can be said of the composed right-hand side alone: derivatives, which are exported nowhere, and
     motion in a plane, which is not taken up."""
-    rhs = derivation.rhs()
-    if rhs is None:
+    if why_not_closed(derivation.model):
         return []
+    rhs = derivation.rhs()
     whole = replace(own, instructions=int(rhs.n_instructions()), bytes=0)
     slopes = replace(whole, instructions=int(rhs.jacobian().n_instructions()))
     found = [

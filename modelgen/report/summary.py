@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import hypot, isnan
 from typing import Any
 
 from rich.console import Console
@@ -36,6 +36,7 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         console.print(f"warning: {warning}", markup=False, soft_wrap=True)
     _print_events(summary["events"], console)
     _print_bodies(summary["final"], console)
+    print_contacts(summary["contacts"], console)
     for name, patch in summary["patches"].items():
         at = _vector(patch["centre_of_pressure"])
         line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
@@ -62,6 +63,18 @@ def _print_bodies(final: dict[str, Any], console: Console) -> None:
         parts = [f"{key} ({_vector(state[key], noise[key])})" for key in known]
         parts += [] if moves else ["at rest"]
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
+
+
+def print_contacts(contacts: dict[str, Any], console: Console) -> None:
+    """Normal force, and the size of friction, N; those in excess are counted."""
+    for name, contact in list(contacts.items())[: FIRST + LAST]:
+        line = f"{name}: force {contact['force']:.6g}"
+        friction = hypot(*contact["friction"])
+        line += f", friction {friction:.6g}" if friction > NOISE * contact["force"] else ""
+        console.print(line, markup=False, soft_wrap=True)
+    more = len(contacts) - FIRST - LAST
+    if more > 0:
+        console.print(f"... {more} more contacts press; --json and --out hold all", soft_wrap=True)
 
 
 def _print_joints(joints: dict[str, Any], length: float, console: Console) -> None:

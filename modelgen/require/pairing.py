@@ -101,15 +101,20 @@ def pair_up(
     swapped = order(a.kind, b.kind)
     o, f = (b.side, a.side) if swapped else (a.side, b.side)
     rows = rows_of(pair) if rows is None else rows
-    form = _form(o, f, rows, pair.form, where)
+    form = _form(o, f, rows, pair, where)
     name = "_".join([o.shape.name, f.shape.name, form, *SUFFIX[rows]])
     return ContactKind(name, form, o, f, rows), swapped
 
 
-def _form(o: Side, f: Side, rows: Rows, wanted: str, where: str) -> str:
-    refuse_points(o.shape, f.shape)
-    if wanted == "auto":
-        return choose_form(o, f, rows)
+def _form(o: Side, f: Side, rows: Rows, pair: ContactPair, where: str) -> str:
+    wanted = pair.form
+    try:
+        refuse_points(o.shape, f.shape)
+        if wanted == "auto":
+            return choose_form(o, f, rows)
+    except SceneError as error:
+        place = f"{where} (contact {'-'.join(body for body, _ in pair.between)!r})"
+        raise SceneError(place, error.found, error.allowed, error.remedy) from None
     fitting = [name for name, form in FORMS.items() if form.applies(o.shape, f.shape)]
     if wanted not in fitting:
         raise SceneError(

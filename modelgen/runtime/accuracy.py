@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from numbers import Real
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.runtime.checks import check_name, check_step, is_number
 
 Method = Literal["dop853", "rk4", "time-stepping"]
 Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
@@ -38,11 +38,6 @@ TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
 SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
 
 CHOICES = ("impacts", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
-
-
-def is_number(value: object) -> bool:
-    """Whether a value is a real number, of Python or of numpy."""
-    return isinstance(value, Real)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +151,11 @@ class Accuracy:
     stride: float = 1.0
     predictable: float = 1e-2
 
+    def __post_init__(self) -> None:
+        check_name("method", self.method, get_args(Method))
+        if self.step is not None:
+            check_step(self.step)
+
     @classmethod
     def fast(cls) -> Accuracy:
         """For looking at a scene: error below 3e-4 of the length in nine of ten shipped scenes, half 1e-5."""
@@ -212,9 +212,7 @@ class Accuracy:
     def named(cls, name: str) -> Accuracy:
         """`fast`, `balanced` or `tight` by name."""
         records = {"fast": cls.fast, "balanced": cls.balanced, "tight": cls.tight}
-        if name not in records:
-            remedy = nearest(name, records) or "use one of these names"
-            raise SimulationError("accuracy", repr(name), "fast, balanced, tight", remedy)
+        check_name("accuracy", name, records)
         return records[name]()
 
     @classmethod
@@ -242,6 +240,7 @@ class Accuracy:
 
     def fixed_step(self, step: float) -> Accuracy:
         """The same record with RK4 at the given step, s."""
+        check_step(step)
         return replace(self, name=f"rk4 {step:g} s", method="rk4", step=step)
 
     def time_stepping(
@@ -262,6 +261,9 @@ class Accuracy:
                 always solvable, in which a contact that slips at v parts at mu v, or stays at a gap of h mu v
                 where "stewart-trinkle" lets the gap close. Slip that begins suddenly makes a body hop.
         """
+        check_step(step)
+        check_name("scheme", scheme, get_args(Scheme))
+        check_name("solver", solver, get_args(Solver))
         name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
         return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)
 

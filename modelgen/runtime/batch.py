@@ -10,6 +10,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.checks import check_span
 from modelgen.runtime.refusal import REFUSED, refusal
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables import RUN_ARRAYS, Array, address
@@ -44,9 +45,10 @@ def simulate_batch(
         SimulationError: the shapes do not fit, or a start interpenetrates; names the run and the contact.
     """
     expect("simulate_batch", library, Library)
+    check_span("until", until, "give the end of the runs")
     session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
     n_q, n_u = session.sentence["n_q"], session.sentence["n_u"]
-    starts = np.concatenate([_checked("q", q, n_q), _checked("u", u, n_u)], axis=1)
+    starts = np.concatenate(_as_many(_checked("q", q, n_q), _checked("u", u, n_u)), axis=1)
     n = len(starts)
     x = np.zeros((n, session.n_x), dtype=session.tables.dtype)
     for row, start in zip(x, starts, strict=True):
@@ -66,10 +68,24 @@ def simulate_batch(
 
 
 def _checked(name: str, values: Array, width: int) -> Array:
-    array = np.atleast_2d(np.asarray(values, dtype=float))
-    if array.shape[1] != width or not np.isfinite(array).all():
-        raise SimulationError(name, f"shape {array.shape}", f"finite numbers, (n, {width})", "")
+    allowed, remedy = f"finite numbers, (n, {width})", "give one row a run"
+    try:
+        array = np.atleast_2d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise SimulationError(name, "no array of numbers", allowed, remedy) from None
+    if array.ndim != 2 or array.shape[1] != width:
+        raise SimulationError(name, f"shape {array.shape}", allowed, remedy)
+    if not np.isfinite(array).all():
+        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise SimulationError(f"{name}[{row}]", "not finite", allowed, "")
     return array
+
+
+def _as_many(q: Array, u: Array) -> tuple[Array, Array]:
+    if len(q) != len(u):
+        found = f"{len(u)} rows, with {len(q)} of q"
+        raise SimulationError("u", found, "as many rows as q", "give one row a run")
+    return q, u
 
 
 def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], dict[str, Array]]:

@@ -77,7 +77,7 @@ def estimate_of(
         horizon=float(path.t[predicted - 1]) if predicted < n else None,
         uncertified=tuple(reasons),
         rhs_evals=0 if twin is None else twin.rhs_evals,
-        interrupted=twin is not None and twin.outcome is Outcome.INTERRUPTED,
+        interrupted=twin is not None and twin.interrupted,
     )
 
 

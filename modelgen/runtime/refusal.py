@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from modelgen.errors import SimulationError
 
@@ -11,6 +14,9 @@ if TYPE_CHECKING:
     from modelgen.runtime.tables import Array
 
 PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13
+ALONG_Z = ("revolute", "cylindrical", "screw", "planar")  # kinds of joint that keep the z axes together
+TURNED = ("prismatic", "weld")  # that keep all axes so
+ONLY_PLACES = ("spherical", "distance", "rope")
 REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART)
 
 
@@ -71,10 +77,40 @@ def _apart(session: Session, run: Any, label: str) -> SimulationError:
     """Of the joint whose frames are farthest from what its kind allows."""
     return SimulationError(
         _place_of_joint(session, session.joints[run.failed_joint], label),
-        f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m",
+        f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m: "
+        + ", ".join(_frames_apart(session, run.failed_joint)),
         f"at most {float(session.settings.start_joint * session.system.length):.3g} m",
         "move them to where the joint holds, or give the joint by one frame in the world at the start",
     )
+
+
+def _frames_apart(session: Session, index: int) -> Iterator[str]:
+    """How the frames of a joint stand to each other, in what its kind may hold."""
+    joint = session.sentence["joints"][index]
+    kind = session.library.manifest.kinds["joint"][joint["kind"]]["kind"]
+    poses, numbers = session.poses(), np.array(joint["parameters"][:24]).reshape(2, 12)
+    placed = [_matrix(poses[joint[side]]) @ _matrix(own) for side, own in zip("ab", numbers, strict=True)]
+    relative = np.linalg.inv(placed[0]) @ placed[1]
+    yield f"the origins of its frames are {np.linalg.norm(relative[:3, 3]):.3g} m apart"
+    if kind in TURNED:
+        yield f"their axes are turned by {_degrees((np.trace(relative[:3, :3]) - 1) / 2)}"
+    elif kind in ALONG_Z:
+        yield f"their z axes are {_degrees(relative[2, 2])} apart"
+    elif kind == "universal":
+        yield f"x of the first and y of the second are {_degrees(relative[0, 1])} apart, not 90"
+    if kind not in ONLY_PLACES:
+        yield f"angles count by the length {session.system.length:.3g} m"
+
+
+def _matrix(pose: Array) -> Array:
+    """Of p and R column-major, (4, 4)."""
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = pose[:3], pose[3:].reshape(3, 3).T
+    return matrix
+
+
+def _degrees(cosine: float) -> str:
+    return f"{np.degrees(np.arccos(np.clip(cosine, -1, 1))):.3g} degrees"
 
 
 def _beyond(session: Session, contact: int, label: str) -> SimulationError:

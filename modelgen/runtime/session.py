@@ -143,6 +143,10 @@ class Session:
         self.library.cdll.mg_joint_ranks(*self._head, ctypes.c_void_p(address(rank)), *self._scratch)
         return [int(n) for n in rank[:-1]]
 
+    def odd_load(self) -> int:
+        """The load for which a run is not finite, or -1."""
+        return int(self.library.cdll.mg_odd_load(*self._head, *self._scratch))
+
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
         start = (*self.sentence["contacts"], *self.sentence["limits"])[contact]["eta"]

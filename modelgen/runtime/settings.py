@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TypedDict
 
-from modelgen.errors import SimulationError, nearest
-from modelgen.runtime.accuracy import Accuracy, is_number
+from modelgen.errors import SimulationError
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.checks import check_name, check_step
 from modelgen.runtime.tables import LAWS, METHODS, SCHEMES
 
 
@@ -77,11 +78,9 @@ def _unfit(places: Mapping[str, str], key: str, found: Any, allowed: str) -> Sim
 
 
 def _check(key: str, value: Any, place: str) -> None:
-    names = NAMES.get(key)
-    if names is not None and value not in names:
-        remedy = nearest(str(value), names) or "use one of these names"
-        raise SimulationError(f"{place}{key}", repr(value), ", ".join(names), remedy)
-    if key == "step" and not (is_number(value) and 0 < value < float("inf")):
-        raise SimulationError(f"{place}{key}", repr(value), "a positive time in s", "give the step")
+    if key in NAMES:
+        check_name(f"{place}{key}", value, NAMES[key])
+    if key == "step":
+        check_step(value, f"{place}{key}")
     if key == "fallback" and not isinstance(value, bool):
         raise SimulationError(f"{place}{key}", repr(value), "True or False", "say whether it may")

@@ -5,24 +5,27 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.runtime.accuracy import Accuracy, is_number
+from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.advice import warnings
+from modelgen.runtime.checks import check_keywords, check_span, is_number
 from modelgen.runtime.companion import estimate_of, nudge
 from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.joints import coordinate_names
+from modelgen.runtime.loads import load_of
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
-from modelgen.runtime.settings import Stepping, accuracy_of
+from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
+KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
 Report = Callable[[float], None] | None  # told the share that is done
@@ -52,13 +55,13 @@ def simulate(
 
     Returns:
         The samples at `samples + 1` equally spaced times up to where the run came, with events and ledger.
-        Ctrl-C and failures keep what was computed, with one more sample at the end; outcome, estimate say so.
+        Ctrl-C and failures keep what was computed, with one more sample at the end, and say so.
 
     Raises:
-        ModelgenError: what is given is no library.
-        SimulationError: the start interpenetrates, or a setting is out of bounds.
+        ModelgenError: what is given is no library, or the start, or a setting, is refused (SimulationError).
     """
     expect("simulate", library, Library)
+    check_keywords("simulate", stepping, KEYWORDS)
     sentence = library.manifest.sentence
     end, intervals = _extent(sentence, until, samples)
     chosen = accuracy_of(sentence, accuracy, stepping)
@@ -80,16 +83,15 @@ def _path(session: Session, end: float, times: Array, report: Report) -> Traject
     started = time.perf_counter()
     session.begin()
     recording = Recording(session, times)
-    outcome, events = _run(session, end, recording, report)
+    ending = _run(session, end, recording, report)
     recording.end()
-    wall = time.perf_counter() - started
-    return _trajectory(session, recording, outcome, events, session.accuracy, wall)
+    return _trajectory(session, recording, ending, session.accuracy, time.perf_counter() - started)
 
 
 def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
     """The error of a run, by its companion; a run that was interrupted has none."""
     sentence = library.manifest.sentence
-    if path.outcome is Outcome.INTERRUPTED:
+    if path.interrupted:
         return estimate_of(path, None, accuracy, sentence, "the run was interrupted: no companion followed")
     try:
         twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
@@ -108,9 +110,7 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
     run, scene = sentence["run"], f"{sentence['source']}: run."
     end: Any = run["until"] if until is None else until
     intervals: Any = run["samples"] if samples is None else samples
-    if not is_number(end) or not 0 < end < np.inf:
-        where = f"{scene}until" if until is None else "until"
-        raise SimulationError(where, repr(end), "a positive time in s", "give the end of the run")
+    check_span(f"{scene}until" if until is None else "until", end, "give the end of the run")
     if not is_number(intervals) or not 1 <= intervals < np.inf or intervals != int(intervals):
         where = f"{scene}samples" if samples is None else "samples"
         remedy = "give the number of output intervals"
@@ -118,9 +118,15 @@ def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | Non
     return float(end), int(intervals)
 
 
-def _run(session: Session, end: float, recording: Recording, report: Report) -> tuple[Outcome, list[Event]]:
+class _Ending(NamedTuple):
+    outcome: Outcome
+    events: list[Event]
+    interrupted: bool = False  # by Ctrl-C, maybe in the call of the core that came to the end
+
+
+def _run(session: Session, end: float, recording: Recording, report: Report) -> _Ending:
     if session.start_code:
-        return OUTCOME_OF_CODE[session.start_code], session.drain_events()
+        return _Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
     events: list[Event] = []
     chunk = 100
     try:
@@ -129,15 +135,15 @@ def _run(session: Session, end: float, recording: Recording, report: Report) -> 
             code = session.advance(end, chunk, recording.record)
             events += session.drain_events()
             if code not in (CONTINUE, FULL):
-                return OUTCOME_OF_CODE[code], events
+                return _Ending(OUTCOME_OF_CODE[code], events)
             if code == CONTINUE:
                 elapsed = max(time.perf_counter() - before, 1e-6)
                 chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
             if report:
                 report(float(session.run.t) / end)
     except KeyboardInterrupt:
-        done = session.run.t >= end
-        return Outcome.DONE if done else Outcome.INTERRUPTED, events + session.drain_events()
+        outcome = Outcome.DONE if session.run.t >= end else Outcome.INTERRUPTED
+        return _Ending(outcome, events + session.drain_events(), interrupted=True)
 
 
 def _in_order(events: list[Event]) -> list[Event]:
@@ -154,8 +160,7 @@ def _in_order(events: list[Event]) -> list[Event]:
 def _trajectory(
     session: Session,
     recording: Recording,
-    outcome: Outcome,
-    events: list[Event],
+    ending: _Ending,
     accuracy: Accuracy,
     wall: float,
 ) -> Trajectory:
@@ -171,8 +176,8 @@ def _trajectory(
         patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
-        events=tuple(_in_order(events)),
-        outcome=outcome,
+        events=tuple(_in_order(ending.events)),
+        outcome=ending.outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
         t_end=float(run.t),
         steps=int(run.steps),
@@ -189,4 +194,6 @@ def _trajectory(
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,
         warnings=warnings(session, accuracy),
+        outcome_load=load_of(session, ending.outcome),
+        stopped=ending.interrupted,
     )

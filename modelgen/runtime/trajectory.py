@@ -23,7 +23,10 @@ class Outcome(Enum):
         "curvatures that almost conform, or surfaces flat against each other, need another contact model"
     )
     STEP_TOO_SMALL = "the step became too small; loosen the tolerance or look for a discontinuous load"
-    NOT_FINITE = "a state became infinite; look at the loads and at shapes without curvature at the contact"
+    NOT_FINITE = (
+        "a load is not finite or has a pole, or a state became infinite; look at the loads and at shapes "
+        "without curvature at the contact"
+    )
     COMPLEMENTARITY = (
         "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
     )
@@ -106,7 +109,7 @@ class Trajectory:
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
-    energy: Array  # (n,) J
+    energy: Array  # (n,) J, kinetic and of gravity; what springs store is in `work`
     work: Array  # (n,) J, of loads, driven bodies and impacts
     body_names: tuple[str, ...]
     contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
@@ -133,6 +136,8 @@ class Trajectory:
     accuracy: str
     warnings: tuple[str, ...] = ()
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
+    outcome_load: str = ""  # "torque[0] on 'cart'", where it is for a load that the run is not finite
+    stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
 
     @property
     def position_error(self) -> Array:
@@ -148,7 +153,7 @@ class Trajectory:
     def interrupted(self) -> bool:
         """Whether Ctrl-C fell into the run, or into its companion."""
         companion = self.estimate is not None and self.estimate.interrupted
-        return companion or self.outcome is Outcome.INTERRUPTED
+        return companion or self.stopped
 
     @property
     def reaches_its_end(self) -> bool:
@@ -169,6 +174,7 @@ class Trajectory:
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,
             "outcome_contact": self.outcome_contact,
+            "outcome_load": self.outcome_load,
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
             "estimate": self.estimate and self.estimate.as_json(),
@@ -191,10 +197,21 @@ class Trajectory:
                 for i, name in enumerate(self.body_names)
                 if last >= 0
             },
+            "contacts": self._contacts_at(last) if last >= 0 else {},
             "joints": self._joints_at(last) if last >= 0 else {},
             "patches": self._patches_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
+        }
+
+    def _contacts_at(self, sample: int) -> dict[str, Any]:
+        """Those that press."""
+        return {
+            name: {"force": force, "friction": self.friction[sample, i].tolist()}
+            for i, (name, force) in enumerate(
+                zip(self.contact_names, self.force[sample].tolist(), strict=True)
+            )
+            if force > 0
         }
 
     def _patches_at(self, sample: int) -> dict[str, Any]:

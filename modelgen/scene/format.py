@@ -159,7 +159,9 @@ CONTACT = Table(
 
 _FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")
 _LOADED = Field("body", NAME, "name of a dynamic body", required=True)
-_LOAD_DOC = "expression of " + " ".join(LOAD_NAMES)
+_LOAD_DOC = (
+    f"expression of {' '.join(LOAD_NAMES)}: of the centre of mass, in world axes whatever `frame` says"
+)
 
 FORCE = Table(
     (

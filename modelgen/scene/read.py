@@ -7,7 +7,7 @@ import tomllib
 from os import strerror
 from pathlib import Path
 
-from modelgen.errors import nearest
+from modelgen.errors import nearest, path_of
 from modelgen.scene.assemble import scene_from_tables
 from modelgen.scene.place import Place
 from modelgen.scene.types import Scene
@@ -17,7 +17,7 @@ LARGEST = 4 * 2**20  # bytes
 
 def read(path: str | Path) -> Scene:
     """The scene in a TOML file; raises SceneError (file, key path, what was found, what is allowed)."""
-    path = Path(path)
+    path = path_of("read", path)
     return read_text(_text(path), path.name)
 
 
@@ -35,7 +35,7 @@ def read_text(text: str, source: str = "<text>") -> Scene:
 
 
 def _text(path: Path) -> str:
-    place = Place(path.name or str(path))
+    place = Place(str(path))
     try:
         if not path.exists():
             raise place.error("no such file", "", _near(path))

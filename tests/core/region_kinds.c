@@ -2,6 +2,7 @@
 #include "kinds.h"
 
 enum { EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC };
+static const mg_shape_kind mg_shape_kinds[] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 0, 1}};
 
 static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
                            mg_real *direction) {

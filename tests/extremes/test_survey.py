@@ -81,16 +81,22 @@ def test_where_another_model_takes_over_it_is_safe_again() -> None:
 @pytest.mark.parametrize(
     ("name", "nth"), [("unit of mass", 1), ("unit of mass", 2), ("far from the origin", 2)]
 )
-def test_ctrl_c_in_any_run_ends_the_survey(name: str, nth: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the run itself, and in what it is compared with, before it or after."""
+@pytest.mark.parametrize("late", [False, True])
+def test_ctrl_c_in_any_run_ends_the_survey(
+    name: str, nth: int, late: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the run itself, and in what it is compared with, before it or after; or as that comes to its end."""
     runs: list[float] = []
     advance = Session.advance
 
     def stopping(self: Session, end: float, steps: int, record: Any) -> int:
         runs.append(end)
+        if len(runs) == nth and not late:
+            raise KeyboardInterrupt
+        code = advance(self, end, 10**9, record)
         if len(runs) == nth:
             raise KeyboardInterrupt
-        return advance(self, end, 10**9, record)
+        return code
 
     monkeypatch.setattr(Session, "advance", stopping)
     found: list[Found] = []

@@ -75,6 +75,22 @@ def test_bodies_that_a_joint_cannot_bring_together_are_refused_by_name() -> None
         joined([block()], [apart])
 
 
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("revolute", "0.02 m apart, their z axes are 90 degrees apart, angles count by the length"),
+        ("weld", "0.02 m apart, their axes are turned by 120 degrees, angles count"),
+        ("spherical", "0.02 m apart; at most"),
+    ],
+)
+def test_places_and_axes_that_do_not_fit_are_told_apart(kind: str, words: str) -> None:
+    turned = {"axis": [1.0, 1.0, 1.0], "angle": 2 * np.pi / 3}
+    apart = {"name": "pin", "kind": kind, "between": ["world", "block"]}
+    apart["frames"] = [{}, {"position": [0.0, 0.02, 0.0], "axis_angle": turned}]
+    with pytest.raises(SimulationError, match=f"the origins of its frames are {words}"):
+        joined([block()], [apart])
+
+
 def test_bodies_that_nearly_fit_are_brought_together() -> None:
     near = {"name": "pin", "kind": "spherical", "between": ["world", "block"]}
     near["frames"] = [{}, {"position": [0.3, 1e-7, 0.0]}]

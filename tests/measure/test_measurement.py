@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from modelgen.measure.settings_file import with_run
 from modelgen.measure.store import NAME
 from modelgen.measure.subject import Subject
 from modelgen.measure.table import print_measurement, print_tuned
-from modelgen.measure.tuning import tune
+from modelgen.measure.tuning import BAND, tune
 from modelgen.scene.types import Scene
 from tests.measure.thrown import TEXT, thrown
 
@@ -97,6 +98,15 @@ def test_a_demand_met_before_all_was_tried_says_so(root: Path) -> None:
     assert "not all settings were tried; the time was up" in text.getvalue()
 
 
+@pytest.mark.parametrize(("part", "words"), [(1.1, "µs over the budget, within the 20% band"), (0.9, "")])
+def test_a_setting_over_the_budget_says_so(part: float, words: str, root: Path) -> None:
+    tuned = tune(thrown(), error=0.5, knobs=["tolerance"], limit=SHORT, root=root)
+    text = StringIO()
+    print_tuned(replace(tuned, budget=(tuned.point.cost_ns_per_s or 0.0) / part), Console(file=text))
+    assert ("over the budget" in text.getvalue()) == bool(words)
+    assert words in text.getvalue()
+
+
 def test_ctrl_c_ends_tuning(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stopping(*arguments: object) -> None:
         raise KeyboardInterrupt
@@ -143,12 +153,27 @@ def test_a_budget_that_is_refused_is_below_what_is_said_to_be_needed(
         return Point(settings, 1e-3, cheap if settings["tolerance"] == 1e-3 else 1e9)
 
     monkeypatch.setattr(program, "_measured", made)
-    for budget, words in ((19650.0, "19.65 us"), (19652.0, "19.652 us")):
+    for budget, words in ((16370.0, "16.37 us"), (19652.0, "19.652 us")):
         with pytest.raises(ModelgenError) as refused:
             tune(thrown(), budget=budget, knobs=["tolerance"], root=root)
-        needed = "19.7" if budget < 19651.0 else "30.1"
+        needed = "19.7" if budget < 19651.0 / (1 + BAND) else "30.1"
         assert refused.value.found == f"{words} per simulated second is not enough"
         assert refused.value.allowed.startswith(f"the cheapest setting takes {needed} us")
+
+
+def test_a_budget_just_below_the_cheapest_is_kept_within_its_band(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    costs = {1e-2: 19651.0, 1e-3: 19700.0}
+
+    def made(bench: program.Bench, settings: Settings) -> Point:
+        tolerance = float(settings["tolerance"])
+        return Point(settings, tolerance, costs.get(tolerance, 1e9))
+
+    monkeypatch.setattr(program, "_measured", made)
+    tuned = tune(thrown(), budget=19650.0, knobs=["tolerance"], root=root)
+    assert tuned.point.settings["tolerance"] == 1e-2
+    assert tuned.over == 1.0
 
 
 def test_tuning_some_knobs_keeps_what_the_scene_says_of_the_others(root: Path) -> None:

@@ -63,6 +63,20 @@ def test_a_ladder_goes_on_where_a_knob_lowered_its_floor() -> None:
     assert finest.settings["real"] == "long double"
 
 
+def test_a_ladder_goes_on_below_errors_that_stay_a_while() -> None:
+    """As where all but the last rungs end a clatter at the same bounce."""
+
+    def stays(settings: Settings) -> Point:
+        effort = float(settings.get("tolerance", 1.0))
+        error = 1.0 if settings["method"] != "dop853" else 3e-10 if effort > 5e-10 else effort
+        return Point(settings, error, effort**-0.125)
+
+    points = swept(stays, Space(KNOBS, FACTS, ("tolerance",)))
+    tried = [dict(point.settings) for point in points]
+    assert place(front(points)[-1])[1] < 1e-13
+    assert all(tried.count(settings) == 1 for settings in tried)
+
+
 def test_a_ladder_ends_where_runs_take_too_long() -> None:
     def slow(settings: Settings) -> Point:
         return Point(settings, 1e-3, 1.0, costs={"too_long": True})

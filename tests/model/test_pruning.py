@@ -23,9 +23,7 @@ def ball_on_table(**keys: object) -> Scene:
 
 
 def rhs(what: Scene) -> ca.Function:
-    function = derive(require(what)).rhs()
-    assert function is not None
-    return function
+    return derive(require(what)).rhs()
 
 
 def counted(package: Package) -> int:

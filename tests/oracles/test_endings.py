@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,3 +107,35 @@ def test_an_interrupt_keeps_what_was_computed() -> None:
     assert part.t[-1] == part.t_end < 50.0
     near = np.searchsorted(whole.t, part.t_end)
     assert np.linalg.norm(part.p[-1] - whole.p[near]) < 0.2 * np.linalg.norm(whole.v[near])
+
+
+@pytest.mark.parametrize(
+    ("torque", "end", "joined"),
+    [("sqrt(-1 - t)", 0.0, True), ("sqrt(0.3 - t)", 0.3, False), ("1/(t - 0.2)", 0.2, False)],
+)
+def test_a_load_that_is_not_finite_ends_the_run_by_its_name(torque: str, end: float, joined: bool) -> None:
+    """Not as friction that jams, though nothing obeys Coulomb's law under it; a pole is not stepped over."""
+    upright: dict[str, Any] = {"name": "upright", "kind": "planar", "between": ["world", "ball"]}
+    upright |= {"position": [0, 0, 0.1], "axis_angle": {"axis": [1, 0, 0], "angle": "-pi/2"}}
+    scene = make.scene(
+        "torn", [TABLE, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.1])],
+        contact=[{"between": ["ball", "table"], "friction": 0.6}], joint=[upright] if joined else [],
+        torque=[{"body": "ball", "torque": [0, 0, 0]}, {"body": "ball", "torque": [0, torque, 0]}],
+    )  # fmt: skip
+    library = library_of(scene)
+    for method in ({}, {"method": "time-stepping", "step": 1e-3}):
+        path = simulate(library, until=0.5, estimate=False, **method)  # type: ignore[arg-type]
+        assert path.outcome is Outcome.NOT_FINITE
+        assert path.outcome_load == "torque[1] on 'ball'"
+        assert path.t_end == pytest.approx(end, abs=1e-6 if not method else 2e-3)
+        assert not any("Painleve" in warning for warning in path.warnings)
+        assert np.isfinite(path.p).all()
+
+
+def test_loads_that_jump_or_have_an_impulse_do_not_end_the_run() -> None:
+    force = ["sign(t - 0.2)", "exp(-((t - 0.25)/1e-3)**2)", "1/sqrt(abs(t - 0.3))"]
+    scene = make.scene(
+        "pushed", [TABLE, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.1])],
+        contact=[{"between": ["ball", "table"], "friction": 0.6}], force=[{"body": "ball", "force": force}],
+    )  # fmt: skip
+    assert simulate(library_of(scene), until=0.5, estimate=False).outcome is Outcome.DONE

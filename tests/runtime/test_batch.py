@@ -38,6 +38,23 @@ def test_a_batch_names_the_run_that_cannot_start() -> None:
         simulate_batch(library, q[:, :5], u, until=0.1)
 
 
+def test_a_batch_says_what_its_starts_lack() -> None:
+    library = scene_of("ellipsoid_on_plane")
+    sentence = library.manifest.sentence
+    q, u = np.array([sentence["initial_q"]] * 2), np.array([sentence["initial_u"]] * 2)
+    lost = u.copy()
+    lost[1, 0] = np.nan
+    for starts, until, words in (
+        ((q, u[:1]), 0.1, r"^u: 1 rows, with 2 of q; as many rows as q; give one row a run$"),
+        ((q, lost), 0.1, r"^u\[1\]: not finite; finite numbers, \(n, 6\)$"),
+        (([[0.0], [0.0, 1.0]], u), 0.1, r"^q: no array of numbers; finite numbers, \(n, 7\)"),
+        ((q[None], u), 0.1, r"^q: shape \(1, 2, 7\)"),
+        ((q, u), -1.0, r"^until: -1\.0; a positive time in s"),
+    ):
+        with pytest.raises(SimulationError, match=words):
+            simulate_batch(library, *starts, until=until)  # type: ignore[arg-type]
+
+
 def test_a_batch_at_rest_measures_its_drift_as_a_run_does() -> None:
     library = scene_of("bouncing_ball")
     sentence = library.manifest.sentence

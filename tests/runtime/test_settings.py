@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -34,6 +35,23 @@ def test_the_caller_has_the_last_word() -> None:
     assert chosen(STEPPED, method="rk4", step=0.1) == Accuracy.fast().fixed_step(0.1)
     assert chosen(STEPPED, solver="relaxation").solver == "relaxation"
     assert not chosen(PLAIN, fallback=False).fallback
+
+
+@pytest.mark.parametrize("step", [-1, 0, 0.0, float("nan"), float("inf"), "1 ms", None])
+def test_a_fixed_step_is_a_positive_time(step: Any) -> None:
+    for record in (Accuracy.fast().fixed_step, Accuracy.tight().time_stepping):
+        with pytest.raises(SimulationError, match=r"^step: .*; a positive time in s; give the step$"):
+            record(step)
+    if step is not None:
+        with pytest.raises(SimulationError, match=r"^step: "):
+            replace(Accuracy.balanced(), method="rk4", step=step)
+
+
+def test_names_of_time_stepping_are_checked() -> None:
+    with pytest.raises(SimulationError, match="did you mean 'moreau'"):
+        Accuracy.fast().time_stepping(1e-3, "moro")  # type: ignore[arg-type]
+    with pytest.raises(SimulationError, match=r"^solver: "):
+        Accuracy.fast().time_stepping(1e-3, solver="newton")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

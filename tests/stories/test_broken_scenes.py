@@ -29,7 +29,21 @@ REFUSED_LATER: list[Case] = [
         TWO_TORI + 'form = "explicit"',
         ["contact[0].form", "'explicit' does not apply", "'implicit'?"],
     ),
-    ("two planes", TWO_BALLS.replace('"sphere", radius = 0.1', '"plane"'), ["plane"]),
+    (
+        "two planes",
+        TWO_BALLS.replace('"sphere", radius = 0.1', '"plane"'),
+        [
+            "broken.toml: contact[0] (contact 'egg-table'): no form has isolated",
+            "give one ends: a box for a plane",
+        ],
+    ),
+    (
+        "two points",
+        TWO_BALLS.replace('"sphere", radius = 0.1', '"point", at = [0, 0, 0]').replace(
+            "density = 1000.0", "mass = 1.0\ninertia = [1, 1, 1]"
+        ),
+        ["broken.toml: contact[0] (contact 'egg-table'): two points", "make it a sphere"],
+    ),
     ("huge mass", egg("", mass="mass = 1e31\ninertia = [1.0, 1.0, 1.0]\n"), ["mass", "1e+31", "up to"]),
     ("NaN gravity", "gravity = [0, 0, nan]\n" + SOUND, ["gravity[2]", "nan", "number"]),
 ]

@@ -152,6 +152,11 @@ def test_a_tuned_scene_keeps_its_promise(modelgen: Modelgen, tmp_path: Path, exp
     assert run["energy_drift"] == facts["errors"]["energy"]
 
 
+def test_tune_names_the_file_that_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None:
+    answer = modelgen("tune", EGG, *FEW, "--error", 1e-3, "--out", tmp_path / "tuned.toml")
+    assert answer.out.endswith(f"\nwritten: {tmp_path / 'tuned.toml'}\n")
+
+
 def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) -> None:
     front = modelgen("measure", EGG, *FEW, "--json").json["front"]
     middle = front[len(front) // 2]["cost_ns_per_s"]
@@ -170,8 +175,8 @@ def test_a_budget_is_kept_within_its_band(modelgen: Modelgen, tmp_path: Path) ->
         (("--budget", "20"), "a time with its unit"),
         (("--budget", "-20us"), "--budget: '-20us'; a time such as 20us, positive"),
         (("--error", "small"), "a number such as 1e-6"),
-        ((), "no demand, or two"),
-        (("--error", "1e-3", "--budget", "1ms"), "no demand, or two"),
+        ((), "tune: neither an error nor a budget; one of them: --error 1e-6 or --budget 20us"),
+        (("--error", "1e-3", "--budget", "1ms"), "tune: an error and a budget; one of them"),
         (("--error", "1e-3", "--knobs", "tolerence"), "did you mean 'tolerance'?"),
         (("--error", "1e-3", "--in-place", "--out", "x.toml"), "together with --in-place"),
         (("--error", "1e-3", "--out", EGG), "is the scene itself; another file; or give --in-place"),

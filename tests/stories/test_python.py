@@ -24,6 +24,7 @@ from modelgen import (
     save,
     simulate,
 )
+from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.scene.types import RunSettings, Scene
 from tests.running import SCENES, library_of, scene_of
@@ -81,6 +82,12 @@ def test_an_accuracy_may_be_given_by_its_name() -> None:
         ({"until": -1.0}, "until: -1.0; a positive time in s"),
         ({"samples": 1.5}, "samples: 1.5; a whole number, at least 1"),
         ({"samples": float("inf")}, "samples: inf; a whole number, at least 1"),
+        ({"unti": 0.1}, "simulate: unknown keyword 'unti'; allowed are until, accuracy, samples, estimate,"),
+        ({"unti": 0.1}, "did you mean 'until'?"),
+        ({"acuracy": "fast"}, "did you mean 'accuracy'?"),
+        ({"tolerance": 1e-3}, "write accuracy=Accuracy.of(...) for a tolerance"),
+        ({"tolerence": 1e-3}, "write accuracy=Accuracy.of(...) for a tolerance"),
+        ({"fall_back": None}, "did you mean 'fallback'?"),
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
@@ -88,6 +95,32 @@ def test_settings_of_a_run_are_checked(options: dict[str, Any], words: str) -> N
     with pytest.raises(SimulationError) as refused:
         simulate(scene_of("bouncing_ball"), **options)
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: read(3), "read: the argument is of type int; it takes a path, as str or Path"),  # type: ignore[arg-type]
+        (lambda: Library.load(3), "Library.load: the argument is of type int"),  # type: ignore[arg-type]
+        (lambda: load(3), "load: the argument is of type int"),  # type: ignore[arg-type]
+        (
+            lambda: save(simulate(scene_of("bouncing_ball"), until=0.1), "run.npz"),  # type: ignore[arg-type]
+            "save: the argument is of type Trajectory; it takes a Record; "
+            "write save(record_of(trajectory, library), ...)",
+        ),
+        (lambda: draw(3, "run.svg"), "draw: the argument is of type int; it takes a Record"),  # type: ignore[arg-type]
+    ],
+    ids=["read", "library", "load", "save", "draw"],
+)
+def test_what_is_no_path_or_no_record_is_refused(call: Callable[[], Any], words: str) -> None:
+    with pytest.raises(ModelgenError) as refused:
+        call()
+    assert str(refused.value).startswith(words)
+
+
+def test_a_library_is_loaded_from_a_folder_given_as_text() -> None:
+    library = scene_of("bouncing_ball")
+    assert Library.load(str(library.path.parent)).path == library.path
 
 
 def test_a_tolerance_is_checked() -> None:

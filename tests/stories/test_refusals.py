@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -53,6 +55,20 @@ def files(folder: Path) -> set[Path]:
         (("simulate", EGG, "--out", "run.xls"), ".npz, .csv"),
         (("simulate", EGG, "--plot", "run.gif"), ".png, .svg"),
         (("simulate", EGG, "--out", "no/where/run.npz"), "no folder"),
+        (("simulate", EGG, "--out", "folder.npz"), "folder.npz: it is a folder; a file; name one"),
+        (
+            ("simulate", EGG, "--plot", "folder.npz/folder.png"),
+            "folder.png: it is a folder; a file; name one",
+        ),
+        (("simulate", EGG, "--out", "/proc/run.npz"), "/proc/run.npz: cannot be written: "),
+        (("inspect", EGG, "--out", "folder.npz"), "it is a folder"),
+        (("inspect", EGG, "--at", "none.json"), "--at: none.json: it cannot be read: No such file"),
+        (
+            ("build", EGG, "--out", "sunk.toml"),
+            "sunk.toml: 'sunk.toml' is a file; a folder for the generated",
+        ),
+        (("build", EGG, "--out", "sunk.toml/a/b"), "sunk.toml' is a file; a folder for the generated"),
+        (("check", "folder.npz/folder.png"), "folder.npz/folder.png: not a file; a scene is a TOML file"),
         (("simulate", EGG, "--until", "-1"), "--until: the number -1; a positive number"),
         (("simulate", EGG, "--until", "soon"), "--until: in 'soon'"),
         (("simulate", EGG, "--samples", "0"), "--samples: the number 0; a whole number from 1"),
@@ -63,6 +79,8 @@ def files(folder: Path) -> set[Path]:
         (("simulate", EGG, "--accuracy", "tigt"), "did you mean 'tight'?"),
         (("check", EGG, "--form", "suport"), "did you mean 'support'?"),
         (("build", EGG, "--real", "half"), "--real: the text 'half'; allowed are double"),
+        (("build", EGG, "--main", "run.txt"), "--main: 'run.txt'; the name of a C file"),
+        (("build", EGG, "--main", "model.c"), "--main: 'model.c'"),
         (("inspect", EGG, "--format", "pdf"), "--format: the text 'pdf'; allowed are text, latex, html"),
         (("plot", "run.csv", "-o", "run.png"), "--out run.npz"),
         (("plot", EGG, "-o", "run"), ".png, .svg"),
@@ -89,6 +107,7 @@ def test_refused(
     (tmp_path / "tip.toml").write_text(weighed.replace('{ kind = "sphere", radius = 0.1 }', TIP))
     (tmp_path / "loose.toml").write_text("[run]\ntolerance = 7.0\n" + SUNK)
     (tmp_path / "run.csv").write_text("t,energy\n0.0,1.0\n")
+    (tmp_path / "folder.npz/folder.png").mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
     before = files(tmp_path)
     answer = modelgen(*arguments, *json)
@@ -97,6 +116,34 @@ def test_refused(
     assert answer.err.count("\n") == 1
     assert answer.out == ""
     assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize("verb", ["simulate", "build", "linearise", "measure"])
+def test_a_folder_that_nothing_can_be_written_into_is_refused_first(
+    verb: str, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sunk.toml").write_text(SUNK)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("os.access", lambda path, mode: mode == os.R_OK)
+    answer = modelgen(verb, "sunk.toml")
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert "is not yours to write into" in answer.err
+    assert "go to another folder, or name one: build --out FOLDER" in answer.err
+
+
+def test_a_scene_that_may_not_be_read_is_refused_in_one_line(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forbidden(path: Path) -> bytes:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    (tmp_path / "sunk.toml").write_text(SUNK)
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    monkeypatch.setattr(Path, "read_bytes", forbidden)
+    answer = modelgen("check", tmp_path / "sunk.toml")
+    assert answer.code == 2
+    assert answer.err.endswith("cannot be read: Permission denied; check the path and its permissions\n")
+    assert answer.err.count("\n") == 1
 
 
 @pytest.fixture
@@ -156,6 +203,39 @@ def test_ctrl_c_in_the_companion_run_keeps_the_run_and_says_so(
     assert answer.err.startswith("interrupted in the companion run")
     assert answer.json["outcome"] == "done"
     assert "uncertified: the companion run was interrupted" in answer.json["estimate"]["statement"]
+    assert load(tmp_path / "run.npz").columns["t"][-1] == 0.1
+
+
+@pytest.mark.parametrize(
+    ("which", "options", "words"),
+    [
+        ("fast", (), "interrupted as the run came to its end: the run is whole, its error is not certified"),
+        ("fast", ("--no-estimate",), "interrupted as the run came to its end: the run is whole"),
+        ("fast, companion", (), "interrupted in the companion run: the run is whole"),
+    ],
+)
+def test_ctrl_c_in_the_call_that_ends_a_run_is_not_lost(
+    which: str,
+    options: tuple[str, ...],
+    words: str,
+    modelgen: Modelgen,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    advance = Session.advance
+
+    def stopped(self: Session, end: float, steps: int, record: Any) -> int:
+        code = advance(self, end, 10**9, record)
+        if self.accuracy.name == which:
+            raise KeyboardInterrupt  # as the signal is seen where the call returns
+        return code
+
+    monkeypatch.setattr(Session, "advance", stopped)
+    out = ("--accuracy", "fast", "--until", 0.1, "--out", tmp_path / "run.npz", "--json", *options)
+    answer = modelgen("simulate", EGG, *out)
+    assert answer.code == 130
+    assert answer.err.splitlines()[-1] == words
+    assert answer.json["outcome"] == "done"
     assert load(tmp_path / "run.npz").columns["t"][-1] == 0.1
 
 

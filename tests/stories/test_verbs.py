@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -10,9 +12,12 @@ from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
+from rich.console import Console
+from scipy.spatial.transform import Rotation
 
 from modelgen import __version__
 from modelgen.report.export import load
+from modelgen.report.summary import print_contacts
 from tests.running import FILES
 
 EGG = "scenes/ellipsoid_on_plane.toml"
@@ -86,6 +91,45 @@ def test_build_in_another_real_type_and_folder(modelgen: Modelgen, tmp_path: Pat
     assert Path(facts["library"]).parent == tmp_path / "f"
 
 
+@pytest.mark.parametrize(("real", "flag"), [("double", ""), ("long double", "-DMG_REAL_LONG ")])
+def test_build_writes_a_c_program_that_runs_without_python(
+    real: str, flag: str, modelgen: Modelgen, tmp_path: Path
+) -> None:
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    scene = Path("scenes/sphere_slide_to_roll.toml")
+    said = modelgen("build", scene, "--out", tmp_path, "--main", "run.c", "--real", real).out.splitlines()
+    assert said[1:] == [
+        f"written: {tmp_path / 'run.c'}", f"there: cc -O2 {flag}run.c model.c -lm -o run && ./run"
+    ]  # fmt: skip
+    strict = [
+        compiler,
+        "-std=c99",
+        "-Wall",
+        "-Werror",
+        "-O1",
+        *flag.split(),
+        "run.c",
+        "model.c",
+        "-lm",
+        "-o",
+        "run",
+    ]
+    subprocess.run(strict, cwd=tmp_path, check=True)
+    lines = subprocess.check_output([tmp_path / "run"], text=True).splitlines()
+    facts = modelgen("simulate", scene, "--json").json
+    ((_, ball),) = [each for each in facts["final"].items() if any(each[1]["v"])]
+    t, *pose = map(float, lines[-1].split())
+    assert (len(lines), t) == (
+        tomllib.loads(scene.read_text())["run"].get("samples", 200) + 1,
+        facts["t_end"],
+    )
+    assert pose[:3] == pytest.approx(ball["p"], abs=1e-9)
+    turned = Rotation.from_quat(ball["quaternion"], scalar_first=True).as_matrix()
+    assert pose[3:] == pytest.approx(turned.T.ravel(), abs=1e-9)
+
+
 def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen, tmp_path: Path) -> None:
     npz, picture = tmp_path / "run.npz", tmp_path / "run.svg"
     options = ("--until", 0.2, "--samples", 10, "--accuracy", "tight", "--out", npz, "--plot", picture)
@@ -150,6 +194,21 @@ def test_text_of_a_run_names_outcome_events_and_bodies(modelgen: Modelgen) -> No
     text = modelgen("simulate", BALL, "--until", 0.5).out
     assert text.startswith("bouncing_ball: done at t = 0.5 s")
     assert "impact of ball-table" in text
+    assert "ball-table: force" not in text
+
+
+def test_text_of_a_run_ends_with_the_forces_of_contacts_that_press(modelgen: Modelgen) -> None:
+    ball = "scenes/sphere_slide_to_roll.toml"
+    slipping = modelgen("simulate", ball, "--until", 0.1, "--json").json["contacts"]["ball-table"]
+    assert "\nball-table: force 9.81\n" in modelgen("simulate", ball).out
+    assert "\nball-table: force 9.81, friction 1.962\n" in modelgen("simulate", ball, "--until", 0.1).out
+    assert slipping == {"force": pytest.approx(9.81), "friction": pytest.approx([-1.962, 0, 0])}
+
+
+def test_forces_of_many_contacts_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    print_contacts({f"c{k}": {"force": 1.0, "friction": [0.0] * 3} for k in range(23)}, Console())
+    lines = capsys.readouterr().out.splitlines()
+    assert (len(lines), lines[-1]) == (21, "... 3 more contacts press; --json and --out hold all")
 
 
 def test_inspect_writes_each_formula_with_source_and_units(modelgen: Modelgen) -> None:

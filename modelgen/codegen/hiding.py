@@ -1,0 +1,47 @@
+"""Which functions of time may go up and down between the samples that a step takes of them."""
+
+from __future__ import annotations
+
+from math import inf
+
+import casadi as ca
+
+SEEN = 3  # the degree of a polynomial that samples of a step show whole
+
+_KEPT = (ca.OP_ASSIGN, ca.OP_NEG, ca.OP_TWICE)
+_SUMS = (ca.OP_ADD, ca.OP_SUB)
+
+
+def hides(f: ca.Function, of: int) -> bool:
+    """Whether an output of an SX function is no polynomial of degree `SEEN` in the scalar input `of`."""
+    return degree(f, of) > SEEN
+
+
+def degree(f: ca.Function, of: int) -> float:
+    """Of the outputs of an SX function as polynomials in the scalar input `of`; infinite if one is none."""
+    at: dict[int, float] = {}  # work-vector slot -> degree
+    most = 0.0
+    for k in range(f.n_instructions()):
+        operation, source = f.instruction_id(k), f.instruction_input(k)
+        if operation == ca.OP_OUTPUT:
+            most = max(most, at[source[0]])
+        elif operation == ca.OP_INPUT:
+            at[f.instruction_output(k)[0]] = float(source[0] == of)
+        else:
+            at[f.instruction_output(k)[0]] = _of(operation, [at[slot] for slot in source])
+    return most
+
+
+def _of(operation: int, degrees: list[float]) -> float:
+    """Of a value, from those of what it is made of."""
+    if not any(degrees):
+        return 0.0
+    if operation in _KEPT:
+        return degrees[0]
+    if operation in _SUMS:
+        return max(degrees)
+    if operation == ca.OP_MUL:
+        return sum(degrees)
+    if operation == ca.OP_SQ:
+        return 2 * degrees[0]
+    return degrees[0] if operation == ca.OP_DIV and not degrees[1] else inf

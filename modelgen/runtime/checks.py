@@ -1,0 +1,42 @@
+"""What a caller gives for a run, refused where it is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from numbers import Real
+
+from modelgen.errors import SimulationError, nearest
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number, of Python or of numpy."""
+    return isinstance(value, Real)
+
+
+def check_span(where: str, value: object, remedy: str) -> None:
+    """Refuses what is no positive, finite time."""
+    if not (isinstance(value, Real) and 0 < float(value) < float("inf")):
+        raise SimulationError(where, repr(value), "a positive time in s", remedy)
+
+
+def check_step(value: object, where: str = "step") -> None:
+    check_span(where, value, "give the step")
+
+
+def check_name(where: str, value: object, names: Iterable[str]) -> None:
+    """Refuses what is none of the names."""
+    known = list(names)
+    if value not in known:
+        remedy = nearest(str(value), known) or "use one of these names"
+        raise SimulationError(where, repr(value), ", ".join(known), remedy)
+
+
+def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuses keywords that a verb does not know; a tolerance belongs to the accuracy."""
+    names = list(known)
+    for key in given:
+        if key not in names:
+            remedy = nearest(key, [*names, "tolerance"])
+            if "'tolerance'" in remedy:
+                remedy = "write accuracy=Accuracy.of(...) for a tolerance"
+            raise SimulationError(verb, f"unknown keyword {key!r}", "allowed are " + ", ".join(names), remedy)
