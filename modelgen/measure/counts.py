@@ -11,6 +11,7 @@ from pathlib import Path
 
 from modelgen.codegen.compiler import LIBRARIES, find_compiler
 from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import ENTRY, driver_text
 
@@ -39,11 +40,15 @@ def instructions(library: Library, accuracy: Accuracy, until: float, level: str)
 
 
 def _model(library: Library, level: str) -> Path | None:
-    """The model as an object, beside the library; compiled once."""
+    """The model as an object, beside the library; compiled once, and only while its C is the library's."""
     target = library.path.with_suffix(".counted.o")
-    source = library.path.parent / "model.c"
-    built = target.exists() or _compiled(library, level, ["-c", "-o", target, source])
-    return target if built else None
+    if target.exists():
+        return target
+    folder = library.path.parent
+    text = (folder / "manifest.json").read_text()
+    if Manifest.from_json(text).vocabulary != library.manifest.vocabulary:
+        return None
+    return target if _compiled(library, level, ["-c", "-o", target, folder / "model.c"]) else None
 
 
 def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
@@ -59,4 +64,4 @@ def _counted(program: Path) -> int | None:
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={ENTRY}"]
     done = subprocess.run([*tool, str(program)], capture_output=True, text=True, check=False)
     found = re.search(r"Collected : (\d+)", done.stderr)
-    return int(found[1]) if found else None
+    return int(found[1]) if found and done.returncode == 0 else None

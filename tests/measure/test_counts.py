@@ -13,7 +13,8 @@ from modelgen.measure.counts import instructions, why_not_counted
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import driver_text
 from modelgen.runtime.simulate import simulate
-from tests.running import SCENES, library_of, scene_of
+from modelgen.scene.types import Scene
+from tests.running import SCENES, library_of
 
 UNTIL = 0.05
 END = """
@@ -28,10 +29,7 @@ int main(void) {
 
 
 def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
-    alone = replace(
-        read(SCENES / "ellipsoid_on_plane.toml"), name="alone"
-    )  # no other form is built in its folder
-    library = library_of(alone)
+    library = library_of(named("ended"))
     text = driver_text(library, Accuracy.balanced(), UNTIL)
     (tmp_path / "run.c").write_text(text.replace("int main(void)", "int run(void)") + END)
     model, folder = library.path.parent / "model.c", library.path.parent
@@ -54,12 +52,24 @@ def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
     assert found[3:] == pytest.approx(path.quaternion[-1, 1], abs=1e-12)
 
 
+def named(name: str, form: str = "auto") -> Scene:
+    """A scene that has a folder of its own: other tests build other forms in that of the shipped one."""
+    scene = read(SCENES / "ellipsoid_on_plane.toml")
+    return replace(scene, name=name, contacts=tuple(replace(pair, form=form) for pair in scene.contacts))
+
+
 @pytest.mark.skipif(bool(why_not_counted()), reason="valgrind is not installed")
 def test_instructions_grow_with_the_steps() -> None:
-    library = scene_of("ellipsoid_on_plane")
+    library = library_of(named("counted"))
     coarse, fine = (
         instructions(library, Accuracy.balanced().fixed_step(h), UNTIL, "O2") for h in (2e-3, 1e-3)
     )
     assert coarse is not None
     assert fine is not None
     assert 1.8 < fine / coarse < 2.2
+
+
+def test_a_folder_that_holds_another_form_is_not_counted() -> None:
+    library = library_of(named("built_over"))
+    library_of(named("built_over", "implicit"))
+    assert instructions(library, Accuracy.balanced(), UNTIL, "O2") is None
