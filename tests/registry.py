@@ -105,7 +105,7 @@ REGISTRY: Mapping[str, Shipped] = {
         events={"touch-down": None, "lift-off": None},
         drift=(1e-6, 1e-9, 1e-9),
         apart=1e-9,
-        reachable=0,
+        reachable=4,
     ),
     "four_bar": Shipped(
         kinds=("free_diagonal", "fixed", "revolute"),

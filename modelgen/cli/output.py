@@ -166,7 +166,7 @@ def _whole(trajectory: Trajectory) -> str:
 
 def _ending(trajectory: Trajectory) -> str:
     outcome = trajectory.outcome
-    named = trajectory.outcome_contact or trajectory.outcome_load
+    named = trajectory.outcome_contact or trajectory.outcome_function
     place = f" ({named})" if named else ""
     last = "; the last sample is the state then" if trajectory.reaches_its_end else ""
     return f"{outcome.name.lower()}{place} at t = {trajectory.t_end:.6g} s: {outcome.value}{last}"

@@ -102,6 +102,7 @@ static int mg_list_bilateral(const mg_context *c, int *list, int n);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
 /* rhs.c */
+static int mg_a_path_ends(const mg_context *c);
 static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 static mg_real mg_separation(const mg_context *c, int contact);
 
@@ -130,11 +131,12 @@ static mg_real mg_growth(mg_real error, mg_real most);
 static void mg_pass_time(mg_run *run, mg_real h);
 static int mg_finite(const mg_real *x, int n);
 
-/* loads.c, and timestep_fallback.c for it */
+/* unbounded.c, and timestep_fallback.c for it */
 static int mg_verdict(mg_context *c, int outcome);
 static int mg_is_closed_to_events(int outcome);
 
 /* instants.c */
+static int mg_is_driven(const mg_system *s, int body);
 static int mg_count_timed(const mg_system *s);
 static long mg_instant_size(const mg_system *s);
 static mg_real mg_seen_in_time(mg_context *c, mg_real h);

@@ -270,8 +270,9 @@ MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg
 MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
                            int *iwork);
 
-/* Of a run that ended as MG_NOT_FINITE: the first load that is not finite where it ended, or has a pole there, or -1. */
-MG_API int mg_odd_load(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork);
+/* Of a run that ended as MG_NOT_FINITE: the first function of time that is not finite where it ended, or has a pole there, or
+   -1. Loads are counted first, then bodies for their paths, then joints for their motions. */
+MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork);
 
 /* The poses of all bodies at the run's state, 12 a body. */
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,

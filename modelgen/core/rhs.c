@@ -17,9 +17,20 @@ static void mg_forces(mg_context *c) {
   c->leaning = 0;
 }
 
-/* Power that driven bodies and given motions put into the moving bodies through contacts and joints. */
+/* Whether a driven body is nowhere. */
+static int mg_a_path_ends(const mg_context *c) {
+  for (int b = 0; b < c->sys->n_body && c->driven; b++) {
+    const int finite = mg_finite(c->pose + 12 * b, 12) && mg_finite(c->twist + 6 * b, 6) && mg_finite(c->accel + 6 * b, 6);
+    if (mg_is_driven(c->sys, b) && !finite) return 1;
+  }
+  return 0;
+}
+
+/* Power that driven bodies and given motions put into the moving bodies through contacts and joints; without bounds where a path
+   is not finite, though nothing may touch it. */
 static mg_real mg_driven_power(const mg_context *c) {
   mg_real power = 0;
+  if (mg_a_path_ends(c)) return INFINITY;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->active[i]) power -= c->force[i] * mg_driven_rate(c, i);
   for (int i = c->bilateral; i < c->n_rows; i++) power -= c->force[i] * mg_driven_rate(c, i);

@@ -48,7 +48,8 @@ static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *
   if (h > sight) h = sight;
   c->left.count = 0;
   mg_take_geometry(c, h);
-  if (!mg_finite(c->K + c->n_x + c->work_index, 1)) return MG_NOT_FINITE; /* the power of the loads */
+  const int powered = mg_finite(c->K + c->n_x + c->work_index, 1); /* by the loads */
+  if (!powered || mg_a_path_ends(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_tell_modes(c, events, h);

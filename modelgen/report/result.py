@@ -143,7 +143,9 @@ _PROPERTIES = {
     "outcome": entry("string", "done, interrupted, or what stopped the run"),
     "advice": entry("string", "what the outcome means and what to do about it"),
     "outcome_contact": entry("string", "the contact that the outcome speaks of, or empty"),
-    "outcome_load": entry("string", "the load that is not finite where the run ends, or empty"),
+    "outcome_function": entry(
+        "string", "the load, path or motion that is not finite where the run ends, or empty"
+    ),
     "accuracy": entry("string", "the Accuracy that was used"),
     "warnings": {
         "type": "array",

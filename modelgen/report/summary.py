@@ -100,16 +100,18 @@ def _print_events(events: list[dict[str, Any]], console: Console) -> None:
         if not between or not FIRST <= k < len(events) - LAST:
             speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
             console.print(
-                f"{event['t']:.9f} s  {event['kind']} of {_contact(event)}{speed}",
+                f"{event['t']:.9f} s  {event['kind']}{_contact(event)}{speed}",
                 markup=False,
                 soft_wrap=True,
             )
 
 
 def _contact(event: dict[str, Any]) -> str:
-    """Its name, with the features that it is between where the name does not say."""
+    """` of ` its name, and the features that it is between where that does not say; empty without contact."""
     name, features = event["contact"], event["features"]
-    return name if name.endswith(features) else f"{name} ({features})"
+    if not name:
+        return ""
+    return f" of {name}" if name.endswith(features) else f" of {name} ({features})"
 
 
 def _vector(values: list[float], noise: float = 0.0) -> str:

@@ -125,6 +125,8 @@ class Session:
         """The contact and the features that it is between; the patch that a pad holds, and its faces."""
         if contact < self.n_shown:
             return self.contacts[contact], self.link_names[link] if link >= 0 else ""
+        if not self.sentence["patches"]:
+            return "", ""
         patch = self.sentence["patches"][(link - len(self.link_names)) // PADS]
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
@@ -143,9 +145,9 @@ class Session:
         self.library.cdll.mg_joint_ranks(*self._head, ctypes.c_void_p(address(rank)), *self._scratch)
         return [int(n) for n in rank[:-1]]
 
-    def odd_load(self) -> int:
-        """The load for which a run is not finite, or -1."""
-        return int(self.library.cdll.mg_odd_load(*self._head, *self._scratch))
+    def unbounded(self) -> int:
+        """The function of time for which a run is not finite, or -1: loads, then bodies, then joints."""
+        return int(self.library.cdll.mg_unbounded(*self._head, *self._scratch))
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""

@@ -17,12 +17,12 @@ from modelgen.runtime.checks import check_keywords, check_span, is_number
 from modelgen.runtime.companion import estimate_of, nudge
 from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.joints import coordinate_names
-from modelgen.runtime.loads import load_of
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
+from modelgen.runtime.unbounded import unbounded
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
 KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
@@ -194,6 +194,6 @@ def _trajectory(
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,
         warnings=warnings(session, accuracy),
-        outcome_load=load_of(session, ending.outcome),
+        outcome_function=unbounded(session, ending.outcome),
         stopped=ending.interrupted,
     )

@@ -24,8 +24,8 @@ class Outcome(Enum):
     )
     STEP_TOO_SMALL = "the step became too small; loosen the tolerance or look for a discontinuous load"
     NOT_FINITE = (
-        "a load is not finite or has a pole, or a state became infinite; look at the loads and at shapes "
-        "without curvature at the contact"
+        "a load, path or motion is not finite or has a pole, or a state became infinite; look at these "
+        "and at shapes without curvature at the contact"
     )
     COMPLEMENTARITY = (
         "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
@@ -136,7 +136,7 @@ class Trajectory:
     accuracy: str
     warnings: tuple[str, ...] = ()
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
-    outcome_load: str = ""  # "torque[0] on 'cart'", where it is for a load that the run is not finite
+    outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
 
     @property
@@ -174,7 +174,7 @@ class Trajectory:
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,
             "outcome_contact": self.outcome_contact,
-            "outcome_load": self.outcome_load,
+            "outcome_function": self.outcome_function,
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
             "estimate": self.estimate and self.estimate.as_json(),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy, simulate
+from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene import build as make
@@ -126,10 +127,47 @@ def test_a_load_that_is_not_finite_ends_the_run_by_its_name(torque: str, end: fl
     for method in ({}, {"method": "time-stepping", "step": 1e-3}):
         path = simulate(library, until=0.5, estimate=False, **method)  # type: ignore[arg-type]
         assert path.outcome is Outcome.NOT_FINITE
-        assert path.outcome_load == "torque[1] on 'ball'"
+        assert path.outcome_function == "torque[1] on 'ball'"
         assert path.t_end == pytest.approx(end, abs=1e-6 if not method else 2e-3)
         assert not any("Painleve" in warning for warning in path.warnings)
         assert np.isfinite(path.p).all()
+
+
+@pytest.mark.parametrize("gap", [0.0, 10.0])
+@pytest.mark.parametrize("height", ["0.01*sqrt(0.3 - t)", "0.01*log(0.3 - t)"])
+def test_a_path_that_is_not_finite_ends_the_run_by_its_name(height: str, gap: float) -> None:
+    """Whether or not anything touches the body that is nowhere."""
+    moved = make.driven("table", make.plane(), path={"position": ["0", "0", f"{height} - {gap}"]})
+    scene = make.scene(
+        "nowhere", [moved, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.2])],
+        contact=[{"between": ["ball", "table"]}],
+    )  # fmt: skip
+    library = library_of(scene)
+    for method in ({}, {"method": "rk4", "step": 1e-3}, {"method": "time-stepping", "step": 1e-3}):
+        path = simulate(library, until=0.5, estimate=False, **method)  # type: ignore[arg-type]
+        assert (path.outcome, path.outcome_function) == (Outcome.NOT_FINITE, "path of 'table'")
+        assert path.t_end == pytest.approx(0.3, abs=2e-3 if method else 1e-6)
+        assert np.isfinite(path.p[:, 1]).all()
+
+
+def cranked(motion: str) -> Library:
+    crank = {"name": "crank", "kind": "revolute", "between": ["world", "ball"], "motion": motion}
+    scene = make.scene("cranked", [solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0])], joint=[crank])
+    return library_of(scene)
+
+
+def test_a_scene_without_contacts_goes_on_by_time_stepping() -> None:
+    path = simulate(cranked("t**2/(0.3 - t)"), until=0.5, estimate=False)
+    assert path.outcome is Outcome.DONE
+    assert [(each.kind, each.contact) for each in path.events[:2]] == [
+        ("time-stepping", ""), ("event-driven", "")
+    ]  # fmt: skip
+
+
+def test_a_motion_that_is_not_finite_ends_the_run_by_its_name() -> None:
+    path = simulate(cranked("t**2*sqrt(0.3 - t)"), until=0.5, estimate=False)
+    assert (path.outcome, path.outcome_function) == (Outcome.NOT_FINITE, "motion of joint 'crank'")
+    assert path.t_end == pytest.approx(0.3, abs=1e-6)
 
 
 def test_loads_that_jump_or_have_an_impulse_do_not_end_the_run() -> None:

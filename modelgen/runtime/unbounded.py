@@ -1,4 +1,4 @@
-"""The load for which a run is not finite, as the scene writes it."""
+"""The function of time for which a run is not finite, as the scene writes it."""
 
 from __future__ import annotations
 
@@ -6,11 +6,22 @@ from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import Outcome
 
 
-def load_of(session: Session, outcome: Outcome) -> str:
-    """`torque[0] on 'cart'`; empty where the outcome is another, or not for a load."""
-    at = session.odd_load() if outcome is Outcome.NOT_FINITE else -1
+def unbounded(session: Session, outcome: Outcome) -> str:
+    """`torque[0] on 'cart'`, `path of 'table'` or `motion of joint 'crank'`; empty where the outcome is
+    another, or not for a function of time."""
+    at = session.unbounded() if outcome is Outcome.NOT_FINITE else -1
     if at < 0:
         return ""
+    loads, bodies = session.sentence["loads"], session.sentence["bodies"]
+    if at < len(loads):
+        return _load(session, at)
+    at -= len(loads)
+    if at < len(bodies):
+        return f"path of {bodies[at]['name']!r}"
+    return f"motion of joint {session.joints[at - len(bodies)]!r}"
+
+
+def _load(session: Session, at: int) -> str:
     sentence, kinds = session.sentence, session.library.manifest.kinds["load"]
     named = [kinds[load["kind"]]["kind"] for load in sentence["loads"]]
     kind = named[at].replace("_", " ")
