@@ -1,4 +1,4 @@
-"""What a run costs: CPU time of the core alone, the least of several runs, beside a yardstick."""
+"""What a run costs: CPU time of the core alone, by a yardstick that is run beside it."""
 
 from __future__ import annotations
 
@@ -13,21 +13,23 @@ YARD = 400  # steps of the yardstick
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """CPU time of one run, s: the least; its noise; and the least of the yardstick in between, s."""
+    """CPU time of one run where the yardstick takes `yard`, s, and its noise."""
 
     seconds: float
     noise: float | None  # median over least, less one; None for a single run
-    yard: float
+    yard: float  # the least
 
 
 def cost_of(run: Callable[[], float], yard: Callable[[], float]) -> Cost:
-    """Runs and yardstick in turn, so that a slower machine slows both; few runs where one is long."""
+    """Runs and yardstick in turn, few where one is long; the median of their ratios counts: a machine that is
+    slow for a while slows both."""
     spent, yards = [run()], [yard()]
     while _goes_on(spent):
         spent.append(run())
         yards.append(yard())
-    noise = median(spent) / min(spent) - 1 if len(spent) > 1 else None
-    return Cost(min(spent), noise, min(yards))
+    shares = [one / beside for one, beside in zip(spent, yards, strict=True)]
+    noise = median(shares) / min(shares) - 1 if len(shares) > 1 else None
+    return Cost(median(shares) * min(yards), noise, min(yards))
 
 
 def _goes_on(spent: list[float]) -> bool:
