@@ -30,7 +30,6 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
-SLOWEST = 1e-8  # L/T: bounces are followed down to this at the tightest tolerances
 FINER = 10.0  # by which the tolerances of a companion run are finer
 SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
 COARSER = 1.5  # by which its tolerance is coarser where the real type resolves no finer one
@@ -178,7 +177,7 @@ class Accuracy:
     @classmethod
     def tight(cls) -> Accuracy:
         """Close to the rounding of double precision: below 1e-9 in nine of ten shipped scenes, half 2e-12."""
-        return cls(name="tight", tolerance=1e-13, rest_speed=SLOWEST)
+        return cls(name="tight", tolerance=1e-13)
 
     @classmethod
     def finest(cls) -> Accuracy:
@@ -198,8 +197,7 @@ class Accuracy:
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
-        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2; the speeds at which
-        bounces end and slip begins go with it."""
+        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
             raise SimulationError(
                 "tolerance",
@@ -208,10 +206,7 @@ class Accuracy:
                 "choose one within these bounds",
             )
         slip_speed = max(cls().slip_speed, 10 * tolerance)
-        rest_speed = min(cls().rest_speed, max(SLOWEST, 1e5 * tolerance))
-        return cls(
-            name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed, rest_speed=rest_speed
-        )
+        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed)
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
