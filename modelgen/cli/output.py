@@ -110,10 +110,10 @@ def write_main(library: Library, name: str) -> Path:
 
 def print_built(library: Library, program: Path | None) -> None:
     """The library; of a program, the file and how it is compiled there."""
-    from modelgen.runtime.driver import compile_command
-
     typer.echo(library.path)
     if program is not None:
+        from modelgen.runtime.driver import compile_command
+
         typer.echo(f"written: {program}\nthere: {compile_command(library, program.name)}")
 
 

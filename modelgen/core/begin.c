@@ -79,7 +79,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_open_leaving(&c);
   if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);
-  for (int i = 0; i < system->n_contact; i++) c.fired[i] = 0;
+  mg_forget_events(&c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_in_time(&c);
   outcome = mg_impact(&c, events);
   mg_report_caught(&c, events);

@@ -17,12 +17,14 @@ static void mg_forces(mg_context *c) {
   c->leaning = 0;
 }
 
+static int mg_is_somewhere(const mg_context *c, int body) {
+  return mg_finite(c->pose + 12 * body, 12) && mg_finite(c->twist + 6 * body, 6) && mg_finite(c->accel + 6 * body, 6);
+}
+
 /* Whether a driven body is nowhere. */
 static int mg_a_path_ends(const mg_context *c) {
-  for (int b = 0; b < c->sys->n_body && c->driven; b++) {
-    const int finite = mg_finite(c->pose + 12 * b, 12) && mg_finite(c->twist + 6 * b, 6) && mg_finite(c->accel + 6 * b, 6);
-    if (mg_is_driven(c->sys, b) && !finite) return 1;
-  }
+  for (int b = 0; b < c->sys->n_body && c->driven; b++)
+    if (mg_is_driven(c->sys, b) && !mg_is_somewhere(c, b)) return 1;
   return 0;
 }
 

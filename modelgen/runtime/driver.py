@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.compiler import LEVEL, LIBRARIES, REALS
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
@@ -17,7 +18,6 @@ from modelgen.runtime.tables import Array, address
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work
-REAL_FLAGS: Mapping[str, str] = {"double": "", "float": "-DMG_REAL_FLOAT ", "long double": "-DMG_REAL_LONG "}
 
 MAIN = """
 static mg_real work[{work}];
@@ -64,7 +64,8 @@ def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
 def compile_command(library: Library, name: str) -> str:
     """How a program of a scene is compiled in the folder of its library."""
     program = name.removesuffix(".c")
-    return f"cc -O2 {REAL_FLAGS[library.real]}{name} model.c -lm -o {program} && ./{program}"
+    words = ["cc", f"-{LEVEL}", *REALS[library.real], name, "model.c", *LIBRARIES, "-o", program]
+    return f"{' '.join(words)} && ./{program}"
 
 
 def program_text(library: Library, name: str) -> str:

@@ -17,6 +17,7 @@ from modelgen.scene.types import Scene
 from tests.running import SCENES, library_of
 
 UNTIL = 0.05
+COUNTED = pytest.mark.skipif(bool(why_not_counted()), reason="valgrind is not installed")
 END = """
 #include <stdio.h>
 int run(void);
@@ -58,7 +59,7 @@ def named(name: str, form: str = "auto") -> Scene:
     return replace(scene, name=name, contacts=tuple(replace(pair, form=form) for pair in scene.contacts))
 
 
-@pytest.mark.skipif(bool(why_not_counted()), reason="valgrind is not installed")
+@COUNTED
 def test_instructions_grow_with_the_steps() -> None:
     library = library_of(named("counted"))
     coarse, fine = (
@@ -69,6 +70,7 @@ def test_instructions_grow_with_the_steps() -> None:
     assert 1.8 < fine / coarse < 2.2
 
 
+@COUNTED
 def test_a_folder_that_holds_another_form_is_not_counted() -> None:
     library = library_of(named("built_over"))
     library_of(named("built_over", "implicit"))
