@@ -54,7 +54,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         events={"impact": None, "touch-down": None, "lift-off": None, "flat": 1},
         apart=1e-8,
         single=5e-4,
-        reachable=6,
+        reachable=8,
     ),
     "gripper": Shipped(
         kinds=(

@@ -15,14 +15,13 @@ from modelgen import __version__
 from modelgen.codegen.compiler import (
     LEVEL,
     LEVELS,
-    REALS,
     Compiler,
     compile_library,
     cpu_target,
     find_compiler,
 )
 from modelgen.codegen.emit import Package
-from modelgen.codegen.library import Library
+from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import BuildRecord, record_name
 from modelgen.errors import LibraryError, expect, nearest
 
@@ -50,7 +49,7 @@ def build(
     expect("build", package, Package)
     run = package.manifest.sentence["run"]
     real, level = real or run.get("real", "double"), level or run.get("level", LEVEL)
-    for name, value, known in (("real", real, tuple(REALS)), ("level", level, LEVELS)):
+    for name, value, known in (("real", real, tuple(REAL_FLAGS)), ("level", level, LEVELS)):
         if value not in known:
             raise LibraryError(name, repr(value), f"allowed: {', '.join(known)}", nearest(value, known))
     folder = (Path("generated") / package.name if folder is None else Path(folder)).absolute()

@@ -9,21 +9,16 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from modelgen.codegen.library import REAL_FLAGS
 from modelgen.errors import CompilerMissing, LibraryError
 
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
 FLAGS = ("-std=c99", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
 LIBRARIES = ("-lm",)
-REALS: Mapping[str, tuple[str, ...]] = {
-    "double": (),
-    "float": ("-DMG_REAL_FLOAT",),
-    "long double": ("-DMG_REAL_LONG",),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +38,7 @@ class Compiler:
             ("-fno-sanitize=undefined",) if self.is_zig else ("-march=native",)
         )  # zig targets this CPU anyway
         strict = ("-Wl,-z,defs",) if sys.platform == "linux" else ()
-        return (f"-{level}", *FLAGS, *native, *strict, *REALS[real])
+        return (f"-{level}", *FLAGS, *native, *strict, *REAL_FLAGS[real])
 
 
 def find_compiler() -> Compiler:

@@ -19,6 +19,11 @@ DTYPES: Mapping[str, type[np.floating[Any]]] = {
     "float": np.float32,
     "long double": np.longdouble,
 }
+REAL_FLAGS: Mapping[str, tuple[str, ...]] = {
+    "double": (),
+    "float": ("-DMG_REAL_FLOAT",),
+    "long double": ("-DMG_REAL_LONG",),
+}
 
 
 class Library:

@@ -100,7 +100,7 @@ typedef struct {
   mg_real start_gap;      /* the same for the given start; deeper penetration is refused */
   mg_real start_joint;    /* joints that fit at the start to start_joint * length are brought together, others refused */
   mg_real drift;          /* d beyond drift * length (d_dot: / time) is projected away */
-  mg_real rest_speed;     /* approach below rest_speed * length / time is caught without bounce */
+  mg_real rest_speed;     /* an approach that rebounds below rest_speed * length / time is caught */
   mg_real slip_speed;     /* slip below slip_speed * length / time sticks, if the forces let it */
   mg_real cone;           /* a grip whose force has reached its bound is tried with this part less */
   mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */

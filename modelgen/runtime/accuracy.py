@@ -30,6 +30,7 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
+SLOWEST = 1e-7  # L/T: of bounces at the tightest tolerances; slower ones are lost in rounding
 FINER = 10.0  # by which the tolerances of a companion run are finer
 SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
 COARSER = 1.5  # by which its tolerance is coarser where the real type resolves no finer one
@@ -64,7 +65,7 @@ class Accuracy:
         gap, start_gap: |d| <= gap L counts as touching; at t = 0 start_gap L, deeper penetration is refused.
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
-        rest_speed: approach below rest_speed L/T is caught without bounce.
+        rest_speed: an approach that would rebound below rest_speed L/T is caught without bounce.
         slip_speed: slip below slip_speed L/T sticks if the forces let it; spin, rolling below slip_speed/T.
         cone: a contact whose friction has reached its bound is tried with this part less of it.
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
@@ -177,7 +178,7 @@ class Accuracy:
     @classmethod
     def tight(cls) -> Accuracy:
         """Close to the rounding of double precision: below 1e-9 in nine of ten shipped scenes, half 2e-12."""
-        return cls(name="tight", tolerance=1e-13)
+        return cls(name="tight", tolerance=1e-13, rest_speed=SLOWEST)
 
     @classmethod
     def finest(cls) -> Accuracy:
@@ -197,7 +198,8 @@ class Accuracy:
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
-        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2."""
+        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2; the speeds at which
+        bounces end and slip begins go with it."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
             raise SimulationError(
                 "tolerance",
@@ -206,7 +208,10 @@ class Accuracy:
                 "choose one within these bounds",
             )
         slip_speed = max(cls().slip_speed, 10 * tolerance)
-        return cls(name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed)
+        rest_speed = min(cls().rest_speed, max(SLOWEST, 1e5 * tolerance))
+        return cls(
+            name=f"tolerance {tolerance:g}", tolerance=tolerance, slip_speed=slip_speed, rest_speed=rest_speed
+        )
 
     @classmethod
     def named(cls, name: str) -> Accuracy:

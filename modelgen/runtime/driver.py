@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.compiler import LEVEL, LIBRARIES, REALS
-from modelgen.codegen.library import Library
+from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
@@ -64,7 +63,7 @@ def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
 def compile_command(library: Library, name: str) -> str:
     """How a program of a scene is compiled in the folder of its library."""
     program = name.removesuffix(".c")
-    words = ["cc", f"-{LEVEL}", *REALS[library.real], name, "model.c", *LIBRARIES, "-o", program]
+    words = ["cc", "-O2", *REAL_FLAGS[library.real], name, "model.c", "-lm", "-o", program]
     return f"{' '.join(words)} && ./{program}"
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from modelgen import derive, emit, require
-from modelgen.codegen.compiler import REALS
 from modelgen.codegen.emit import Package
+from modelgen.codegen.library import REAL_FLAGS
 from modelgen.scene.types import Scene
 from tests.model.scenes import TABLE, WIDE, ball_on_table, contact, egg, scene
 from tests.running import library_of
@@ -51,12 +51,12 @@ def test_text_is_the_same_in_every_process() -> None:
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("real", REAL_FLAGS)
 @pytest.mark.parametrize("made", [WIDE, ball_on_table()], ids=["wide", "ball"])
 @pytest.mark.skipif(CC is None, reason="needs a C compiler")
 def test_text_compiles_without_a_warning(made: Scene, real: str, tmp_path: Path) -> None:
     source = write(emit(derive(require(made))), tmp_path)
-    strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", *REALS[real]]
+    strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", *REAL_FLAGS[real]]
     answer = subprocess.run(
         [str(CC), *strict, "-c", source.name, "-o", "model.o"], cwd=tmp_path, capture_output=True, text=True
     )

@@ -58,7 +58,7 @@ class PlainStepper:
     def __init__(self, library: Library, links: np.ndarray, eta: np.ndarray) -> None:
         self.scene = PlainScene(library, links)
         sentence = library.manifest.sentence
-        scales, accuracy = sentence["scales"], Accuracy.balanced()
+        scales, accuracy = sentence["scales"], Accuracy.tight()
         self.near = TOUCHING * scales["length"]
         self.rest = accuracy.rest_speed * scales["length"] / scales["time"]
         self.slack = accuracy.rest_acceleration * scales["length"] / scales["time"] ** 2

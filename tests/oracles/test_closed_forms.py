@@ -9,7 +9,7 @@ from scipy.special import ellipj, ellipk
 
 from modelgen import Accuracy, simulate
 from modelgen.scene import build as make
-from tests.running import library_of, run
+from tests.running import library_of, run, scene_of
 
 G = 9.81
 
@@ -26,14 +26,18 @@ def test_a_ball_leaves_a_fixed_sphere_at_two_thirds_of_its_height() -> None:
     assert lift.t == pytest.approx(quad(rate, 0, np.sqrt(end - start), epsabs=1e-13)[0], abs=1e-9)
 
 
-def test_a_bouncing_ball_follows_its_geometric_series() -> None:
-    path = run("bouncing_ball", Accuracy.balanced())
+@pytest.mark.parametrize("accuracy", [Accuracy.balanced(), Accuracy.tight()], ids=lambda each: each.name)
+def test_a_bouncing_ball_follows_its_geometric_series(accuracy: Accuracy) -> None:
+    path = run("bouncing_ball", accuracy)
     fall, e = np.sqrt(2 / G), 0.7
     impacts = [event.t for event in path.events if event.kind == "impact"]
     exact = fall * (1 + 2 * e * (1 - e ** np.arange(len(impacts))) / (1 - e))
     assert np.abs(np.array(impacts) - exact).max() < 1e-9
     assert path.events[-1].kind == "touch-down"
     assert path.events[-1].t == pytest.approx(fall * (1 + e) / (1 - e), abs=1e-9)
+    scales = scene_of("bouncing_ball").manifest.sentence["scales"]
+    slowest = accuracy.rest_speed * scales["length"] / scales["time"]
+    assert e ** (len(impacts) + 1) < slowest / (G * fall) < e ** len(impacts)
 
 
 def test_forty_nine_elastic_balls_keep_their_energy() -> None:
