@@ -254,7 +254,7 @@ SHAPES = (
     ),
     Extreme(
         "needle", "height over width of a spheroid on a plane", decades(0, 7), (1e1, 1e3, 1e7),
-        "tolerance + 100 eps x", lambda x: 2e-11 + 100 * EPS * x, RUN, _compared(_egg_on_plane),
+        "tolerance + 200 eps x", lambda x: 2e-11 + 200 * EPS * x, RUN, _compared(_egg_on_plane),
         warned=2e3, refused=2e5,
     ),
     Extreme(
