@@ -108,9 +108,11 @@ def read_option(name: str, text: str | None) -> Any:
 
 def read_main(name: str | None) -> str | None:
     """The file name of `--main`. Raises ModelgenError unless it is one of C, that is not of the generated."""
-    if name is None or (re.fullmatch(r"\w[\w.-]*\.c", name) and name != "model.c"):
+    from modelgen.codegen.emit import file_names
+
+    if name is None or (re.fullmatch(r"\w[\w.-]*\.c", name) and name not in file_names()):
         return name
-    allowed = "the name of a C file, in the folder of the generated files"
+    allowed = "the name of a C file, in the folder of the generated files, and of none of them"
     raise ModelgenError("--main", repr(name), allowed, "write run.c; --out names another folder")
 
 

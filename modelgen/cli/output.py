@@ -33,7 +33,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         except ModelgenError as error:
             message, code = str(error), REFUSED
         except OSError as error:
-            message, code = f"{error.filename}: {error.strerror}", REFUSED
+            message, code = f"{error.filename or 'standard output'}: {error.strerror}", REFUSED
         except KeyboardInterrupt:
             message, code = "interrupted", INTERRUPTED
         else:

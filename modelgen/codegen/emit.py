@@ -124,6 +124,11 @@ def emit(derivation: Derivation) -> Package:
     return Package(derivation.model.scene.name, files, manifest)
 
 
+def file_names() -> set[str]:
+    """Of the C text of any package."""
+    return {*core_files(), "kernels.c", "kinds.c", "model.c"}
+
+
 def core_files() -> dict[str, str]:
     """The hand-written C files, by name in alphabetical order."""
     folder = resources.files("modelgen.core")

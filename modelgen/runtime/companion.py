@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.apart import (
     angle_between,
     distance_between,
@@ -25,7 +25,8 @@ from modelgen.runtime.tables import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.runtime.undecided import undecided_blows
 
-SAFE = 2.0  # times the difference: for what the companion errs itself
+SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
+ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 DYING = ("stick", "spin-stop", "roll-stop")  # events at which slip has died
 UNBALANCED = (
@@ -58,12 +59,12 @@ def estimate_of(
     """
     length, last = sentence["scales"]["length"], len(path.t)
     position, rotation = np.full(last, np.inf), np.full(last, np.inf)
-    n = 0 if twin is None else _common(path, twin)
+    n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
     if twin is not None:
-        position[:n], rotation[:n] = _errors(path, twin, n, sentence)
+        position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, sentence))
     predicted = _predicted(position / length, rotation, n, accuracy.predictable)
     slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
-    other = _other(path, twin, predicted, slow)
+    other = _other(path, twin, predicted, slow, safe)
     reasons = [*_reasons(path, twin, accuracy, sentence, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
@@ -87,8 +88,20 @@ def _common(path: Trajectory, twin: Trajectory) -> int:
     return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
 
 
-def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]) -> tuple[Array, Array]:
-    """(n,) m and rad: what differs up to each sample, doubled, and what rounding hides."""
+def _steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
+    return accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events)
+
+
+def _safe(path: Trajectory, accuracy: Accuracy) -> float:
+    """By what differences are multiplied; at a step TENTH as long the error is TENTH**order of it."""
+    order = ORDERS.get("time-stepping" if _steps_in_time(path, accuracy) else accuracy.method)
+    return SAFE if order is None else SAFE / (1 - TENTH**order)
+
+
+def _errors(
+    path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]
+) -> tuple[tuple[Array, float], tuple[Array, float]]:
+    """m and rad: (n,) what differs up to each sample, and what rounding hides."""
     bodies = list(enumerate(sentence["bodies"]))
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
@@ -96,10 +109,9 @@ def _errors(path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, A
     size = max(sentence["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
     apart = distance_between(path, twin, moving)[:n]
     turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
-    rounded = tiny * size, tiny if turning else 0.0
     return (
-        SAFE * np.maximum.accumulate(apart) + rounded[0],
-        SAFE * np.maximum.accumulate(turned) + rounded[1],
+        (np.maximum.accumulate(apart), tiny * size),
+        (np.maximum.accumulate(turned), tiny if turning else 0.0),
     )
 
 
@@ -109,7 +121,7 @@ def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> 
     return max(int(lost[0]) if lost.size else n, 1)
 
 
-def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float) -> dict[str, Any]:
+def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float, safe: float) -> dict[str, Any]:
     """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s."""
     if twin is None:
         return {"gap": None, "force": None, "events": None, "events_unmatched": None}
@@ -118,9 +130,9 @@ def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float) -> di
     told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
     times = events_between(told[0], told[1], end)
     return {
-        "gap": None if gap is None else SAFE * gap,
-        "force": None if force is None else SAFE * force,
-        "events": None if times["events"] is None else SAFE * times["events"],
+        "gap": None if gap is None else safe * gap,
+        "force": None if force is None else safe * force,
+        "events": None if times["events"] is None else safe * times["events"],
         "events_unmatched": times["events_unmatched"],
     }
 
@@ -143,7 +155,7 @@ def _reasons(
         yield "Gamma2 is left out, and so the motion is another"
     if _is_unbalanced(path, sentence):
         yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
-    if accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events):
+    if _steps_in_time(path, accuracy):
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
         yield "fixed steps lose their order where slip dies"

@@ -53,6 +53,18 @@ def test_an_estimate_changes_nothing_of_its_run() -> None:
     assert stated["statement"].startswith("estimated error ")
 
 
+@pytest.mark.parametrize("step", [2e-2, 5e-3, 1e-3])
+@pytest.mark.parametrize("method", ["rk4", "stewart-trinkle", "anitescu-potra"])
+def test_an_estimate_at_fixed_steps_is_twice_the_error(method: str, step: float) -> None:
+    """Of a method of any order: a shorter step takes the share of the error that its order says."""
+    egg, plain = scene_of("ellipsoid_on_plane"), Accuracy.balanced()
+    accuracy = plain.fixed_step(step) if method == "rk4" else plain.time_stepping(step, method)
+    path = simulate(egg, accuracy=accuracy, until=0.3, samples=6)
+    error = np.linalg.norm(path.p - simulate(egg, accuracy="tight", until=0.3, samples=6).p, axis=-1).max()
+    assert error > 1e-14
+    assert 1.2 * error < path.position_error[-1] < 5 * error
+
+
 def test_drift_that_nobody_removes_is_in_the_estimate() -> None:
     box = scene_of("box_dropped")
     drifting = simulate(box, accuracy=replace(Accuracy.balanced(), project=0))
