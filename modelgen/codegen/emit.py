@@ -65,8 +65,13 @@ RUBBING = (
     "tracks.c",
 )  # also between faces
 
+STANDING = (
+    *("collocate.c", "lean.c", "margin.c"),
+    *("pressure.c", "start_rolling.c", "tracks.c"),
+)  # and where faces stand, and roll off over their rims
+
 PER_STEP = (
-    *("conditions.c", "sample.c", "starts.c"),
+    *("conditions.c", "events.c", "links.c", "project.c", "sample.c", "starts.c", "walk.c"),
     *("lcp_cholesky.c", "lcp_minimum_norm.c", "lcp_residual.c", "place.c"),
     *("qp.c", "qp_pivot.c", "qp_refine.c", "qp_small.c"),
 )
@@ -107,6 +112,7 @@ def emit(derivation: Derivation) -> Package:
     grips = any(kind.rows > 1 for kind in derivation.model.contact_kinds)
     quick = (*INNER_LOOP, *(SEEKING if "seek" in roles else ()), *(JOINING if "rows" in roles else ()))
     quick += GRIPPING if grips else ()
+    quick += STANDING if derivation.model.patches else ()
     quick += RUBBING if any(patch.rubbing >= 0 for patch in derivation.model.patches) else ()
     files = {
         **core,
