@@ -42,7 +42,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),
         reference="oracles/test_closed_forms.py::test_a_bouncing_ball_follows_its_geometric_series",
-        events={"impact": None, "touch-down": 1},
+        events={"impact": (43, 50), "touch-down": 1},
     ),
     "box_dropped": Shipped(
         kinds=("fixed", "free_diagonal", "plane_point_explicit"),

@@ -17,7 +17,8 @@ class Shipped:
             joints, limits.
         forms: all that are regular for one of the scene's contacts; none without contacts.
         reference: the test that holds the scene against its reference, as `file::function` in tests.
-        events: how often each kind of event happens at `balanced` and at `tight`; None: many.
+        events: how often each kind of event happens at `balanced` and at `tight`, one number for both or
+            two; None: many.
         drift: bounds on the energy drift at `fast`, `balanced` and `tight`.
         margin: every closed contact has more; less where a rim begins to roll from flat.
         loose: by what the bounds on gaps and complementarity are wider, where the run falls back.
@@ -31,7 +32,7 @@ class Shipped:
     kinds: tuple[str, ...]
     forms: tuple[str, ...]
     reference: str
-    events: Mapping[str, int | None] = field(default_factory=dict)
+    events: Mapping[str, int | tuple[int, int] | None] = field(default_factory=dict)
     drift: tuple[float, float, float] = (1e-4, 1e-9, 1e-11)
     margin: float = 1e-3
     loose: float = 1.0

@@ -56,19 +56,12 @@ JOINING = ("joints.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and where ther
 
 GRIPPING = ("grips.c", "oblique.c", "slip.c", "lcp_cholesky.c", "lcp_minimum_norm.c")  # and with friction
 
-RUBBING = (
-    "limit_surface.c",
-    "margin.c",
-    "pressing.c",
-    "rubbing.c",
-    "rubs.c",
-    "tracks.c",
-)  # also between faces
-
 STANDING = (
     *("collocate.c", "lean.c", "margin.c"),
     *("pressure.c", "start_rolling.c", "tracks.c"),
 )  # and where faces stand, and roll off over their rims
+
+RUBBING = ("limit_surface.c", "pressing.c", "rubbing.c", "rubs.c")  # and where these have friction
 
 PER_STEP = (
     *("conditions.c", "events.c", "links.c", "project.c", "sample.c", "starts.c", "walk.c"),
