@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable
+from math import log10
 from pathlib import Path
 from typing import Any
 
@@ -155,6 +156,21 @@ def test_a_tuned_scene_keeps_its_promise(modelgen: Modelgen, tmp_path: Path, exp
 def test_tune_names_the_file_that_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None:
     answer = modelgen("tune", EGG, *FEW, "--error", 1e-3, "--out", tmp_path / "tuned.toml")
     assert answer.out.endswith(f"\nwritten: {tmp_path / 'tuned.toml'}\n")
+
+
+def test_a_budget_is_kept_within_its_band(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a machine whose runs take as long as their tolerance has digits."""
+    monkeypatch.setattr(
+        program, "core_time", lambda library, accuracy, end: -1e-5 * log10(accuracy.tolerance)
+    )
+    monkeypatch.setattr(program.Bench, "yard", lambda bench: 1e-3)
+    few = (*FEW[:-1], "0.4")  # remembered apart
+    front = modelgen("measure", EGG, *few, "--json").json["front"]
+    middle = front[len(front) // 2]["cost_ns_per_s"]
+    answer = modelgen("tune", EGG, *few, "--budget", f"{middle}ns", "--out", tmp_path / "t.toml", "--json")
+    assert answer.json["cost_ns_per_s"] <= 1.2 * middle
 
 
 def test_an_ample_budget_buys_the_finest_setting(modelgen: Modelgen, tmp_path: Path) -> None:
