@@ -47,7 +47,7 @@ MODEL_MIDDLE = """#if defined(__GNUC__)
 
 INNER_LOOP = (
     *("active_solve.c", "bodies.c", "contacts.c", "dop853.c", "islands.c"),
-    *("lone.c", "rhs.c", "rk4.c", "step.c"),
+    *("lone.c", "rhs.c", "rk4.c", "step.c", "strain.c"),
 )
 
 SEEKING = ("closest.c", "safeguard.c", "seek.c")  # inner loops where a separation function is sought

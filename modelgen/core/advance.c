@@ -136,7 +136,8 @@ static mg_real mg_longest(const mg_context *c) {
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_mark_dips(c, h), passed = mg_fired(c, c->x_next) || c->suspect || dips == MG_WAVES;
+  const int dips = mg_mark_dips(c, h), fired = mg_fired(c, c->x_next), hidden = !fired && !c->suspect && mg_may_strain(c);
+  const int passed = fired || c->suspect || hidden || dips == MG_WAVES;
   if (!passed && !dips) return 0;
   mg_make_dense(c, c->run->t, c->run->x, h);
   return mg_locate(c, h, passed);
@@ -173,6 +174,13 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
   return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
+/* No step now, and a shorter one next. */
+static int mg_shorten(mg_context *c, mg_real h) {
+  c->run->rejected++, c->run->h = h / 2;
+  mg_refresh(c);
+  return MG_DONE;
+}
+
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
    begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
@@ -189,25 +197,20 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   mg_note_gaps(c);
   mg_mark_upright(c);
   if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
+  mg_begin_strain(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
-  else if (mg_overlooks(c, h)) {
-    run->rejected++, run->h = h / 2;
-    return MG_DONE;
-  }
+  else if (mg_overlooks(c, h)) return mg_shorten(c, h);
   if (mg_differs(c, h)) {
     outcome = mg_step_part(c, &h), event = 0;
     if (outcome) return outcome;
   }
   event &= !mg_is_cut(c, &h, end);
-  if (mg_leaps(c, h) || !mg_settle_end(c, h)) {
-    run->rejected++, run->h = h / 2;
-    return MG_DONE;
-  }
+  if (mg_leaps(c, h) || !mg_settle_end(c, h)) return mg_shorten(c, h);
   return mg_conclude(c, h, event, record, events);
 }
 

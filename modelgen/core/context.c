@@ -66,7 +66,7 @@ MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 42 * b + 45 * r + 8 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_reals(mg_most_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() +
-         mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s) + mg_instant_size(s);
+         mg_strain_size(s) + mg_table_size(s) + m * mg_onset_size() + mg_grip_size(s) + mg_instant_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
@@ -140,6 +140,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->o = mg_take_int(&iwork, r), c->f = mg_take_int(&iwork, r);
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
   c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
+  c->strain = mg_part_of_memory(&work, (MG_STRAINS + 1L) * mg_count_strains(s), sizeof(mg_strain));
   c->dips = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
   c->near = mg_take_int(&iwork, m);
   c->trying = mg_take_int(&iwork, s->n_slot), c->barred = mg_take_int(&iwork, s->n_slot);
@@ -169,7 +170,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->force, c->n_all);
   mg_zero(c->bias, c->n_all);
   mg_zero(c->d + c->below, sys->n_below);
-  c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
+  c->n_live = c->n_x - sys->n_eta, c->left.count = 0, c->strained = 0;
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = c->upright[i] = 0, mg_take_link(c, i);
   for (int slot = 0; slot < sys->n_slot; slot++) c->barred[slot] = -1, c->trying[slot] = 0;
   for (int table = 0; table < sys->n_table; table++) c->tabled[table] = 0;

@@ -43,6 +43,8 @@ typedef struct { /* where Newton's method starts on one link, the likeliest firs
   mg_real merit[MG_STARTS], eta[MG_STARTS][6];
 } mg_starts;
 
+typedef struct { mg_real least, most; } mg_strain; /* bounds of what is left before an event; MG_MAX: nothing is watched */
+
 typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
   int link, undecided;
   mg_real d, margin, point[3], normal[3], eta[6];
@@ -105,6 +107,9 @@ typedef struct {
   int *upright;                             /* per contact: it had passed no watched border at the start of the step; MG_TIPS: is on one */
   int *way;                                 /* per contact: the condition that leads it off its link */
   mg_real *gap;                             /* per contact 2: d and d_dot where a step, or a part of it, begins */
+  mg_strain *strain;                        /* what is left before events, at samples of a step, then now: per contact 1, of a slot's pads
+                                               force, margin of its centre, friction; per grip 1 */
+  int strained;                             /* stages at which it was taken */
   int *dips;                                /* per contact: its open gap may have been closed within that part */
   int *column;                              /* per row: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */

@@ -41,7 +41,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
     mg_dop_stage(c, stage, t, x, h);
-    if (stage > 2) mg_watch(c);
+    if (stage > 2) mg_watch(c), mg_strain_stage(c, stage);
   }
   mg_dop_combine(c, 12, x, h, c->x_next);
   return mg_dop_error(c, x, h);

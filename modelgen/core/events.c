@@ -211,20 +211,24 @@ static mg_real mg_first_dip(mg_context *c, mg_real h, mg_real low, mg_real high)
   return first;
 }
 
-/* The first of the parts of the step h at whose end an event has fired, or within which a gap dips: from *low to where that
-   is, which is returned; 0 when there is none. Needs the gaps noted at the start of the step. */
+/* The first of the parts of the step h at whose end an event has fired, or within which a gap dips, or what is left before an
+   event: from *low to where that is, which is returned; 0 when there is none. Needs the gaps and what is left noted at the start
+   of the step. */
 static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
   const mg_real part = (mg_real)1 / c->set->scan;
   for (int j = 1; j <= c->set->scan; j++) {
     const mg_real at = (mg_real)j / c->set->scan;
     const int fired = mg_fired_at(c, h, at), dips = mg_mark_dips(c, part * h);
-    *low = at - part;
     mg_note_gaps(c);
+    mg_take_strain(c, j % MG_STRAINS);
+    const mg_real strain = j > 1 ? mg_first_strain(c, h, j - 1, j + 1, part, low) : 0;
+    if (strain > 0) return strain;
+    *low = at - part;
     const mg_real dip = dips ? mg_first_dip(c, h, *low, at) : 0;
     if (dip > 0) return dip;
     if (fired) return at;
   }
-  return 0;
+  return mg_first_strain(c, h, c->set->scan, c->set->scan + 1, part, low);
 }
 
 /* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many

@@ -15,14 +15,17 @@ static mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
   return c->run->grip[grip] == MG_STUCK ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
 }
 
-/* Slip that has reached slip_speed is over below it; one that has not, once it goes back as fast. */
-static int mg_has_fired(const mg_context *c, int contact, int grip) {
+/* What is left before the event of a grip; MG_MAX where it has none. Slip that has reached slip_speed is over below it; one that
+   has not, once it goes back as fast. */
+static mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
   const int mode = c->run->grip[grip];
-  if (!c->run->active[contact] || mode == MG_LOOSE) return 0;
+  if (!c->run->active[contact] || mode == MG_LOOSE) return MG_MAX;
   const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->sys->mass;
   const mg_real least = mode == MG_STUCK ? -slack : mode == MG_SLIPPING ? rest : -rest;
-  return mg_grip_value(c, contact, grip) < least;
+  return mg_grip_value(c, contact, grip) - least;
 }
+
+static int mg_has_fired(const mg_context *c, int contact, int grip) { return mg_grip_strain(c, contact, grip) < 0; }
 
 /* Marks in c->slipped the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates. */
 static int mg_grips_fired(mg_context *c) {

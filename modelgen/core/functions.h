@@ -158,6 +158,7 @@ static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_watch(mg_context *c);
+static int mg_fired_at(mg_context *c, mg_real h, mg_real theta);
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_finish_step(mg_context *c, mg_real t, mg_real h);
@@ -171,6 +172,17 @@ static void mg_note_gaps(mg_context *c);
 static void mg_mark_upright(mg_context *c);
 enum { MG_DIPS = 1, MG_WAVES = 2 };
 static int mg_mark_dips(mg_context *c, mg_real h);
+
+/* strain.c */
+enum { MG_STRAINS = 7 }; /* samples of a step */
+static int mg_count_strains(const mg_system *s);
+static long mg_strain_size(const mg_system *s);
+static mg_strain *mg_strain_at(const mg_context *c, int sample);
+static void mg_take_strain(mg_context *c, int sample);
+static void mg_begin_strain(mg_context *c);
+static void mg_strain_stage(mg_context *c, int stage);
+static int mg_may_strain(mg_context *c);
+static mg_real mg_first_strain(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low);
 
 /* transitions.c: what may befall a contact */
 enum { MG_STRIKES, MG_MISSES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,

@@ -33,6 +33,7 @@ static void mg_put_cone(const mg_context *c, int contact, mg_real part, mg_real 
 static int mg_put_contact(mg_context *c, int contact, int k, int size);
 
 /* fading.c, choice.c, strike.c: events of grips, their modes, impacts */
+static mg_real mg_grip_strain(const mg_context *c, int contact, int grip);
 static mg_real mg_grip_value(const mg_context *c, int contact, int grip);
 static mg_real mg_slip_size(const mg_context *c, int contact, int grip);
 static void mg_set_on_course(mg_context *c, int contact, int grip);

@@ -25,6 +25,12 @@ static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing
   return untold > whole / 2 ? untold : 0;
 }
 
+/* A time so short that nothing else happens in it: at a kink itself its functions have the mean of both slopes. */
+static mg_real mg_at_once(const mg_context *c) {
+  const mg_real close = c->set->event * c->sys->time, seen = 8 * MG_EPS * fabs(c->run->t);
+  return close > seen ? close : seen;
+}
+
 /* Halves the time in which the velocity of a body seems to jump, until it does so at once, or goes over smoothly (0). */
 static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *to) {
   const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
@@ -36,6 +42,7 @@ static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *
     *(second > first ? from : to) = middle;
     jump = fmax(first, second);
   }
+  *to = mg_swing_at(c, body, to->t + mg_at_once(c));
   return jump > rest;
 }
 
@@ -43,7 +50,7 @@ static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *
 static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
   const mg_real parts = h / (c->set->look * c->sys->time);
   const int n = parts < MG_MOST_JERKS ? (int)parts + 1 : MG_MOST_JERKS;
-  mg_swing at = mg_swing_at(c, body, c->run->t);
+  mg_swing at = mg_swing_at(c, body, c->run->t - mg_at_once(c) / 4);
   for (int k = 1; k <= n; k++) {
     const mg_swing next = mg_swing_at(c, body, c->run->t + k * h / n);
     mg_swing from = at, to = next;

@@ -30,6 +30,8 @@ static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount
 static int mg_most_arcs(const mg_system *s);
 static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
 static int mg_patches_fired(mg_context *c);
+static mg_strain *mg_strain_of_slot(const mg_context *c, int slot);
+static int mg_slot_ends(mg_context *c, int slot);
 static int mg_any_patch_ends(mg_context *c);
 static mg_real mg_patch_value(mg_context *c, int pad, int cause);
 static void mg_drop_patch(mg_context *c, int slot);

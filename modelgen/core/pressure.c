@@ -96,14 +96,14 @@ static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, m
   return margin;
 }
 
-/* Whether a point of the world is known to lie inside the hull. */
-static int mg_is_sheltered(const mg_context *c, int patch, const mg_real *world) {
+/* How far inside the hull a point of the world is known to lie at least, m; negative where it is not. */
+static mg_real mg_sheltered_by(const mg_context *c, int patch, const mg_real *world) {
   mg_real hull[12], x[3];
-  if (c->laid != patch || !(c->shelter > 0)) return 0;
+  if (c->laid != patch || !(c->shelter > 0)) return -1;
   mg_hull_pose(c, patch, hull);
   mg_into(hull, world, x);
   const mg_real dx = x[0] - c->sheltered[0], dy = x[1] - c->sheltered[1];
-  return sqrt(dx * dx + dy * dy) < (mg_real)0.99 * c->shelter;
+  return (mg_real)0.99 * c->shelter - sqrt(dx * dx + dy * dy);
 }
 
 static mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
@@ -120,15 +120,24 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
   return *margin < -c->set->border * c->sys->length ? MG_TURNS : 0;
 }
 
-/* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0. */
+/* What is left before the events of a slot: its force, the margin of its centre of pressure, friction. */
+static mg_strain *mg_strain_of_slot(const mg_context *c, int slot) { return mg_strain_at(c, MG_STRAINS) + mg_pad_of(c, slot); }
+
+/* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0; notes what is left before it
+   does. */
 static int mg_slot_ends(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
-  const mg_real floor = -mg_weight_scale(c);
+  const mg_real floor = -mg_weight_scale(c), border = c->set->border * c->sys->length;
+  mg_strain *left = mg_strain_of_slot(c, slot);
   mg_real margin, centre[3];
+  for (int k = 0; k < 3; k++) left[k].least = left[k].most = MG_MAX;
   if (patch < 0) return 0;
-  const int within =
-    !mg_pivots(c, slot) && mg_resultant(c, slot, c->force, centre) > floor && mg_is_sheltered(c, patch, centre);
-  const int cause = within ? 0 : mg_ends_with(c, slot, c->force, floor, &margin);
+  const mg_real N = mg_resultant(c, slot, c->force, centre);
+  const mg_real shelter = !mg_pivots(c, slot) && N > floor ? mg_sheltered_by(c, patch, centre) : -1;
+  const int cause = shelter > 0 ? 0 : mg_ends_with(c, slot, c->force, floor, &margin);
+  left[0].least = left[0].most = N - floor;
+  if (shelter > 0) left[1].least = shelter + border, left[1].most = 2 * c->shelter - shelter + border;
+  else if (!mg_pivots(c, slot)) left[1].least = left[1].most = margin + border;
   return cause ? cause : mg_rub_fires(c, slot);
 }
 

@@ -17,22 +17,22 @@ static void mg_note_spread(mg_context *c, int slot) {
   for (int k = 0; k < 2; k++) r->spread_at[k] = p->centre[k];
 }
 
-/* A stuck patch is told to be within its bound without its limit surface. By the triangle inequality a twist rubs N |v| at
-   least, and N (|w| spread - |v|), so that force and torque about the centre hold where |F| + 2 |T| / spread <= mu N; near
-   the centre that the spread is of, half of it is left. */
-static int mg_holds_easily(const mg_context *c, int slot) {
+/* What is left at least of the bound of a stuck patch, told without its limit surface, and the force on it; negative where the
+   surface has to tell. By the triangle inequality a twist rubs N |v| at least, and N (|w| spread - |v|), so that force and
+   torque about the centre hold where |F| + 2 |T| / spread <= mu N; near the centre that the spread is of, half of it is left. */
+static mg_real mg_left_easily(const mg_context *c, int slot, mg_real *N) {
   const mg_rub_state *r = c->rub + slot;
   const mg_real *force = c->force + mg_rub_row(c, slot);
   mg_rub_frame at;
   mg_real world[3], x[3], F[2];
-  const mg_real N = mg_resultant(c, slot, c->force, world);
-  if (!(r->spread > 0 && N > 0)) return 0;
+  *N = mg_resultant(c, slot, c->force, world);
+  if (!(r->spread > 0 && *N > 0)) return -1;
   mg_rub_axes(c, slot, &at);
   mg_into(at.pose, world, x);
-  if (!(8 * mg_apart2(x, r->spread_at) <= r->spread)) return 0;
+  if (!(8 * mg_apart2(x, r->spread_at) <= r->spread)) return -1;
   for (int k = 0; k < 2; k++) F[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
   const mg_real arm[2] = {x[0] - at.pad[0][0], x[1] - at.pad[0][1]}, torque = at.sign * force[2] - mg_cross2(arm, F);
-  return sqrt(mg_dot2(F, F)) + 4 * fabs(torque) / r->spread <= c->sys->patch_friction[2 * mg_patch_in(c, slot)] * N;
+  return *N - (sqrt(mg_dot2(F, F)) + 4 * fabs(torque) / r->spread) / c->sys->patch_friction[2 * mg_patch_in(c, slot)];
 }
 
 /* N (1 - what it needs of its bound): what is left of the bound of a stuck patch; the twist against which it rubs, of the
@@ -69,12 +69,20 @@ static mg_real mg_rub_value(mg_context *c, int slot, int cause) {
 
 /* MG_GIVES, MG_CALMS, or 0. Slip that has reached slip_speed is over below it; one that has not, once it goes back as fast. */
 static int mg_rub_fires(mg_context *c, int slot) {
-  const int mode = c->run->rub[slot];
+  const int mode = c->run->rub[slot], cause = mode == MG_STUCK ? MG_GIVES : MG_CALMS;
+  mg_strain *left = mg_strain_of_slot(c, slot) + 2;
   if (!mg_rubs(c, slot) || mode == MG_LOOSE) return 0;
-  if (mode == MG_STUCK && mg_holds_easily(c, slot)) return 0;
-  if (mode == MG_STUCK) /* at the edge of its hull it tips */
-    return mg_rub_value(c, slot, MG_GIVES) < -mg_weight_scale(c) && !c->rub[slot].clipped ? MG_GIVES : 0;
-  return mg_rub_along(c, slot) < (mode == MG_SLIPPING ? mg_rub_rest(c) : -mg_rub_rest(c)) ? MG_CALMS : 0;
+  mg_real N = 0;
+  const mg_real easily = mode == MG_STUCK ? mg_left_easily(c, slot, &N) : -1, slack = mg_weight_scale(c);
+  if (easily >= 0) {
+    left->least = easily + slack, left->most = N + slack;
+    return 0;
+  }
+  const mg_real least = mode == MG_STUCK ? -slack : mode == MG_SLIPPING ? mg_rub_rest(c) : -mg_rub_rest(c);
+  const mg_real value = mg_rub_value(c, slot, cause) - least;
+  if (mode == MG_STUCK && c->rub[slot].clipped) return 0; /* at the edge of its hull it tips */
+  left->least = left->most = value;
+  return value < 0 ? cause : 0;
 }
 
 /* Notes which way a patch slips. Returns 0 where it hardly does. */
