@@ -187,12 +187,14 @@ def plot(
     from modelgen.report.record import record_of
     from modelgen.report.summary import print_written
 
-    check_outputs(None, out)
-    pictures = read_option("frames", frames) or 0
-    trajectory = None
+    trajectory, record = None, None
     if source.suffix in FORMATS:
         record = load(source)
     else:
+        read_scene(source, None)
+    check_outputs(None, out)
+    pictures = read_option("frames", frames) or 0
+    if record is None:
         trajectory, library = run_scene(source, None, {})
         record = record_of(trajectory, library)
     draw(record, out, pictures)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import sqrt
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
@@ -275,8 +276,8 @@ class Accuracy:
     def companion(self, epsilon: float) -> Accuracy:
         """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
 
-        What decides when a contact rests, sticks or opens is finer too, and drift is removed at every step,
-        so that their part in the error shows.
+        What decides when a contact rests, sticks or opens is finer too, though not so fine that rounding
+        decides it, and drift is removed at every step, so that their part in the error shows.
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
@@ -284,7 +285,11 @@ class Accuracy:
             key: getattr(self, key) / FINER
             for key in ("rest_acceleration", "event", "gap", "cone", "border", "look")
         }
-        slower = {key: getattr(self, key) / SLOWER for key in ("rest_speed", "slip_speed")}
+        seen = sqrt(epsilon)
+        slower = {
+            key: max(getattr(self, key) / SLOWER, min(getattr(self, key) / FINER, seen))
+            for key in ("rest_speed", "slip_speed")
+        }
         return replace(
             self,
             name=f"{self.name}, companion",

@@ -9,7 +9,7 @@ from modelgen.scene import joints, links
 from modelgen.scene.bodies import read_body, unique_names
 from modelgen.scene.format import SCENE
 from modelgen.scene.place import Place
-from modelgen.scene.run import RUN
+from modelgen.scene.run import RUN, check_run
 from modelgen.scene.types import Body, RunSettings, Scene
 
 
@@ -29,6 +29,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     bodies = joints.with_world(bodies, values["joint"])
     known = {body.name: body for body in bodies}
     run = values["run"] or RUN.read({}, place.key("run"))
+    check_run(run, place.key("run"))
     joined = joints.joints(values["joint"], known)
     observe = links.observed(values["observe"], known, (each.name for each in joined), place.key("observe"))
     return Scene(

@@ -70,6 +70,7 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
         **{key: values[key] for key in _OPTIONAL if key in values},
     )
     _check_limits(joint, place)
+    _check_idle(joint, place)
     return joint
 
 
@@ -129,13 +130,25 @@ def _starts(bodies: Sequence[Pose], frames: Sequence[Pose]) -> tuple[float, ...]
 def _check_between(names: tuple[str, str], bodies: Mapping[str, Body], place: Place) -> None:
     for name in names:
         if name not in bodies:
-            allowed = "bodies: " + ", ".join([*list(bodies)[:20], WORLD])
-            raise place.error(f"no body named {name!r}", allowed, nearest(name, (*bodies, WORLD)))
+            others = [each for each in bodies if each != WORLD]
+            allowed = "bodies: " + ", ".join([*others[:20], WORLD])
+            raise place.error(f"no body named {name!r}", allowed, nearest(name, (*others, WORLD)))
     if names[0] == names[1]:
         raise place.error(f"the body {names[0]!r} with itself", "", "name two different bodies")
     if "dynamic" not in (bodies[name].motion for name in names):
         found = " and ".join(f"{name!r} ({bodies[name].motion})" for name in names)
         raise place.error(found, "one of the two must be dynamic", "remove the joint or free a body")
+
+
+def _check_idle(joint: Joint, place: Place) -> None:
+    """What a joint says of limits or a spring that it does not have."""
+    unlimited = joint.limits == joint.limits_y == (None, None)
+    if joint.restitution and unlimited:
+        remedy = "add limits = [least, largest], or remove it"
+        raise place.key("restitution").error(f"{joint.restitution:g} without limits", "", remedy)
+    if joint.rest and not joint.stiffness:
+        remedy = "add stiffness, or remove it"
+        raise place.key("rest").error(f"{joint.rest:g} without stiffness", "", remedy)
 
 
 def _check_limits(joint: Joint, place: Place) -> None:

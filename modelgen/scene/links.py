@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import hypot
 from typing import Any
 
 from modelgen.errors import nearest
@@ -10,10 +11,12 @@ from modelgen.scene.format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.formulas import triple
 from modelgen.scene.place import Place
 from modelgen.scene.shapes import SHAPES
+from modelgen.scene.turns import conjugate, turned
 from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, SpringLoad, TorqueLoad
 
 Bodies = Mapping[str, Body]
 Partner = tuple[str, str]  # body, shape
+LEAST_PART = 1e-9  # of a direction, along a plane
 
 
 def contacts(read: Iterable[tuple[Place, Mapping[str, Any]]], bodies: Bodies) -> tuple[ContactPair, ...]:
@@ -87,6 +90,7 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
             "remove it",
         )
     _check_resistance(values, place)
+    _check_along(values, first, bodies, place.key("friction"))
     keys = (
         *("restitution", "form", "normal", "features", "points"),
         *("friction", "rolling_resistance", "spinning_resistance"),
@@ -102,6 +106,21 @@ def _check_resistance(values: Mapping[str, Any], place: Place) -> None:
                 "a contact that resists rolling or spinning has friction",
                 "add friction, or remove it",
             )
+
+
+def _check_along(values: Mapping[str, Any], first: Partner, bodies: Bodies, place: Place) -> None:
+    """Friction by direction on a plane of the first body: the direction has a part in it."""
+    friction = values["friction"]
+    shape = next(each for each in bodies[first[0]].shapes if each.name == first[1])
+    if friction is None or friction.direction is None or shape.kind != "plane":
+        return
+    x, y, z = turned(conjugate(shape.pose.quaternion), friction.direction)
+    if hypot(x, y) <= LEAST_PART * hypot(x, y, z):
+        raise place.key("direction").error(
+            f"{list(friction.direction)} along the normal of the plane of {first[0]!r}",
+            "a direction with a part along the surface is allowed",
+            "friction acts along the plane: turn it",
+        )
 
 
 def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:

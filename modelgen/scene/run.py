@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from modelgen.scene.fields import Field, Table
+from modelgen.scene.place import Place
 from modelgen.scene.scalars import POSITIVE, Choice, Real, Switch, Whole
 
 ACCURACIES = ("fast", "balanced", "tight")
@@ -12,6 +16,7 @@ IMPACTS = ("simultaneous", "sequential")
 SOLVERS = ("coulomb", "relaxation")
 REALS = ("double", "float", "long double")
 LEVELS = ("O1", "O2", "O3")
+STEPPED = ("rk4", "time-stepping")  # methods of fixed steps
 FORMS = (
     *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
     *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
@@ -46,3 +51,11 @@ RUN = Table(
         Field("level", Choice(LEVELS), "how far the compiler optimises"),
     )
 )
+
+
+def check_run(run: Mapping[str, Any], place: Place) -> None:
+    """Refuses what belongs to a method that the scene does not name; raises SceneError."""
+    for key, methods in (("step", STEPPED), ("scheme", STEPPED[1:]), ("solver", STEPPED[1:])):
+        if run[key] is not None and run["method"] not in methods:
+            allowed = "method = " + " or ".join(f'"{name}"' for name in methods) + " with it"
+            raise place.key(key).error(repr(run[key]), allowed, "give both, or neither")

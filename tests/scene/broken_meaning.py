@@ -173,6 +173,12 @@ MEANING: list[Case] = [
         ["contact[0].friction", "static 0.2 below kinetic 0.3", "exchange"],
     ),
     (
+        "friction along the normal of a plane",
+        SOUND.replace('["egg", "table"]', '["table", "egg"]')
+        + "friction = { kinetic = [0.2, 0.1], direction = [0, 0, 2] }",
+        ["contact[0].friction.direction", "along the normal of the plane of 'table'", "turn it"],
+    ),
+    (
         "two coefficients without a direction",
         SOUND + "friction = { kinetic = [0.2, 0.3] }",
         ["contact[0].friction", "without a direction", "add direction"],
@@ -211,6 +217,26 @@ MEANING: list[Case] = [
         "a cone beyond a half space and back",
         SOUND + DISTANCE.replace("distance", "spherical") + 'limits = ["none", 4.0]\n',
         ["joint[0]", "limits", "a tilt that is no angle of a cone", "between 0 and pi"],
+    ),
+    (
+        "rebounds from limits that are not there",
+        SOUND + DISTANCE.replace("distance", "revolute") + "restitution = 0.5\n",
+        ["joint[0]", "restitution", "0.5 without limits", "add limits"],
+    ),
+    (
+        "rest of no spring",
+        SOUND + DISTANCE.replace("distance", "revolute") + "rest = 0.5\n",
+        ["joint[0]", "rest", "0.5 without stiffness", "add stiffness"],
+    ),
+    (
+        "a step of no method",
+        "[run]\nstep = 0.1\n" + SOUND,
+        ["run.step", "0.1", 'method = "rk4" or "time-stepping" with it', "give both, or neither"],
+    ),
+    (
+        "a scheme of another method",
+        '[run]\nmethod = "rk4"\nstep = 0.1\nscheme = "moreau"\n' + SOUND,
+        ["run.scheme", "'moreau'", 'method = "time-stepping" with it'],
     ),
     (
         "a box the wrong way round",

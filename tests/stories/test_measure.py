@@ -198,6 +198,7 @@ def test_an_ample_budget_buys_the_finest_setting(modelgen: Modelgen, tmp_path: P
         (("--error", "1e-3", "--in-place", "--out", "x.toml"), "together with --in-place"),
         (("--error", "1e-3", "--out", EGG), "is the scene itself; another file; or give --in-place"),
         (("--error", "1e-3", "--out", ""), "--out: '.' is a folder; a file; name one"),
+        (("--error", "1e-3", "--out", "t.txt"), "--out: 't.txt'; a scene file, .toml; write t.toml"),
     ],
 )
 def test_what_cannot_be_is_refused_and_nothing_is_written(
