@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from os import environ
+from shutil import rmtree
+from tempfile import mkdtemp
+
 import pytest
 from hypothesis import settings
 
@@ -13,6 +17,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="rewrite generated/*/manifest.json of the shipped scenes"
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """The workers of a run find the libraries of each other."""
+    if hasattr(config, "workerinput"):
+        return
+    made = mkdtemp(prefix="modelgen-pool-")
+    environ["MODELGEN_POOL"] = made
+    config.add_cleanup(lambda: rmtree(made, ignore_errors=True))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from atexit import register
 from dataclasses import replace
 from functools import cache
+from os import environ
 from pathlib import Path
-from shutil import rmtree
+from shutil import copy, rmtree
 from tempfile import mkdtemp
 
 from modelgen import Accuracy, build, derive, emit, read, require, simulate
@@ -27,9 +28,21 @@ def folder() -> Path:
     return made
 
 
+@cache
+def pool() -> Path:
+    """A folder of libraries that all workers of a test run share."""
+    return Path(environ["MODELGEN_POOL"]) if "MODELGEN_POOL" in environ else folder() / "pool"
+
+
 def library_of(scene: Scene, real: str = "double") -> Library:
-    """The compiled library of a scene."""
-    return build(emit(derive(require(scene))), real=real, folder=folder() / scene.name)
+    """The compiled library of a scene; equal text is compiled once."""
+    package = emit(derive(require(scene)))
+    pooled = build(replace(package, name="any"), real=real, folder=pool())
+    own = folder() / scene.name / pooled.path.name.replace("libany", f"lib{scene.name}")
+    own.parent.mkdir(exist_ok=True)
+    if not own.exists():
+        copy(pooled.path, own)
+    return build(package, real=real, folder=own.parent)
 
 
 @cache
