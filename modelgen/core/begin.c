@@ -60,12 +60,20 @@ static int mg_begin_in_time(mg_context *c) {
   return MG_DONE;
 }
 
+/* A run that starts at a kink of a path starts after it, with the whole of its speed. */
+static void mg_start_after_kink(mg_context *c) {
+  mg_real before, after;
+  if (!mg_find_jerk(c, mg_at_once(c) / 4, &before, &after)) return;
+  c->run->t = c->run->t_event = after;
+}
+
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events,
                     mg_real *work, int *iwork) {
   mg_context c;
   mg_real kinetic;
   mg_open(&c, system, settings, run, work, iwork);
   mg_reset(run);
+  mg_start_after_kink(&c);
   for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_LOOSE, c.slipped[i] = 0, c.before[i] = MG_LOOSE;
   for (int i = 0; i < system->n_slot; i++) run->rub[i] = MG_LOOSE;
   run->x[c.work_index] = 0;

@@ -147,6 +147,7 @@ static int mg_change_mode(mg_context *c, mg_events *events);
 static int mg_is_driven(const mg_system *s, int body);
 
 /* jerks.c */
+static mg_real mg_at_once(const mg_context *c);
 static int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after);
 static int mg_take_jerk(mg_context *c, mg_real after, mg_events *events);
 
