@@ -141,8 +141,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->list = mg_take_int(&iwork, r), c->mask = mg_take_int(&iwork, r), c->bound = mg_take_int(&iwork, n);
   c->kept = mg_take_int(&iwork, s->n_row), c->free = mg_take_int(&iwork, s->n_row), c->fired = mg_take_int(&iwork, m);
   c->strain = mg_part_of_memory(&work, (MG_STRAINS + 1L) * mg_count_strains(s), sizeof(mg_strain));
-  c->dips = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m);
-  c->near = mg_take_int(&iwork, m);
+  c->dips = mg_take_int(&iwork, m), c->hidden = mg_take_int(&iwork, m), c->near = mg_take_int(&iwork, m);
   c->trying = mg_take_int(&iwork, s->n_slot), c->barred = mg_take_int(&iwork, s->n_slot);
   c->lcp_i = mg_take_int(&iwork, mg_lcp_iwork_size((int)n));
   c->column = mg_take_int(&iwork, r), c->next = mg_take_int(&iwork, r), c->island = mg_take_int(&iwork, n);

@@ -281,15 +281,11 @@ class Accuracy:
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
-        finer = {
-            key: getattr(self, key) / FINER
-            for key in ("rest_acceleration", "event", "gap", "cone", "border", "look")
-        }
-        seen = sqrt(epsilon)
-        slower = {
-            key: max(getattr(self, key) / SLOWER, min(getattr(self, key) / FINER, seen))
-            for key in ("rest_speed", "slip_speed")
-        }
+        keys = ("rest_acceleration", "event", "gap", "cone", "border", "look")
+        finer = {key: getattr(self, key) / FINER for key in keys}
+        for key in ("rest_speed", "slip_speed"):
+            value = getattr(self, key)
+            finer[key] = max(value / SLOWER, min(value / FINER, sqrt(epsilon)))
         return replace(
             self,
             name=f"{self.name}, companion",
@@ -299,5 +295,4 @@ class Accuracy:
             stride=self.stride * TENTH,
             project=1,
             **finer,
-            **slower,
         )

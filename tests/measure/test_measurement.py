@@ -177,7 +177,7 @@ def test_a_budget_just_below_the_cheapest_is_kept_within_its_band(
 
 
 def test_tuning_some_knobs_keeps_what_the_scene_says_of_the_others(root: Path) -> None:
-    text = TEXT.replace("samples = 4", 'samples = 4\nlevel = "O1"\nscheme = "moreau"  # idle')
+    text = TEXT.replace("samples = 4", 'samples = 4\nlevel = "O1"')
     tuned = tune(thrown(text), error=1e-3, knobs=["tolerance"], root=root)
     assert tuned.point.settings["level"] == tuned.run.level == "O1"
     assert 'level = "O1"' in with_run(text, tuned.point.settings, "thrown.toml")
