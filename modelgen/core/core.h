@@ -109,7 +109,6 @@ typedef struct {
   mg_real *gap;                             /* per contact 2: d and d_dot where a step, or a part of it, begins */
   mg_strain *strain;                        /* what is left before events, at samples of a step, then now: per contact 1, of a slot's pads
                                                force, margin of its centre, friction; per grip 1 */
-  int strained;                             /* stages at which it was taken */
   int *dips;                                /* per contact: its open gap may have been closed within that part */
   int *column;                              /* per row: its place in A while assembled, else -1 */
   int *parent, *head, *next, *island;       /* islands: per body, body, row; held rows of one */

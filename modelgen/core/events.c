@@ -179,7 +179,7 @@ static int mg_only_looks(const mg_context *c, const mg_crossing *event) {
 
 /* Steps again to an event. */
 static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried) {
-  const int collocated = mg_starts_rolling(c) || mg_starts_slipping(c);
+  const int collocated = mg_is_collocated(c);
   const int looks = mg_only_looks(c, event);
   const mg_real h = looks ? event->start : mg_event_step(c, *event, tried, collocated);
   if (looks) mg_go_to(c, h, tried, collocated);

@@ -159,6 +159,7 @@ static void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_watch(mg_context *c);
+static int mg_is_collocated(const mg_context *c);
 static int mg_fired_at(mg_context *c, mg_real h, mg_real theta);
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);

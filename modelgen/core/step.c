@@ -3,6 +3,9 @@
 
 static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
 
+/* Steps from this state are by collocation, whatever the method. */
+static int mg_is_collocated(const mg_context *c) { return mg_starts_rolling(c) || mg_starts_slipping(c); }
+
 /* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
 static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
@@ -31,7 +34,7 @@ static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
 
 static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->n_x;
-  if (mg_starts_rolling(c) || mg_starts_slipping(c)) return; /* collocation has made it */
+  if (mg_is_collocated(c)) return; /* which has made it */
   if (c->set->method == MG_DOP853) {
     mg_dop853_dense(c, t, x, h);
     return;

@@ -33,14 +33,13 @@ static void mg_take_strain(mg_context *c, int sample) {
 
 /* The same at the start of a step; needs the forces there. */
 static void mg_begin_strain(mg_context *c) {
-  c->strained = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) mg_slot_ends(c, slot);
   mg_take_strain(c, 0);
 }
 
-/* At a stage of the step, of any of which mg_watch has noted the slots. */
+/* At a stage of the step, at each of which mg_watch notes the slots; of no use where an event has been seen. */
 static void mg_strain_stage(mg_context *c, int stage) {
-  if (mg_strain_of[stage] > 0) mg_take_strain(c, mg_strain_of[stage]), c->strained++;
+  if (mg_strain_of[stage] > 0 && !c->suspect) mg_take_strain(c, mg_strain_of[stage]);
 }
 
 static mg_real mg_slope_between(const mg_strained *a, mg_real from, const mg_strained *b, mg_real to) {
@@ -93,7 +92,7 @@ static int mg_may_strain(mg_context *c) {
   mg_strained p[4];
   mg_real theta;
   if (c->set->method != MG_DOP853) return 0;
-  if (c->strained < MG_STRAINS - 2) return c->sys->n_grip > 0; /* a step of collocation */
+  if (mg_is_collocated(c)) return c->sys->n_grip > 0; /* none of its stages was taken */
   mg_take_strain(c, MG_STRAINS - 1);
   for (int which = 0; which < mg_count_strains(c->sys); which++) {
     const int parts = mg_varies_little(c, which) ? 0 : MG_STRAINS - 1;

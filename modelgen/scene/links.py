@@ -12,7 +12,7 @@ from modelgen.scene.formulas import triple
 from modelgen.scene.place import Place
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.turns import conjugate, turned
-from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, SpringLoad, TorqueLoad
+from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
 
 Bodies = Mapping[str, Body]
 Partner = tuple[str, str]  # body, shape
@@ -111,7 +111,7 @@ def _check_resistance(values: Mapping[str, Any], place: Place) -> None:
 def _check_along(values: Mapping[str, Any], first: Partner, bodies: Bodies, place: Place) -> None:
     """Friction by direction on a plane of the first body: the direction has a part in it."""
     friction = values["friction"]
-    shape = next(each for each in bodies[first[0]].shapes if each.name == first[1])
+    shape = _shape(first, bodies)
     if friction is None or friction.direction is None or shape.kind != "plane":
         return
     x, y, z = turned(conjugate(shape.pose.quaternion), friction.direction)
@@ -123,8 +123,13 @@ def _check_along(values: Mapping[str, Any], first: Partner, bodies: Bodies, plac
         )
 
 
+def _shape(partner: Partner, bodies: Bodies) -> Shape:
+    body, name = partner
+    return next(each for each in bodies[body].shapes if each.name == name)
+
+
 def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:
-    shapes = (each for body, name in partners for each in bodies[body].shapes if each.name == name)
+    shapes = (_shape(partner, bodies) for partner in partners)
     return all(
         shape.curve is not None or (shape.chart is None and SHAPES[shape.kind].curve) for shape in shapes
     )

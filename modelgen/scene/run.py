@@ -16,7 +16,7 @@ IMPACTS = ("simultaneous", "sequential")
 SOLVERS = ("coulomb", "relaxation")
 REALS = ("double", "float", "long double")
 LEVELS = ("O1", "O2", "O3")
-STEPPED = ("rk4", "time-stepping")  # methods of fixed steps
+STEPPED = METHODS[1:]  # by fixed steps
 FORMS = (
     *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
     *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
