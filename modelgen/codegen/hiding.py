@@ -1,7 +1,8 @@
-"""Which functions of time may go up and down between the samples that a step takes of them."""
+"""Which functions may go up and down between the samples that a step takes of them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 
 import casadi as ca
@@ -12,13 +13,13 @@ _KEPT = (ca.OP_ASSIGN, ca.OP_NEG, ca.OP_TWICE)
 _SUMS = (ca.OP_ADD, ca.OP_SUB)
 
 
-def hides(f: ca.Function, of: int) -> bool:
-    """Whether an output of an SX function is no polynomial of degree `SEEN` in the scalar input `of`."""
-    return degree(f, of) > SEEN
+def hides(f: ca.Function, *of: str) -> bool:
+    """Whether an output of an SX function is no polynomial of degree `SEEN` in entries of the inputs `of`."""
+    return degree(f, [f.index_in(name) for name in of]) > SEEN
 
 
-def degree(f: ca.Function, of: int) -> float:
-    """Of the outputs of an SX function as polynomials in the scalar input `of`; infinite if one is none."""
+def degree(f: ca.Function, of: Sequence[int]) -> float:
+    """Of the outputs of an SX function as polynomials in the inputs `of`; infinite if one is none."""
     at: dict[int, float] = {}  # work-vector slot -> degree
     most = 0.0
     for k in range(f.n_instructions()):
@@ -26,7 +27,7 @@ def degree(f: ca.Function, of: int) -> float:
         if operation == ca.OP_OUTPUT:
             most = max(most, at[source[0]])
         elif operation == ca.OP_INPUT:
-            at[f.instruction_output(k)[0]] = float(source[0] == of)
+            at[f.instruction_output(k)[0]] = float(source[0] in of)
         else:
             at[f.instruction_output(k)[0]] = _of(operation, [at[slot] for slot in source])
     return most

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+import casadi as ca
+
 from modelgen.codegen.hiding import hides
 from modelgen.codegen.manifest import FEET
 from modelgen.codegen.sentence import J_SIZE
@@ -143,19 +145,24 @@ def _tables(derivation: Derivation) -> list[str]:
         _row(dimension_of(kind), FEET.get(kind.kind, 0), int(may_bend(kind))) for kind in model.shape_kinds
     ]
     joints = [_joint_sizes(kind) for kind in model.joint_kinds]
-    timed = {
-        formula.kind: hides(formula.function, formula.function.index_in("t"))
+    loads = [
+        _row(sizes["wrench", formula.kind], *_hidden(formula.function, model.load_kinds[formula.kind].kind))
         for formula in derivation.formulas
         if formula.role == "wrench"
-    }
-    loads = [_row(sizes["wrench", i], int(timed[i])) for i in range(len(model.load_kinds))]
+    ]
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
-        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
     ]
+
+
+def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:
+    """Whether time, and whether the body's state, hides something; what springs do, samples show."""
+    given = kind in ("force", "torque")
+    return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
 
 
 def _limit_turns(model: Model) -> list[int]:

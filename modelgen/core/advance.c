@@ -201,6 +201,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
+  if (mg_hides_on_way(c, h)) return mg_shorten(c, h);
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;

@@ -170,6 +170,7 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
   mg_zero(c->bias, c->n_all);
   mg_zero(c->d + c->below, sys->n_below);
   c->n_live = c->n_x - sys->n_eta, c->left.count = 0;
+  c->n_felt = mg_count_felt(sys, 0), c->n_still = c->n_felt - mg_count_felt(sys, 1);
   for (int i = 0; i < sys->n_contact; i++) c->column[i] = -1, c->n_eta[i] = c->upright[i] = 0, mg_take_link(c, i);
   for (int slot = 0; slot < sys->n_slot; slot++) c->barred[slot] = -1, c->trying[slot] = 0;
   for (int table = 0; table < sys->n_table; table++) c->tabled[table] = 0;

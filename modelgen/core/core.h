@@ -126,6 +126,7 @@ typedef struct {
   int driven, moving;                       /* numbers of driven bodies, of bodies that forces move */
   int prescribed;                           /* a joint's motion is given */
   int n_timed;                              /* functions of time: of driven bodies, given motions and loads */
+  int n_felt, n_still;                      /* loads that are felt, whose functions count too; those of them that time leaves alone */
   mg_real *instant;                         /* what they do in a step */
   mg_arc *arc;                              /* the boundaries of a patch */
   mg_regions regions;

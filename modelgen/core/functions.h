@@ -45,6 +45,10 @@ static void mg_zoom(mg_real *window, const mg_real *centre);
 static void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta);
 static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept);
 
+/* clearance.c */
+static mg_real mg_pair_clearance(const mg_context *c, int pair);
+static int mg_is_far(const mg_context *c, int link);
+
 /* search.c, walk.c */
 static int mg_probe(mg_context *c, int link);
 static int mg_has_signs(const mg_context *c, int link);
@@ -56,8 +60,6 @@ static mg_real mg_parting(mg_context *c, int pair);
 static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found);
 static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found);
 static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept);
-static mg_real mg_clearance(const mg_context *c, int link);
-static int mg_is_far(const mg_context *c, int link);
 static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found);
 static int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
 static int mg_is_taken_up(const mg_context *c, const mg_found *found);
@@ -97,6 +99,7 @@ static void mg_joint_rates(mg_context *c, mg_real t);
 static int mg_joint_of(const mg_context *c, int row);
 static int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 static int mg_list_joints(const mg_context *c, int *list, int n);
+static int mg_rank_joints(mg_context *c, int *rank);
 static void mg_watch_joints(mg_context *c);
 static int mg_list_bilateral(const mg_context *c, int *list, int n);
 static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
@@ -138,8 +141,10 @@ static int mg_is_closed_to_events(int outcome);
 /* instants.c */
 static int mg_is_driven(const mg_system *s, int body);
 static int mg_count_timed(const mg_system *s);
+static int mg_count_felt(const mg_system *s, int timed);
 static long mg_instant_size(const mg_system *s);
 static mg_real mg_seen_in_time(mg_context *c, mg_real h);
+static int mg_hides_on_way(mg_context *c, mg_real h);
 
 /* modes.c, advance.c, instants.c, for jerks.c */
 static void mg_open_far(mg_context *c, mg_events *events);
@@ -164,6 +169,7 @@ static int mg_fired_at(mg_context *c, mg_real h, mg_real theta);
 static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_finish_step(mg_context *c, mg_real t, mg_real h);
+static void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h);
 static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
 

@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
   int n_parameters;
-  int timed; /* it depends on time, and samples may not show how */
+  int timed, felt; /* it depends on time, on where its body is and how it moves, and samples may not show how */
 } mg_load_kind;
 
 typedef struct {

@@ -32,18 +32,20 @@ static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_gap_rates(c);
 }
 
-static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  const int n = c->n_x;
-  if (mg_is_collocated(c)) return; /* which has made it */
-  if (c->set->method == MG_DOP853) {
-    mg_dop853_dense(c, t, x, h);
-    return;
-  }
+/* The cubic through both ends of the step and their slopes. */
+static void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
+  const int n = c->n_x, end = mg_end_row(c);
+  if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
-    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[4 * n + i];
+    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[end * n + i];
     c->dense[i] = delta, c->dense[n + i] = h * first - delta, c->dense[2 * n + i] = 2 * delta - h * (first + last);
     for (int row = 3; row < 7; row++) c->dense[row * n + i] = 0;
   }
+}
+
+static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  if (c->set->method != MG_DOP853) mg_make_cubic(c, x, h);
+  else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
 }
 
 /* The state at t + theta h. */

@@ -17,7 +17,7 @@ TERMS = st.lists(st.tuples(st.integers(0, 4), st.integers(-3, 3)), min_size=1, m
 
 def of_time(expression: Callable[[ca.SX, ca.SX], ca.SX]) -> ca.Function:
     t, x = ca.SX.sym("t"), ca.SX.sym("x")
-    return ca.Function("f", [x, t], [expression(t, x)])
+    return ca.Function("f", [x, t], [expression(t, x)], ["x", "t"], ["value"])
 
 
 @given(TERMS, TERMS)
@@ -31,9 +31,9 @@ def test_the_degree_is_at_least_that_of_the_polynomial(
 
     t = sp.Symbol("t")
     whole = sp.Poly(sum(k * t**n for n, k in first), t) * sp.Poly(sum(k * t**n for n, k in second), t)
-    assert degree(of_time(written), 1) >= max(whole.degree(), 0)
+    assert degree(of_time(written), [1]) >= max(whole.degree(), 0)
     highest = sum(max((n for n, k in terms if k), default=0) for terms in (first, second))
-    assert degree(of_time(written), 1) <= highest or highest > SEEN
+    assert degree(of_time(written), [1]) <= highest or highest > SEEN
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_the_degree_is_at_least_that_of_the_polynomial(
     ],
 )  # fmt: skip
 def test_what_is_no_low_polynomial_may_hide(waves: Callable[[ca.SX, ca.SX], ca.SX]) -> None:
-    assert hides(of_time(waves), 1)
+    assert hides(of_time(waves), "t")
 
 
 @pytest.mark.parametrize(
@@ -57,4 +57,10 @@ def test_what_is_no_low_polynomial_may_hide(waves: Callable[[ca.SX, ca.SX], ca.S
     ],
 )  # fmt: skip
 def test_a_polynomial_of_low_degree_does_not(plain: Callable[[ca.SX, ca.SX], ca.SX]) -> None:
-    assert not hides(of_time(plain), 1)
+    assert not hides(of_time(plain), "t")
+
+
+def test_the_degree_counts_all_inputs_that_are_asked_for() -> None:
+    f = of_time(lambda t, x: t**2 * x**2)
+    assert not hides(f, "t")
+    assert hides(f, "t", "x")
