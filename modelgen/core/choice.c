@@ -239,8 +239,9 @@ static void mg_settle_shares(mg_context *c, const int *skip, const mg_friction_p
   mg_relieve(c, skip);
 }
 
-static void mg_note_report(mg_context *c, const mg_friction_report *report) {
-  const int redundant = report->active - report->rank;
+/* `idle`: rows of the joints that follow from others of theirs; they leave the contacts' forces as they are. */
+static void mg_note_report(mg_context *c, const mg_friction_report *report, int idle) {
+  const int redundant = report->active - report->rank - idle;
   if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
   if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
@@ -248,23 +249,24 @@ static void mg_note_report(mg_context *c, const mg_friction_report *report) {
 /* Solves for the modes of the closed contacts that are not skipped. Needs the rows at run->x. */
 static int mg_choose_grips(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
-  int giving, redundant;
+  int giving, redundant, idle = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->gives[g] = 0;
   mg_arrest(c);
   mg_bound_all(c);
   mg_let_go(c);
+  if (c->sys->n_row) idle = c->sys->n_row - mg_rank_joints(c, 0);
   const mg_friction_problem p = mg_pose_problem(c, skip);
   if (p.n_contact == 0) {
     mg_refresh(c);
     return MG_DONE;
   }
-  redundant = mg_oblique_rank(c, c->list, p.n) < p.n;
+  redundant = mg_oblique_rank(c, c->list, p.n) < p.n - idle;
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
     giving = mg_mark_giving(c, &p);
   } while (mg_loosen_giving(c));
-  mg_note_report(c, &report);
+  mg_note_report(c, &report, idle);
   mg_note_paradox(c, &p);
   mg_take_modes(c, &p);
   c->run->shared = 0;

@@ -38,30 +38,22 @@ static mg_real mg_product_with_before(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* True if a determinant, n by n and column-major, is negative; by elimination with row exchanges. */
-static int mg_is_negative(mg_real *A, int n) {
-  int negative = 0;
+/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is negative.
+   No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at once do not
+   make up for each other. */
+static int mg_has_turned(mg_real *A, int n) {
   for (int k = 0; k < n; k++) {
-    int pivot = k;
-    for (int i = k + 1; i < n; i++)
-      if (fabs(A[i + n * k]) > fabs(A[pivot + n * k])) pivot = i;
-    negative ^= pivot != k;
-    for (int j = k; j < n; j++) {
-      const mg_real value = A[pivot + n * j];
-      A[pivot + n * j] = A[k + n * j], A[k + n * j] = value;
-    }
-    negative ^= A[k + n * k] < 0;
-    if (A[k + n * k] == 0) return 0;
+    if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
     for (int i = k + 1; i < n; i++) {
       const mg_real factor = A[i + n * k] / A[k + n * k];
       for (int j = k + 1; j < n; j++) A[i + n * j] -= factor * A[k + n * j];
     }
   }
-  return negative;
+  return 0;
 }
 
-/* A linkage that passes a dead centre turns its independent rows over: det J_now M^-1 J_before^T, positive for a step
-   of no length, changes its sign; or a row is lost at this very step. Keeps the rows for the next step. */
+/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for the
+   next step. */
 static int mg_passed_dead_centre(mg_context *c) {
   const int n = c->sys->n_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
@@ -73,7 +65,7 @@ static int mg_passed_dead_centre(mg_context *c) {
       c->A[i + independent * j] = mg_product_with_before(c, c->list[i], c->list[j]);
   for (int r = 0; r < n; r++) c->kept[r] = c->bound[r];
   for (int k = 0; k < 12 * n; k++) c->MJ_before[k] = c->MJ[12 * c->bilateral + k];
-  return same ? mg_is_negative(c->A, independent) : !first && lost > 0;
+  return same ? mg_has_turned(c->A, independent) : !first && lost > 0;
 }
 
 /* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway. */

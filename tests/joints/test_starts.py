@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -18,7 +20,7 @@ FLAT = {"rotation": [[1, 0, 0], [0, 0, 1], [0, -1, 0]]}  # hinges about the worl
 SPEED = 5.0
 
 
-def parallelogram(angle: float, until: float) -> Trajectory:
+def parallelogram(angle: float, until: float, kinds: Sequence[str] = ("revolute",) * 4) -> Trajectory:
     """Two cranks of 0.3 m, 1 m apart, under a bar of 1 m, turning at SPEED without any load."""
     direction, across = (
         np.array([np.cos(angle), 0, np.sin(angle)]),
@@ -31,13 +33,14 @@ def parallelogram(angle: float, until: float) -> Trajectory:
         block("bar", position=list(tip + right / 2), velocity=list(v)),
         block("right", position=list(tip / 2 + right), **spin),
     ]
-    hinge = {"kind": "revolute", **FLAT}
     joints = [
-        {"name": "A", "between": ["world", "left"], **hinge},
-        {"name": "B", "between": ["left", "bar"], "position": list(tip), **hinge},
-        {"name": "C", "between": ["bar", "right"], "position": list(tip + right), **hinge},
-        {"name": "D", "between": ["right", "world"], "position": list(right), **hinge},
+        {"name": "A", "between": ["world", "left"]},
+        {"name": "B", "between": ["left", "bar"], "position": list(tip)},
+        {"name": "C", "between": ["bar", "right"], "position": list(tip + right)},
+        {"name": "D", "between": ["right", "world"], "position": list(right)},
     ]
+    turned = [{"kind": kind, **(FLAT if kind == "revolute" else {})} for kind in kinds]
+    joints = [{**joint, **own} for joint, own in zip(joints, turned, strict=True)]
     return joined(bodies, joints, until=until, gravity=[0, 0, 0])
 
 
@@ -50,6 +53,38 @@ def test_a_parallelogram_goes_on_through_its_dead_centres_which_are_named(angle:
     (named,) = [warning for warning in path.warnings if "were singular" in warning]
     assert f"singular {passed} times" in named
     assert "joint 'D' lost a row" in named
+
+
+@pytest.mark.parametrize("kinds", [("revolute", "spherical", "universal", "revolute"), ("revolute",) * 4])
+def test_rows_that_are_lost_together_at_a_dead_centre_do_not_hide_each_other(kinds: tuple[str, ...]) -> None:
+    """Of a rod between a ball joint and a universal joint two rows turn over at once."""
+    (named,) = [each for each in parallelogram(np.pi / 2, 1.2, kinds).warnings if "were singular" in each]
+    told = re.search(r"first before t = ([0-9.]+) s", named)
+    assert told is not None
+    assert np.pi / 2 / SPEED < float(told[1]) < np.pi / 2 / SPEED + 0.1
+
+
+def test_a_contact_beside_redundant_joints_keeps_its_certificate() -> None:
+    """The joints hold some rows twice, the one contact that rubs none: its force is unique."""
+    level = {"kind": "revolute", **FLAT}
+    bodies = [
+        block("left", position=[0, 0, 0.1]), block("right", position=[0.4, 0, 0.1]),
+        make.dynamic("bar", make.box(0.5, 0.05, 0.02), density=1000.0, position=[0.2, 0, 0.2]),
+        make.dynamic("ball", make.sphere(0.03), density=500.0, position=[0.2, 0, 0.24]),
+    ]  # fmt: skip
+    ends = {
+        "A": (["world", "left"], 0.0, 0.0), "B": (["left", "bar"], 0.0, 0.2),
+        "C": (["bar", "right"], 0.4, 0.2), "D": (["right", "world"], 0.4, 0.0),
+    }  # fmt: skip
+    joints = [
+        {"name": name, "between": between, "position": [x, 0, z], **level}
+        for name, (between, x, z) in ends.items()
+    ]
+    contact = [{"between": ["ball", "bar"], "friction": 0.3}]
+    path = joined(bodies, joints, until=0.3, contact=contact)
+    assert path.redundant_max == 0
+    assert any("redundant: 3 of its 5 rows" in warning for warning in path.warnings)
+    assert not any("not unique" in warning for warning in path.warnings)
 
 
 def test_a_linkage_that_stays_away_from_its_dead_centres_names_none() -> None:
