@@ -10,7 +10,18 @@ from dataclasses import dataclass
 from typing import Literal
 
 from modelgen.scene.expression import Expression
-from modelgen.scene.types import Chart, Curve, ForceLoad, Path, Pose, Restitution, Scene, Shape, TorqueLoad
+from modelgen.scene.types import (
+    Chart,
+    Curve,
+    ForceLoad,
+    Path,
+    Pose,
+    Restitution,
+    Scene,
+    Shape,
+    TorqueLoad,
+    Vector,
+)
 
 BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
@@ -160,6 +171,9 @@ class PairEntry:
     restitution: Restitution
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
     grips: tuple[Grip, ...] = ()  # of each of its contacts
+    balls: tuple[
+        tuple[Vector, float], ...
+    ] = ()  # around its shapes, m, axes of the bodies o, f of its first link
 
 
 @dataclass(frozen=True, slots=True)

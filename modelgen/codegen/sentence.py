@@ -261,6 +261,7 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         "restitution": entry.restitution.value,
         **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),
+        "balls": [{"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.balls],
         **({"grips": [asdict(grip) for grip in entry.grips]} if entry.grips else {}),
     }
 

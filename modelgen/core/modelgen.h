@@ -16,7 +16,7 @@
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 7
+#define MG_ABI 8
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -68,6 +68,8 @@ typedef struct {
   const mg_real *grip_direction; /* three a grip, axes of grip_body */
   const mg_real *patch_friction; /* two a patch: static and kinetic coefficient, 0 without friction */
   const mg_real *pair_normal;  /* three a pair of curves: roughly N at the start; zeros: the second is outside */
+  const mg_real *pair_ball;    /* eight a pair: centre (axes of its first link's body o) and radius of a ball around a shape, < 0:
+                                  none is; the same of f */
   const mg_real *scale;        /* one a state: the size against which its error is measured */
   mg_real gravity[3];
   mg_real length, mass, time;  /* characteristic scales; tolerances below are relative to them */

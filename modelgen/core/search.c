@@ -135,24 +135,6 @@ static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real le
   }
 }
 
-/* Between the bounding spheres of a link; 0 where a shape has none. */
-static mg_real mg_clearance(const mg_context *c, int link) {
-  mg_real arm[3], centre[2][3], reach = 0;
-  for (int side = 0; side < 2; side++) {
-    const mg_real *at = mg_side(c, link, side);
-    if (at[MG_BOUND] >= MG_MAX / 2) return 0;
-    mg_out(at + MG_PLACEMENT, at + MG_CENTRE, 1, arm);
-    mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 1, centre[side]);
-    reach += at[MG_BOUND];
-  }
-  const mg_real span[3] = {centre[1][0] - centre[0][0], centre[1][1] - centre[0][1], centre[1][2] - centre[0][2]};
-  return sqrt(mg_dot3(span, span)) - reach;
-}
-
-static int mg_is_far(const mg_context *c, int link) {
-  return mg_clearance(c, link) > c->set->reach * c->sys->length;
-}
-
 /* ---- the start ---- */
 
 static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->set->start_gap * c->sys->length; }

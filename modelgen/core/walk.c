@@ -59,6 +59,20 @@ static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *
   return 0;
 }
 
+/* The contacts of the pair that are there keep steps short enough for those that are not: each link has its own, and one
+   ends where the next begins. */
+static int mg_is_led(const mg_context *c, int pair) {
+  return mg_has_own_links(c, pair) && c->sys->pair_search[pair] != MG_SEARCH_AHEAD;
+}
+
+/* It only keeps steps short enough for what it is to touch later. */
+static int mg_only_leads(const mg_context *c, int link, mg_real d) {
+  return d > c->set->reach * c->sys->length && mg_is_led(c, c->sys->link_pair[link]) && !mg_is_for_flat(c, link);
+}
+
+/* Its coming and going is not told. */
+static int mg_is_untold(const mg_context *c, int link, mg_real d) { return mg_is_for_flat(c, link) || mg_only_leads(c, link, d); }
+
 static void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
@@ -68,10 +82,10 @@ static void mg_leave(mg_context *c, mg_events *events, int contact) {
     left->link = c->run->link[contact];
     mg_note_place(c, left);
   }
-  const int silent = mg_is_for_flat(c, c->run->link[contact]);
+  const int untold = mg_is_untold(c, c->run->link[contact], c->d[contact]);
   mg_set_link(c, contact, -1, none);
   c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
-  if (!silent) mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
+  if (!untold) mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
 }
 
 /* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
@@ -150,11 +164,13 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   return slot;
 }
 
-/* What a search during a run takes up: within reach, not below the depth, not about to end. */
+/* What a search during a run takes up: within reach unless it is to keep steps short, not below the depth, not about to
+   end. */
 static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
-  if (found->undecided || found->d > c->set->reach * length || found->d < -c->set->depth * length) return 0;
   const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
+  const int far = found->d > c->set->reach * length && !mg_only_leads(c, found->link, found->d);
+  if (found->undecided || far || found->d < -c->set->depth * length) return 0;
   const int flat = mg_is_for_leaning(c, found->link); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->set->margin_refuse : c->set->margin_appear);
 }
@@ -174,6 +190,7 @@ static int mg_is_idle(mg_context *c, const mg_found *found) {
 
 static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
+  if (mg_pair_clearance(c, pair) > c->set->reach * s->length) return 0;
   const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
   mg_founds found;
   int count = found.count = 0;
@@ -186,7 +203,7 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    if (!mg_is_for_flat(c, each->link)) mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
+    if (!mg_is_untold(c, each->link, each->d)) mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
@@ -215,16 +232,6 @@ static mg_real mg_pair_pull(const mg_context *c, int pair) {
   return sqrt(mg_dot3(v, v));
 }
 
-/* What is at least between the shapes of a pair. */
-static mg_real mg_pair_clearance(const mg_context *c, int pair) {
-  mg_real clear = MG_MAX;
-  for (int link = c->sys->pair_link[pair]; link < c->sys->pair_link[pair + 1]; link++) {
-    const mg_real each = mg_clearance(c, link);
-    if (each < clear) clear = each;
-  }
-  return clear > 0 ? clear : 0;
-}
-
 /* What the last search of a pair has seen all of, less what the pair has moved since. */
 static mg_real mg_still_seen(const mg_context *c, int pair) {
   const mg_real length = c->sys->length, most = c->set->search * length, moved = c->run->moved[pair];
@@ -239,7 +246,7 @@ static mg_real mg_sight(const mg_context *c) {
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     const int unwatched = mg_is_unwatched(c, pair);
-    if (mg_has_own_links(c, pair) && !unwatched && s->pair_search[pair] != MG_SEARCH_AHEAD) continue;
+    if (!unwatched && mg_is_led(c, pair)) continue;
     const mg_real way = mg_still_seen(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;

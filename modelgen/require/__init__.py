@@ -28,7 +28,7 @@ from modelgen.notation import ETA_SIZE
 from modelgen.require.following import Following, confined, following
 from modelgen.require.grips import grips_of
 from modelgen.require.joints import Joined, joined
-from modelgen.require.links import Whole, links_of
+from modelgen.require.links import Whole, ball_around, links_of
 from modelgen.require.masses import (
     Mass,
     inertia_kind,
@@ -201,7 +201,8 @@ def _touching(
         normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
         ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
         grips = grips_of(pair, a.owner.body)
-        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips)
+        balls = tuple(ball_around(each) for each in ((b, a) if links[0].swapped else (a, b)))
+        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips, balls)
         shown.append(Shown((a, b), pair, patches_of(a, b, pair, name, where, links, first, faces, kinds)))
         touching = Touching(
             (*touching.pairs, entry), (*touching.links, *links), (*touching.contacts, *contacts)

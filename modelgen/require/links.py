@@ -12,13 +12,14 @@ import numpy as np
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.conditions import vertex
+from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
 from modelgen.require.pads import is_pad, lies_flat, pads_of, tilted
 from modelgen.require.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.require.vocabulary import Vocabulary
 from modelgen.scene.poses import compose, rotation_of, to_outer
-from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape
+from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape, Vector
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
 CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
@@ -30,6 +31,14 @@ class Whole:
 
     owner: Owner
     shape: Shape
+
+
+def ball_around(whole: Whole) -> tuple[Vector, float]:
+    """Centre (m, body axes, from the centre of mass) and radius (m, or infinite) of a ball around a shape."""
+    shape = whole.shape
+    centre, radius = bounding_ball(replace(shape, cavity=False))
+    x, y, z = map(float, to_outer(shape.pose, centre) - np.array(whole.owner.centre))
+    return (x, y, z), radius
 
 
 @dataclass(frozen=True, slots=True)

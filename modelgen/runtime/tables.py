@@ -37,7 +37,7 @@ SYSTEM_INDICES = (
 )
 SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
-    *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "scale"),
+    *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "pair_ball", "scale"),
 )
 SETTINGS_INTEGERS = (
     *("method", "scheme", "law", "fallback", "use_gamma", "newton", "project"),
@@ -251,6 +251,12 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
             *point_restitutions(sentence),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
+        "pair_ball": [
+            value
+            for p in pairs
+            for ball in p["balls"]
+            for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+        ],
     }
 
 

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import build as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran
+from tests.running import library_of
 
 CORNERS = [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)]
 MASS = 2.0
@@ -120,3 +122,14 @@ def test_a_ball_wedged_between_two_planes_is_held_by_both() -> None:
     path = ran([*walls, ball("b", [0, 0, height])], 2.0, [{"between": ["b", side]} for side in "lr"])
     assert np.abs(path.force - G / (2 * np.cos(0.6))).max() < 1e-10
     assert np.abs(path.p[:, 2] - [0, 0, height]).max() < 1e-14
+
+
+def test_bodies_that_fly_apart_take_no_more_steps_the_farther_they_are() -> None:
+    """A box has faces without bound of their own, and is bounded."""
+    block = make.fixed("block", make.box(0.3, 0.04, 0.01))
+    puck = make.dynamic("puck", make.cylinder(0.015, 0.01), density=1000.0, position=[0.5, 0, 0])
+    library = library_of(make.scene("away", [block, puck], contact=[{"between": ["puck", "block"]}]))
+    near, far = (simulate(library, until=until, estimate=False) for until in (0.5, 8.0))
+    assert near.steps < 20
+    assert far.steps < near.steps + 20
+    assert far.p[-1, far.body_names.index("puck"), 2] == pytest.approx(-9.81 * 32, rel=1e-12)

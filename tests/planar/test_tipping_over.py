@@ -1,0 +1,89 @@
+"""Bodies tip from their base over a rim until they lie on their side, against the integral of energy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import atan2, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from modelgen import simulate
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import build as make
+from modelgen.scene.types import Shape
+from tests.planar.scenes import INERTIA, MASS, G, standing, table
+from tests.running import library_of
+
+RADIUS, LENGTH, TOP = 0.03, 0.12, 0.02
+LEVELS = pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
+SPINS = pytest.mark.parametrize("spin", [8.5, 9.0, 10.0, 12.0])  # rad/s
+SHAPES: dict[str, tuple[Shape, float]] = {  # and the lean on their side, rad
+    "can": (make.cylinder(RADIUS, LENGTH), pi / 2),
+    "frustum": (make.frustum(RADIUS, TOP, LENGTH), pi / 2 + atan2(RADIUS - TOP, LENGTH)),
+    "tube": (make.tube(RADIUS, 0.02, LENGTH), pi / 2),
+}
+
+
+def tipped(shape: Shape, spin: float, friction: float | None, accuracy: str, **keys: object) -> Trajectory:
+    """It turns about a point of its rim; without friction its centre of mass moves up and down alone."""
+    rubs = {} if friction is None else {"friction": friction}
+    slide = 0.0 if friction is None else LENGTH / 2 * spin
+    body = standing(
+        shape, height=LENGTH / 2, angular_velocity=[0, spin, 0], velocity=[slide, 0, RADIUS * spin], **keys
+    )
+    scene = make.scene("tipped", [table(), body], contact=[{"between": ["body", "table"], **rubs}])
+    return simulate(library_of(scene), until=0.6, accuracy=accuracy, samples=20, estimate=False)
+
+
+def time_to_lie(spin: float, lean: float, inertia: Callable[[float], float]) -> float:
+    """inertia(angle) times the rate squared over two, and the weight's energy, stay what they were."""
+
+    def height(angle: float) -> float:
+        return RADIUS * sin(angle) + LENGTH / 2 * cos(angle)
+
+    def slowness(angle: float) -> float:
+        fallen = MASS * G * (height(0) - height(angle))
+        return sqrt(inertia(angle) / (inertia(0) * spin**2 + 2 * fallen))
+
+    return float(quad(slowness, 0, lean, epsabs=1e-14, epsrel=1e-13)[0])
+
+
+def about_rim(angle: float) -> float:
+    return INERTIA[1] + MASS * (RADIUS**2 + (LENGTH / 2) ** 2)
+
+
+def free_to_slide(angle: float) -> float:
+    return INERTIA[1] + MASS * (RADIUS * cos(angle) - LENGTH / 2 * sin(angle)) ** 2
+
+
+@LEVELS
+@SPINS
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_body_tips_over_its_rim_until_the_other_rim_touches(name: str, spin: float, accuracy: str) -> None:
+    shape, lean = SHAPES[name]
+    path = tipped(shape, spin, None, accuracy)
+    lies = [event.t for event in path.events if event.kind == "touch-down" and "top" in event.contact]
+    bound = {"fast": 1e-4, "balanced": 1e-8, "tight": 1e-11}[accuracy]
+    assert lies[0] == pytest.approx(time_to_lie(spin, lean, free_to_slide), abs=bound)
+    assert np.nanmin(path.gap[-1]) > -1e-6
+
+
+@LEVELS
+def test_a_can_that_does_not_slip_turns_about_its_rim(accuracy: str) -> None:
+    path = tipped(SHAPES["can"][0], 6.0, 0.8, accuracy)
+    sticks = (path.t > 0.02) & (path.t < min(event.t for event in path.events if event.kind == "slip"))
+    leans = 2 * np.arcsin(path.quaternion[sticks, path.body_names.index("body"), 2])
+    bound = {"fast": 1e-4, "balanced": 1e-8, "tight": 1e-11}[accuracy]
+    assert len(leans) > 5
+    assert [time_to_lie(6.0, lean, about_rim) for lean in leans] == pytest.approx(path.t[sticks], abs=bound)
+
+
+@LEVELS
+@pytest.mark.parametrize("lean", [1e-7, 1e-6, 1e-5, 1e-4, 1e-2])
+def test_a_can_that_leans_by_a_little_falls_on_its_side_too(lean: float, accuracy: str) -> None:
+    height = LENGTH / 2 * cos(lean) + RADIUS * sin(lean)
+    tilt = {"axis_angle": {"axis": [0, 1, 0], "angle": lean}, "position": [0, 0, height]}
+    path = tipped(SHAPES["can"][0], 8.0, 0.8, accuracy, **tilt)
+    assert path.p[-1, path.body_names.index("body"), 2] == pytest.approx(RADIUS, abs=1e-6)
