@@ -85,16 +85,29 @@ static void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
-/* The normal of a side: across the tangent T where it is curved; at a spot the way to it from x, unless x is there. */
-static void mg_normal_there(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, const mg_real *T,
-                            mg_brink *brink) {
-  const mg_edge *e = h->edge + near->edge;
-  const mg_real *p = brink->at[0].point, size = sqrt(mg_dot2(T, T)), sign = brink->margin > 0 ? 1 : -1;
-  const int there = !(near->distance > h->regions->shared);
-  for (int k = 0; k < 2; k++) {
-    const mg_real across = e->way ? e->way * (k ? -T[0] : T[1]) / size : e->normal[k];
-    brink->normal[k] = near->spot < 0 || there ? across : sign * (p[k] - x[k]) / near->distance;
-  }
+/* The outward normal of a side: across the tangent T where it is curved. */
+static void mg_side_normal(const mg_edge *e, const mg_real *T, mg_real *normal) {
+  const mg_real size = sqrt(mg_dot2(T, T));
+  for (int k = 0; k < 2; k++) normal[k] = e->way ? e->way * (k ? -T[0] : T[1]) / size : e->normal[k];
+}
+
+/* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then. */
+static int mg_leads_past(const mg_hull *h, const mg_edge *e, int spot, int last, const mg_real *way, mg_real *normal) {
+  if (!e->way && !(e->length > MG_SHORT * h->regions->shared)) return 0;
+  mg_side_normal(e, h->spot[spot].tangent, normal);
+  return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
+}
+
+/* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there. Where
+   these are one, as where a closed outline begins, so is it, however near x is. */
+static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_brink *brink) {
+  const mg_edge *next = h->edge + near->edge, *last = h->edge + (near->edge + h->n_edge - 1) % h->n_edge;
+  const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
+  const mg_real way[2] = {sign * (p[0] - x[0]) / near->distance, sign * (p[1] - x[1]) / near->distance};
+  if (h->n_edge > 1 && (mg_leads_past(h, last, last->v, 1, way, brink->normal) ||
+                        mg_leads_past(h, next, next->u, 0, way, brink->normal)))
+    return;
+  brink->normal[0] = way[0], brink->normal[1] = way[1];
 }
 
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
@@ -114,7 +127,9 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const m
     brink->n = 2;
     mg_support_at(h, e->u, brink->at), mg_support_at(h, e->v, brink->at + 1);
   }
-  mg_normal_there(h, near, x, T, brink);
+  const int is_off = near->spot >= 0 && near->distance > h->regions->shared;
+  if (is_off) mg_spot_normal(h, near, x, brink);
+  else mg_side_normal(e, T, brink->normal);
 }
 
 static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {

@@ -46,7 +46,10 @@ def test_in_a_disc_or_ring_the_margin_is_radius_less_distance(
 
 
 @settings(deadline=None)
-@given(angle=st.floats(-pi, pi), depth=st.one_of(st.floats(0, 0.249), st.floats(0, 1e-13)))
+@given(angle=st.floats(-pi, pi), depth=st.one_of(st.floats(0, 0.249), st.floats(0, 1e-12)))
+@example(angle=pi, depth=7e-14)
+@example(angle=pi, depth=3e-13)
+@example(angle=0, depth=7e-14)
 def test_in_an_ellipse_the_margin_is_the_depth_along_its_normal(
     plane_core: CoreBuild, angle: float, depth: float
 ) -> None:
