@@ -74,7 +74,7 @@ static int mg_leaps(const mg_context *c, mg_real h) {
   if (mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
   for (int i = 0; i < c->first_pad; i++) {
     if (!c->run->closed[i] || !c->run->active[i]) continue;
-    const mg_real speed = mg_pair_speed(c, c->sys->contact_pair[i]);
+    const mg_real speed = mg_pair_motion(c, c->sys->contact_pair[i]).speed;
     if (fabs(c->d_dot[i]) > c->set->leap * c->set->tolerance * (speed > least ? speed : least)) return 1;
   }
   return 0;

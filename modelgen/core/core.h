@@ -55,6 +55,10 @@ typedef struct {
   mg_found list[MG_FOUNDS];
 } mg_founds;
 
+typedef struct { /* of points of one body that another sees: how fast they move at most, and how fast that may grow */
+  mg_real speed, pull;
+} mg_motion;
+
 typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
   mg_real normal[3], outward[3], axis[3];                        /* N and the way out in o's axes; N in f's axes */
   mg_real azimuth[MG_RADAU], tilt[MG_RADAU], stiffness[MG_RADAU]; /* at the stages: rad from the way out; rad; 1/s^2 */

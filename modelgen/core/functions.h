@@ -47,6 +47,7 @@ static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts 
 
 /* clearance.c */
 static mg_real mg_pair_clearance(const mg_context *c, int pair);
+static mg_motion mg_pair_motion(const mg_context *c, int pair);
 static int mg_is_far(const mg_context *c, int link);
 
 /* search.c, walk.c */
@@ -67,7 +68,6 @@ static int mg_start_pairs(mg_context *c);
 static int mg_walk_all(mg_context *c, mg_events *events);
 static int mg_search_pair(mg_context *c, mg_events *events, int pair);
 static int mg_search_all(mg_context *c, mg_events *events, mg_real h);
-static mg_real mg_pair_speed(const mg_context *c, int pair);
 
 static void mg_leave(mg_context *c, mg_events *events, int contact);
 static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which);

@@ -6,10 +6,11 @@ static int mg_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
 }
 
-/* Newton's law for an approach that bounces; a rebound too slow to leave is none at all. */
+/* Newton's law for an approach that bounces. A rebound too slow to leave is none at all: an open gap that begins to be pressed
+   closes as soon as its approach counts, and would go on so for ever. */
 static mg_real mg_rebound(const mg_context *c, int contact) {
-  const mg_real e = c->sys->restitution[contact];
-  return -e * c->d_dot[contact] > c->set->rest_speed * c->sys->length / c->sys->time ? e : 0;
+  const mg_real e = c->sys->restitution[contact], least = 2 * c->set->rest_speed * c->sys->length / c->sys->time;
+  return -e * c->d_dot[contact] > least && !mg_has_unfolded(c, contact) ? e : 0;
 }
 
 /* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */

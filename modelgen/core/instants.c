@@ -146,11 +146,15 @@ static mg_real mg_seen_in_time(mg_context *c, mg_real h) {
 }
 
 /* Whether a load that is felt goes up and down unseen within the step h just tried, whose end is left as it was. The cubic knows
-   its ends alone: another interpolant may have met what the step has not. */
+   its ends alone: a better interpolant may have met what the step has not, but goes nearer to where the body turns back. */
 static int mg_hides_on_way(mg_context *c, mg_real h) {
   if (!c->n_felt || c->set->method == MG_RK4 || h <= mg_least_seen(c)) return 0;
   mg_make_cubic(c, c->run->x, h);
-  const int shows = mg_shows(c, h, h);
+  int shows = mg_shows(c, h, h);
+  if (shows && !mg_is_collocated(c)) {
+    mg_make_dense(c, c->run->t, c->run->x, h);
+    shows = mg_shows(c, h, h);
+  }
   mg_finish_step(c, c->run->t, h);
   return !shows;
 }

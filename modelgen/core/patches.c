@@ -92,22 +92,39 @@ static int mg_pair_unfolds(const mg_context *c, int pair) {
   return 0;
 }
 
+/* How fast the lean of the faces of a patch grows. */
+static mg_real mg_leaning_rate(const mg_context *c, int patch) {
+  mg_real o[12], w[3] = {0}, turning[3];
+  mg_face_pose(c, patch, 0, o);
+  for (int side = 0; side < 2; side++) {
+    const int body = mg_patch_body(c, patch, side);
+    mg_out(c->pose + 12 * body, c->twist + 6 * body + 3, 0, turning);
+    for (int k = 0; k < 3; k++) w[k] += side ? turning[k] : -turning[k];
+  }
+  const mg_real about = mg_dot3(w, o + 9);
+  return sqrt(fmax(mg_dot3(w, w) - about * about, 0));
+}
+
 /* The longest step after which faces that unfold lean no more than what is found at once. */
 static mg_real mg_unfolding(const mg_context *c) {
   mg_real longest = MG_MAX;
-  for (int patch = 0; patch < c->sys->n_patch; patch++) {
-    mg_real o[12], w[3] = {0}, turning[3];
-    if (!mg_is_unfolding(c, patch)) continue;
-    mg_face_pose(c, patch, 0, o);
-    for (int side = 0; side < 2; side++) {
-      const int body = mg_patch_body(c, patch, side);
-      mg_out(c->pose + 12 * body, c->twist + 6 * body + 3, 0, turning);
-      for (int k = 0; k < 3; k++) w[k] += side ? turning[k] : -turning[k];
-    }
-    const mg_real about = mg_dot3(w, o + 9), time = 2 * c->set->flat / sqrt(mg_dot3(w, w) - about * about);
-    if (time < longest) longest = time;
-  }
+  for (int patch = 0; patch < c->sys->n_patch; patch++)
+    if (mg_is_unfolding(c, patch)) longest = fmin(longest, 2 * c->set->flat / mg_leaning_rate(c, patch));
   return longest;
+}
+
+/* The contact is of a rim whose faces have just unfolded, and falls as from rest since then: it was pressed, but could not be
+   followed yet. */
+static int mg_has_unfolded(const mg_context *c, int contact) {
+  const int link = c->run->link[contact];
+  if (!c->sys->n_patch || link < 0 || !mg_is_for_leaning(c, link)) return 0;
+  const int patch = mg_patch_flat_on(c, contact, 4 * c->set->flat);
+  if (patch < 0) return 0;
+  mg_real o[12], f[12];
+  mg_face_pose(c, patch, 0, o);
+  mg_face_pose(c, patch, 1, f);
+  const mg_real since = mg_sine(o + 9, f + 9) / mg_leaning_rate(c, patch), way = -c->d_dot[contact] * since;
+  return -4 * c->d[contact] > way && -4 * c->d[contact] < 3 * way;
 }
 
 /* True if the link lies in a patch that is held, or in one that just turns over a rim. */

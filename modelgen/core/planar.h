@@ -18,6 +18,7 @@ static void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 static int mg_is_for_flat(const mg_context *c, int link);
 static int mg_pair_unfolds(const mg_context *c, int pair);
 static mg_real mg_unfolding(const mg_context *c);
+static int mg_has_unfolded(const mg_context *c, int contact);
 static int mg_is_for_leaning(const mg_context *c, int link);
 static int mg_patch_starts(const mg_context *c, int patch);
 static int mg_patch_concerns(const mg_context *c, int patch, int pair);

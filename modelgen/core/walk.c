@@ -209,27 +209,11 @@ static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   return count;
 }
 
-/* Relative speed of two bodies near each other: of their centres, and of turning at the characteristic length. */
-static mg_real mg_pair_speed(const mg_context *c, int pair) {
-  const int link = c->sys->pair_link[pair];
-  const mg_real *a = c->twist + 6 * c->sys->link_o[link], *b = c->twist + 6 * c->sys->link_f[link];
-  const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return sqrt(mg_dot3(v, v)) + c->sys->length * (sqrt(mg_dot3(a + 3, a + 3)) + sqrt(mg_dot3(b + 3, b + 3)));
-}
-
 /* No contact of the pair is on a link: nothing else keeps steps from passing through. */
 static int mg_is_unwatched(const mg_context *c, int pair) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
     if (mg_present(c, i)) return 0;
   return !mg_pair_rests(c, pair);
-}
-
-/* How fast the relative speed of the bodies' centres may grow. */
-static mg_real mg_pair_pull(const mg_context *c, int pair) {
-  const int link = c->sys->pair_link[pair];
-  const mg_real *a = c->accel + 6 * c->sys->link_o[link], *b = c->accel + 6 * c->sys->link_f[link];
-  const mg_real v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return sqrt(mg_dot3(v, v));
 }
 
 /* What the last search of a pair has seen all of, less what the pair has moved since. */
@@ -248,7 +232,8 @@ static mg_real mg_sight(const mg_context *c) {
     const int unwatched = mg_is_unwatched(c, pair);
     if (!unwatched && mg_is_led(c, pair)) continue;
     const mg_real way = mg_still_seen(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_real speed = mg_pair_speed(c, pair), pull = unwatched ? mg_pair_pull(c, pair) : 0;
+    const mg_motion motion = mg_pair_motion(c, pair);
+    const mg_real speed = motion.speed, pull = unwatched ? motion.pull : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
     if (mean * sight > way) sight = way / mean;
   }
@@ -262,7 +247,7 @@ static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
   mg_leave_far(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved[pair] += h * mg_pair_speed(c, pair);
+    c->run->moved[pair] += h * mg_pair_motion(c, pair).speed;
     if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->set->search * s->length) continue;
     c->run->moved[pair] = mg_pair_unfolds(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair(c, events, pair);

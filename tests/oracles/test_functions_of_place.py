@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, sqrt
+from math import acos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -98,3 +98,27 @@ def test_a_strip_passed_at_another_time_of_the_same_step_is_seen(accuracy: str) 
     for until in np.linspace(1.0, 3.0, 25):
         path = simulate(library, until=float(until), accuracy=accuracy, samples=2, estimate=False)
         assert path.v[-1, path.body_names.index("body"), 0] == pytest.approx(sqrt(0.9), abs=1e-3)
+
+
+@LEVELS
+@pytest.mark.parametrize("rate", [0.1, 1.0])
+@pytest.mark.parametrize("depth", [1e-5, 1e-4, 1e-3])
+def test_a_place_entered_just_where_the_body_turns_back_is_seen(
+    depth: float, rate: float, accuracy: str
+) -> None:
+    """x = sin(rate t) / 10; where it is within `depth` of the turn, y is pushed."""
+    turn, until = 0.1, 3 / rate
+    push = f"10*max(0, (x - {turn - depth})/{depth})"
+    text = TEXT.format(shape=SHAPES["ball"], force=f"-{rate**2}*x")
+    text = text.replace("velocity = [1.0, 0.0, 0.0]", f"velocity = [{rate * turn}, 0.0, 0.0]")
+    text = text.replace(f'"-{rate**2}*x", 0.0, 0.0', f'"-{rate**2}*x", "{push}", 0.0')
+    path = simulate(library_of(read_text(text, "turn.toml")), until=until, accuracy=accuracy, samples=40)
+    half = acos(1 - depth / turn) / rate
+    at = pi / 2 / rate
+    impulse = quad(
+        lambda t: 10 * (turn * sin(rate * t) - turn + depth) / depth, at - half, at + half, epsabs=0
+    )[0]
+    assert path.estimate is not None
+    error = abs(float(path.p[-1, path.body_names.index("body"), 1]) - impulse * (until - at))
+    assert error < 10 * path.position_error[-1] + 1e-12 or path.t[-1] > path.estimate.horizon
+    assert accuracy == "fast" or error < 1e-3 * impulse * until

@@ -133,3 +133,53 @@ def test_bodies_that_fly_apart_take_no_more_steps_the_farther_they_are() -> None
     assert near.steps < 20
     assert far.steps < near.steps + 20
     assert far.p[-1, far.body_names.index("puck"), 2] == pytest.approx(-9.81 * 32, rel=1e-12)
+
+
+def turned(size: float, angle: np.ndarray) -> np.ndarray:
+    """Corners (n, 4, 2) of a square about the origin."""
+    corners = size / 2 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    c, s = np.cos(angle), np.sin(angle)
+    return np.einsum("nij,kj->nki", np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], 1), corners)
+
+
+def are_apart(first: np.ndarray, second: np.ndarray, angles: Sequence[np.ndarray | float]) -> np.ndarray:
+    """Whether a line divides squares (n, 4, 2) that are turned by these angles."""
+    apart = np.zeros(len(first), dtype=bool)
+    for angle in angles:
+        for more in (0.0, np.pi / 2):
+            way = np.stack(np.broadcast_arrays(np.cos(angle + more), np.sin(angle + more)), -1)
+            a, b = (
+                np.einsum("nki,...i->nk" if way.ndim == 1 else "nki,ni->nk", each, way)
+                for each in (first, second)
+            )
+            apart |= (a.min(1) > b.max(1)) | (b.min(1) > a.max(1))
+    return apart
+
+
+@pytest.mark.parametrize("bead", [False, True])
+@pytest.mark.parametrize("spin", [10.0, 30.0, 300.0])
+def test_the_head_of_a_long_arm_strikes_what_it_swings_into(spin: float, bead: bool) -> None:
+    """However small it is, and whatever else there is; against the separating axes of two squares."""
+    size = 0.03
+    head = make.box(size, size, size, name="head", position=[1.0, 0, 0])
+    arm = make.dynamic(
+        "arm", head, mass=1.0, inertia=[1.0, 1.0, 1.0], position=[-1.2, 0.003, 0.002],
+        velocity=[spin / 300, 0, 0], angular_velocity=[0, 0, spin], rpy=[0, 0, -1.5],
+    )  # fmt: skip
+    wall = make.fixed("wall", make.box(size, size, size))
+    bodies, contact = [wall, arm], [{"between": ["arm/head", "wall"], "restitution": 1.0}]
+    if bead:
+        bodies.append(ball("bead", [5, 5, 5]))
+        contact.append({"between": ["bead", "wall"]})
+    t = np.arange(0, 60 / spin, 3e-4 / spin)
+    angle = -1.5 + spin * t
+    at = np.stack([-1.2 + spin / 300 * t + np.cos(angle), 0.003 + np.sin(angle)], -1)
+    apart = are_apart(turned(size, angle) + at[:, None], turned(size, 0 * angle), [angle, 0.0])
+    touches = t[np.argmin(apart)]
+    scene = make.scene("swung", bodies, contact=contact, gravity=[0, 0, 0])
+    path = simulate(
+        library_of(scene), until=float(touches) + 1 / spin, accuracy="fast", samples=4, estimate=False
+    )
+    strikes = [event.t for event in path.events if event.kind == "impact"]
+    assert not apart.all()
+    assert strikes[0] == pytest.approx(touches, abs=4e-4 / spin)

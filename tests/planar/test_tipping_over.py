@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan2, cos, pi, sin, sqrt
+from math import atan2, cos, isclose, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
@@ -87,3 +87,42 @@ def test_a_can_that_leans_by_a_little_falls_on_its_side_too(lean: float, accurac
     tilt = {"axis_angle": {"axis": [0, 1, 0], "angle": lean}, "position": [0, 0, height]}
     path = tipped(SHAPES["can"][0], 8.0, 0.8, accuracy, **tilt)
     assert path.p[-1, path.body_names.index("body"), 2] == pytest.approx(RADIUS, abs=1e-6)
+
+
+def leaned(spin: float, slide: float, friction: float, until: float) -> float:
+    """The lean of a can that slips and turns over its rim, by the balance of momentum."""
+
+    def rates(t: float, state: list[float]) -> list[float]:
+        lean, rate, speed = state
+        arm, height = RADIUS * cos(lean) - LENGTH / 2 * sin(lean), RADIUS * sin(lean) + LENGTH / 2 * cos(lean)
+        rub = -friction if speed > rate * height else friction
+        yields = (arm + height * rub) / INERTIA[1]
+        force = MASS * (G - height * rate**2) / (1 + MASS * arm * yields)
+        return [rate, -yields * force, rub * force / MASS]
+
+    found = solve_ivp(rates, (0, until), [0, spin, slide], "DOP853", rtol=1e-13, atol=1e-16)
+    return float(found.y[0, -1])
+
+
+@LEVELS
+@pytest.mark.parametrize("restitution", [0.0, 1.0])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("azimuth", [0.0, 2.2, pi])
+@pytest.mark.parametrize("spin", [0.3, 8.0])
+def test_whichever_way_a_can_begins_to_turn_it_knows_how_well_it_does(
+    spin: float, azimuth: float, friction: float, restitution: float, accuracy: str
+) -> None:
+    """Its rim is pressed from the first moment, though it is followed only once the can leans."""
+    slide, until = -0.3, min(0.03, spin * free_to_slide(0) / (MASS * G * RADIUS))
+    body = standing(
+        SHAPES["can"][0], height=LENGTH / 2, angular_velocity=[-spin * sin(azimuth), spin * cos(azimuth), 0],
+        velocity=[slide * cos(azimuth), slide * sin(azimuth), RADIUS * spin],
+    )  # fmt: skip
+    touch = {"between": ["body", "table"], "restitution": restitution, "friction": friction}
+    library = library_of(make.scene("turning", [table(), body], contact=[touch]))
+    path = simulate(library, until=until, accuracy=accuracy, samples=4)
+    _, x, y, _ = path.quaternion[-1, path.body_names.index("body")]
+    lean, expected = 2 * np.arcsin(np.hypot(x, y)), leaned(spin, slide, friction, until)
+    assert isclose(lean, expected, rel_tol=1e-3)
+    assert abs(lean - expected) < 10 * path.rotation_error[-1] + 1e-15
+    assert path.steps < 200
