@@ -232,14 +232,25 @@ static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
 }
 
 /* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many
-   have there. */
+   have there. Forces that are found by iteration may tell otherwise when asked again near a zero: then, as far as they do not. */
 static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_real width) {
+  const mg_real last = *high;
   for (int j = 0; j < 60 && *high - *low > width; j++) {
     const mg_real middle = (*low + *high) / 2;
     if (mg_fired_at(c, h, middle)) *high = middle;
     else *low = middle;
   }
-  return mg_fired_at(c, h, *high);
+  int count = mg_fired_at(c, h, *high);
+  for (mg_real back = *high - *low; !count && *high < last; back *= 2) {
+    *low = *high, *high = fmin(*high + back, last);
+    count = mg_fired_at(c, h, *high);
+  }
+  return count;
+}
+
+/* What fires at theta, or, if nothing does when asked again, what did. */
+static void mg_fire_again(mg_context *c, mg_real h, mg_real theta, const mg_crossing *event) {
+  if (!mg_fired_at(c, h, theta) && !mg_is_grip(c, event->contact)) c->fired[event->contact] = event->cause ? event->cause : 1;
 }
 
 /* An event alone, whose function is nearly straight from `low` to `high`: its zero needs no further halving. That of a
@@ -265,14 +276,14 @@ static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan(c, h, &low) : mg_first_dip(c, h, 0, 1);
   if (high == 0) return 0;
   const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;
-  mg_crossing event;
+  mg_crossing event, finer;
   const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
   if (!mg_tell_event(c, h, high, &event)) return 0;
   if (mg_only_looks(c, &event) || !mg_is_plain(c, &event, count, h, low, high)) {
     mg_narrow(c, h, &low, &high, width);
-    if (!mg_tell_event(c, h, high, &event)) return 0;
+    if (mg_tell_event(c, h, high, &finer)) event = finer;
     event.start = high * h;
   }
-  mg_fired_at(c, h, high);
+  mg_fire_again(c, h, high, &event);
   return mg_polish(c, &event, h);
 }

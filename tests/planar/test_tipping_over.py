@@ -17,6 +17,7 @@ from tests.planar.scenes import INERTIA, MASS, G, standing, table
 from tests.running import library_of
 
 RADIUS, LENGTH, TOP = 0.03, 0.12, 0.02
+PUSHED_TIPS = 0.2056835  # s, by quadrature of a pressure that is linear where it is not zero, and DOP853
 LEVELS = pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
 SPINS = pytest.mark.parametrize("spin", [8.5, 9.0, 10.0, 12.0])  # rad/s
 SHAPES: dict[str, tuple[Shape, float]] = {  # and the lean on their side, rad
@@ -126,3 +127,18 @@ def test_whichever_way_a_can_begins_to_turn_it_knows_how_well_it_does(
     assert isclose(lean, expected, rel_tol=1e-3)
     assert abs(lean - expected) < 10 * path.rotation_error[-1] + 1e-15
     assert path.steps < 200
+
+
+def test_a_spinning_can_that_is_pushed_tips_at_one_time_wherever_samples_and_ends_of_runs_fall() -> None:
+    """Its friction comes from a pressure that is sought; near the rim it depends on where that began."""
+    can = make.dynamic(
+        "can", make.cylinder(0.04, 0.2), density=500.0, position=[0, 0, 0.1],
+        velocity=[0.5, 0, 0], angular_velocity=[0, 0, 2.0],
+    )  # fmt: skip
+    push = {"body": "can", "force": ["6*t", "0.0", "0.0"], "point": [0, 0, 0.08]}
+    touch = {"between": ["can", "table"], "friction": 0.2}
+    library = library_of(make.scene("pushed", [table(), can], contact=[touch], force=[push]))
+    for until, samples in [(0.22, 2), (0.22, 6), (0.22, 12), (0.22, 60), (0.24, 20), (0.26, 200)]:
+        path = simulate(library, until=until, accuracy="fast", samples=samples, estimate=False)
+        tips = [event.t for event in path.events if event.kind == "tip"]
+        assert tips[0] == pytest.approx(PUSHED_TIPS, abs=1e-6)
