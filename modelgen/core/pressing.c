@@ -211,7 +211,7 @@ static int mg_inside_hull(const mg_hull *h, mg_real *x) {
    function, whose Hessian the moments are; 0 where it is not found. */
 static int mg_press_from(mg_press *p, mg_real force, const mg_real *centre, const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1;
+  mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
   for (int k = 0; k < 2; k++) p->centre[k] = centre[k];
   for (int k = 0; k < 3; k++) level[k] = start[k];
@@ -228,11 +228,12 @@ static int mg_press_from(mg_press *p, mg_real force, const mg_real *centre, cons
     const mg_real r[3] = {1, p->extent, p->extent};
     for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
     const mg_real noise = 65536 * MG_EPS * p->hull->size / p->extent; /* of a part so small */
-    if (!p->cut || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
+    const int stalls = near && change > last / 4; /* Newton's method does so at rounding alone */
+    if (!p->cut || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
       for (int k = 0; k < 3; k++) p->level[k] = level[k];
       return 1;
     }
-    merit = now, part = 1, near = change <= level[0] / 16; /* where rounding would tell the merit */
+    merit = now, part = 1, last = change, near = change <= level[0] / 16; /* where rounding would tell the merit */
   }
   return 0;
 }
