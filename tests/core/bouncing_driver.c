@@ -10,7 +10,7 @@ int main(void) {
   const int no_grips[] = {0, 0}, law[] = {MG_NEWTON};
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
-  const mg_real pair_normal[3] = {0};
+  const mg_real pair_normal[3] = {0}, pair_ball[8] = {0, 0, 0, -1, 0, 0, 0, (mg_real)0.1};
   mg_real numbers[2 * SIDE] = {0}, moved[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
@@ -32,7 +32,7 @@ int main(void) {
                       .side_shape = sides, .side_parameters = side_parameters, .side_numbers = side_numbers,
                       .contact_below = no_grips, .contact_grip = no_grips, .impact_law = law,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
-                      .numbers = numbers, .pair_normal = pair_normal, .scale = scale,
+                      .numbers = numbers, .pair_normal = pair_normal, .pair_ball = pair_ball, .scale = scale,
                       .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
                           .gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift = (mg_real)1e-15,
