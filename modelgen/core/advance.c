@@ -69,13 +69,12 @@ static int mg_settle_end(mg_context *c, mg_real h) {
 /* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points have
    leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
 static int mg_leaps(const mg_context *c, mg_real h) {
-  const mg_real least = c->sys->length / c->sys->time;
+  const mg_real least = c->sys->length / c->sys->time, part = c->set->leap * c->set->tolerance;
   if (c->set->method == MG_RK4 || !c->set->project || !c->set->use_gamma) return 0;
   if (mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
   for (int i = 0; i < c->first_pad; i++) {
-    if (!c->run->closed[i] || !c->run->active[i]) continue;
-    const mg_real speed = mg_pair_motion(c, c->sys->contact_pair[i]).speed;
-    if (fabs(c->d_dot[i]) > c->set->leap * c->set->tolerance * (speed > least ? speed : least)) return 1;
+    if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->d_dot[i]) > part * least)) continue;
+    if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->sys->contact_pair[i]).speed) return 1;
   }
   return 0;
 }

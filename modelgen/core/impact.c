@@ -6,11 +6,12 @@ static int mg_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
 }
 
-/* Newton's law for an approach that bounces. A rebound too slow to leave is none at all: an open gap that begins to be pressed
-   closes as soon as its approach counts, and would go on so for ever. */
+/* Newton's law for an approach that bounces. A rebound too slow to leave is none at all. Nor is that of an approach which only
+   just counts: an open gap that begins to be pressed closes as soon as it does, and at restitution 1 would for ever. */
 static mg_real mg_rebound(const mg_context *c, int contact) {
-  const mg_real e = c->sys->restitution[contact], least = 2 * c->set->rest_speed * c->sys->length / c->sys->time;
-  return -e * c->d_dot[contact] > least && !mg_has_unfolded(c, contact) ? e : 0;
+  const mg_real e = c->sys->restitution[contact], approach = -c->d_dot[contact];
+  const mg_real least = c->set->rest_speed * c->sys->length / c->sys->time;
+  return e * approach > least && 4 * approach > 5 * least && !mg_has_unfolded(c, contact) ? e : 0;
 }
 
 /* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */

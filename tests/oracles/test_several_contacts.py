@@ -142,16 +142,13 @@ def turned(size: float, angle: np.ndarray) -> np.ndarray:
     return np.einsum("nij,kj->nki", np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], 1), corners)
 
 
-def are_apart(first: np.ndarray, second: np.ndarray, angles: Sequence[np.ndarray | float]) -> np.ndarray:
+def are_apart(first: np.ndarray, second: np.ndarray, angles: Sequence[np.ndarray]) -> np.ndarray:
     """Whether a line divides squares (n, 4, 2) that are turned by these angles."""
     apart = np.zeros(len(first), dtype=bool)
     for angle in angles:
         for more in (0.0, np.pi / 2):
-            way = np.stack(np.broadcast_arrays(np.cos(angle + more), np.sin(angle + more)), -1)
-            a, b = (
-                np.einsum("nki,...i->nk" if way.ndim == 1 else "nki,ni->nk", each, way)
-                for each in (first, second)
-            )
+            way = np.stack([np.cos(angle + more), np.sin(angle + more)], -1)
+            a, b = (np.einsum("nki,ni->nk", each, way) for each in (first, second))
             apart |= (a.min(1) > b.max(1)) | (b.min(1) > a.max(1))
     return apart
 
@@ -174,7 +171,7 @@ def test_the_head_of_a_long_arm_strikes_what_it_swings_into(spin: float, bead: b
     t = np.arange(0, 60 / spin, 3e-4 / spin)
     angle = -1.5 + spin * t
     at = np.stack([-1.2 + spin / 300 * t + np.cos(angle), 0.003 + np.sin(angle)], -1)
-    apart = are_apart(turned(size, angle) + at[:, None], turned(size, 0 * angle), [angle, 0.0])
+    apart = are_apart(turned(size, angle) + at[:, None], turned(size, 0 * angle), [angle, 0 * angle])
     touches = t[np.argmin(apart)]
     scene = make.scene("swung", bodies, contact=contact, gravity=[0, 0, 0])
     path = simulate(
