@@ -66,7 +66,7 @@ class Accuracy:
         gap, start_gap: |d| <= gap L counts as touching; at t = 0 start_gap L, deeper penetration is refused.
         start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
         drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
-        rest_speed: an approach above rest_speed L/T counts; a rebound below twice that is none.
+        rest_speed: an approach above rest_speed L/T counts, above 5/4 of it bounces; no rebound is slower.
         slip_speed: slip below slip_speed L/T sticks if the forces let it; spin, rolling below slip_speed/T.
         cone: a contact whose friction has reached its bound is tried with this part less of it.
         rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
