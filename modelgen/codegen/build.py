@@ -6,7 +6,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import casadi as ca
@@ -17,12 +17,12 @@ from modelgen.codegen.compiler import (
     LEVELS,
     Compiler,
     compile_library,
-    cpu_target,
     find_compiler,
 )
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import BuildRecord, record_name
+from modelgen.codegen.runtime_object import runtime_hash, runtime_object
 from modelgen.errors import LibraryError, expect, nearest
 
 
@@ -32,14 +32,19 @@ def build(
     real: str | None = None,
     folder: str | Path | None = None,
     level: str | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Library:
     """The library of a package, compiled if no library of the same content lies in `folder`.
+
+    The scene's kernels are compiled and linked with the core, which is compiled once and kept in the user's
+    cache folder (`runtime_object`).
 
     Args:
         package: what `emit` returned.
         real: "double", "float" or "long double"; the scene's own when None, else double.
         level: how far the compiler optimises: "O1", "O2" or "O3"; the scene's own when None, else O2.
         folder: where C, header, manifest, library and its record go; `generated/<scene>` when None.
+        tell: receives one line before the core is compiled; None: the line goes to the standard error.
 
     Raises:
         ModelgenError: what is given is no package.
@@ -59,7 +64,8 @@ def build(
     path = folder / f"lib{package.name}-{key[:16]}.so"
     folder.mkdir(parents=True, exist_ok=True)
     if not path.exists():
-        _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), path)
+        runtime = runtime_object(compiler, flags, tell)
+        _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
     record = BuildRecord(key, real, path.name, package.manifest.vocabulary, _versions(compiler))
     library = Library(package.manifest, record, folder)
     texts = {"manifest.json": package.manifest.to_json(), record_name(real): record.to_json()}
@@ -68,18 +74,12 @@ def build(
 
 
 def content_hash(package: Package, flags: tuple[str, ...], compiler: Compiler) -> str:
-    """SHA-256 (hex) of all that decides what the library does: text, flags, compiler, CPU target, ABI."""
-    digest = hashlib.sha256()
-    sources = [part for name in sorted(package.files) for part in (name, package.files[name])]
-    for part in (
-        *sources,
-        *flags,
-        *compiler.command,
-        compiler.version,
-        cpu_target(),
-        str(package.manifest.abi),
-    ):
-        digest.update(f"{len(part)}:{part}".encode())
+    """SHA-256 (hex) of all that decides what the library does: the scene's text, and the core with its
+    flags, compiler and processor."""
+    digest = hashlib.sha256(runtime_hash(compiler, flags).encode())
+    for name in sorted(package.files):
+        for part in (name, package.files[name]):
+            digest.update(f"{len(part)}:{part}".encode())
     return digest.hexdigest()
 
 
@@ -92,14 +92,16 @@ def _versions(compiler: Compiler) -> dict[str, str]:
     }
 
 
-def _compile(files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
+def _compile(
+    files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], runtime: Path, path: Path
+) -> None:
     """Compile in a folder of its own, then move the library into place, so that no one sees half of it."""
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         scratch = Path(name)
         for file, text in files.items():
             (scratch / file).write_text(text, encoding="utf-8")
         target = scratch / path.name
-        compile_library(compiler, flags, scratch / "model.c", target, path.with_suffix(".log"))
+        compile_library(compiler, flags, scratch / "model.c", runtime, target, path.with_suffix(".log"))
         os.replace(target, path)
 
 

@@ -17,7 +17,8 @@ from modelgen.errors import CompilerMissing, LibraryError
 
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
-FLAGS = ("-std=c99", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC")
+FLAGS = ("-std=c99", "-fno-math-errno", "-fvisibility=hidden", "-fPIC")
+SHARED = ("-shared", *(("-Wl,-z,defs",) if sys.platform == "linux" else ()))
 LIBRARIES = ("-lm",)
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # with AVX-512, or tuned for it, GCC 12 copies so that the core stalls: a third slower
@@ -36,10 +37,9 @@ class Compiler:
         return "ziglang" in self.command or Path(self.command[0]).stem == "zig"
 
     def flags(self, real: str, level: str = LEVEL) -> tuple[str, ...]:
-        """All flags that decide what the library does, for one real type and level of optimisation."""
+        """All flags that decide what an object does, for one real type and level of optimisation."""
         native = ("-fno-sanitize=undefined",) if self.is_zig else NATIVE  # zig targets this CPU anyway
-        strict = ("-Wl,-z,defs",) if sys.platform == "linux" else ()
-        return (f"-{level}", *FLAGS, *native, *strict, *REAL_FLAGS[real])
+        return (f"-{level}", *FLAGS, *native, *REAL_FLAGS[real])
 
 
 def find_compiler() -> Compiler:
@@ -89,12 +89,24 @@ def cpu_target() -> str:
     return "; ".join([platform.machine(), *(known or [platform.processor()])])
 
 
+def compile_object(compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path) -> None:
+    """Compile `source` to the object `target`; a failure raises LibraryError and leaves the output in `log`."""
+    _run([*compiler.command, *flags, "-c", "-o", str(target), source.name], source.parent, log)
+
+
 def compile_library(
-    compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path
+    compiler: Compiler, flags: tuple[str, ...], source: Path, runtime: Path, target: Path, log: Path
 ) -> None:
-    """Compile `source` to `target`; a failure raises LibraryError and leaves what was said in `log`."""
-    command = [*compiler.command, *flags, "-o", str(target), source.name, *LIBRARIES]
-    answer = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
+    """Compile `source` and link it with the object `runtime` to the shared library `target`.
+
+    A failure raises LibraryError and leaves the compiler's output in `log`.
+    """
+    named = ["-o", str(target), source.name, str(runtime)]
+    _run([*compiler.command, *flags, *SHARED, *named, *LIBRARIES], source.parent, log)
+
+
+def _run(command: list[str], folder: Path, log: Path) -> None:
+    answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if answer.returncode == 0:
         return
     log.write_text(f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}", encoding="utf-8")
@@ -103,5 +115,5 @@ def compile_library(
         shlex.join(command),
         f"the compiler ended with {answer.returncode}: {first}",
         "",
-        f"its words are in {log}",
+        f"its output is in {log}",
     )

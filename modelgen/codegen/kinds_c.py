@@ -1,9 +1,8 @@
-"""The text of kinds.c: the tables of the vocabulary and one dispatcher a role."""
+"""The table of a scene's kernels in C: sizes by kind, and one function a role that dispatches on the kind."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -21,18 +20,7 @@ from modelgen.joint.rows import row_count
 from modelgen.model import ContactKind, JointKind, Model
 from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
-HEAD = """/* The vocabulary of one scene: sizes by kind, and a dispatcher for each role (kinds.h). */
-#include "kinds.h"
-#include "modelgen.h"
-
-#if defined(__GNUC__)
-#define MG_NEVER __builtin_unreachable()
-#else
-#define MG_NEVER break
-#endif
-#define MG_GIVEN(pointer) if (!(pointer)) MG_NEVER
-
-#ifndef MG_HASH
+HEAD = """#ifndef MG_HASH
 #define MG_HASH ""
 #endif
 
@@ -42,7 +30,7 @@ MG_API const char *mg_hash(void) { return MG_HASH; }
 
 @dataclass(frozen=True)
 class Dispatcher:
-    """One function of kinds.h: its name and arguments; the first of them are inputs of the kernel."""
+    """One function of kernels.h: its name and arguments; the first of them are inputs of the kernel."""
 
     roles: tuple[str, ...]
     function: str
@@ -51,73 +39,65 @@ class Dispatcher:
 
 
 TURN = 6  # MG_TURN
+KIND_GROUPS = ("body", "contact", "joint", "load", "shape")
 CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
 
 ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
 
 DISPATCHERS = (
-    Dispatcher(("pose",), "mg_body_pose", ("q",), ("pose",)),
+    Dispatcher(("pose",), "body_pose", ("q",), ("pose",)),
     Dispatcher(
-        ("motion",), "mg_body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")
+        ("motion",), "body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")
     ),
     Dispatcher(
-        ("energy",), "mg_body_energy", ("q", "u", "gravity", "parameters"),
+        ("energy",), "body_energy", ("q", "u", "gravity", "parameters"),
         ("kinetic", "potential", "momentum", "spin"),
     ),
-    Dispatcher(("path",), "mg_body_path", ("t", "parameters"), ("pose", "twist", "accel")),
+    Dispatcher(("path",), "body_path", ("t", "parameters"), ("pose", "twist", "accel")),
     Dispatcher(
-        ("wrench",), "mg_load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("wrench",), "load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
-        ("rates",), "mg_contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
+        ("rates",), "contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
         ("d", "J_o", "J_f", "gamma", "eta_dot", "normal", "tangents"),
     ),
     Dispatcher(
-        ("place",), "mg_contact_place", ("pose_o", "pose_f", "eta", "parameters"),
+        ("place",), "contact_place", ("pose_o", "pose_f", "eta", "parameters"),
         ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
     ),
     Dispatcher(
-        ("rows",), "mg_joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("rows",), "joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
         ("value", "J", "gamma1", "bias"),
     ),
     Dispatcher(
-        ("coordinates",), "mg_joint_coordinates", ("pose_a", "pose_b", "parameters"), ("coordinate",)
+        ("coordinates",), "joint_coordinates", ("pose_a", "pose_b", "parameters"), ("coordinate",)
     ),
     Dispatcher(
-        ("surface", "curve", "point"), "mg_shape_point", ("uv", "parameters"), ("point", "direction")
+        ("surface", "curve", "point"), "shape_point", ("uv", "parameters"), ("point", "direction")
     ),
     Dispatcher(
-        ("aim",), "mg_contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
+        ("aim",), "contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
     ),
     Dispatcher(
-        ("seek",), "mg_contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
+        ("seek",), "contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
         ("d", "slope", "bend", "tangents", "eta"),
     ),
 )  # fmt: skip
 
 
-def kinds_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
-    """kinds.c; `internal` maps a kernel's name to the static function that computes it."""
-    kinds = derivation.model.contact_kinds
-    bare = all(kind.rows == 1 for kind in kinds)
-    lone = bare and any(kind.o.motion == "fixed" and kind.f.motion == "free" for kind in kinds)
-    note = f"#define MG_LONE {int(lone)} /* a free body may touch one at rest */\n"
-    parts = [HEAD, note, *_tables(derivation)]
+def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
+    """The mg_kernels of a scene; `internal` maps a kernel's name to the static function that computes it."""
+    parts = [HEAD, *_tables(derivation)]
     for dispatcher in DISPATCHERS:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
+    fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
+    fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
+    fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
+    parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
+    parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")
     return "\n".join(parts)
-
-
-def prototypes(internal: Iterable[str], prefix: str, kernels: str) -> str:
-    """Declarations that let the dispatchers inline the kernels, and drop their tests for null with them; also
-    of the small functions (squares, extrema) that the text of the kernels defines for itself."""
-    arguments = "(const mg_real **arg, mg_real **res, long long *iw, mg_real *w, int mem)"
-    small = re.findall(r"^static casadi_real casadi_(\w+)\((.*?)\) \{", kernels, re.MULTILINE)
-    lines = [f"static inline MG_INLINE casadi_real {prefix}_{name}({given});" for name, given in small]
-    lines += [f"static inline MG_INLINE int {name}{arguments};" for name in internal]
-    return "\n".join(lines) + "\n"
 
 
 def _tables(derivation: Derivation) -> list[str]:
@@ -205,8 +185,8 @@ def _dispatcher(dispatcher: Dispatcher, formulas: list[Formula], internal: Mappi
     lines += [
         "  switch (kind) {",
         *cases,
-        "    default: /* not of this vocabulary */",
-        "      MG_NEVER;",
+        "    default: /* no kind of this scene */",
+        "      break;",
         "  }",
     ]
     return "\n".join([*lines, "}"]) + "\n"
@@ -224,10 +204,8 @@ def _wanted(formula: Formula) -> list[str]:
 
 def _case(formula: Formula, internal: str) -> list[str]:
     given, wanted = _given(formula), _wanted(formula)
-    known = [f"      MG_GIVEN({name});" for name in (*given, *wanted) if name != "0"]
     return [
         f"    case {formula.kind}: {{ /* {formula.name} */",
-        *known,
         f"      const mg_real *arg[] = {{{', '.join(given)}}};",
         f"      mg_real *res[] = {{{', '.join(wanted)}}};",
         f"      {internal}(arg, res, 0, 0, 0);",

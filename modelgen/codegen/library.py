@@ -26,6 +26,12 @@ REAL_FLAGS: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def kernel_table(cdll: ctypes.CDLL) -> int:
+    """The address of the mg_kernels of a loaded library (kernels.h)."""
+    cdll.mg_kernel_table.restype = ctypes.c_void_p
+    return int(cdll.mg_kernel_table())
+
+
 class Library:
     """The functions of one built scene: what the manifest lists, in the file that the record names.
 

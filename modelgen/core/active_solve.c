@@ -43,7 +43,7 @@ static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int
   return rank;
 }
 
-static int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
+MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
                            mg_real *work, int *iwork)
 {
   int k = 0;

@@ -1,13 +1,13 @@
 /* The loop: step, search for events, commit, project, change mode, keep the ledger. */
 #include "core.h"
 
-static mg_real mg_growth(mg_real error, mg_real most) {
+MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most) {
   if (error <= 0) return most;
   const mg_real factor = (mg_real)0.8 * pow(error, -(mg_real)1 / 8);
   return factor > most ? most : factor < (mg_real)0.2 ? (mg_real)0.2 : factor;
 }
 
-static int mg_finite(const mg_real *x, int n) {
+MG_INTERNAL int mg_finite(const mg_real *x, int n) {
   for (int i = 0; i < n; i++)
     if (!(fabs(x[i]) <= MG_MAX)) return 0;
   return 1;
@@ -38,13 +38,13 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
 }
 
 /* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
-static void mg_pass_time(mg_run *run, mg_real h) {
+MG_INTERNAL void mg_pass_time(mg_run *run, mg_real h) {
   const mg_real t = run->t, step = h + run->t_rest;
   run->t = t + step;
   run->t_rest = step - (run->t - t);
 }
 
-static int mg_check_margins(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (mg_is_singular(c, i)) {
       c->run->failed_contact = i;
@@ -97,7 +97,7 @@ static int mg_settle_drift(mg_context *c) {
 
 /* What an event left on the contacts that stay closed, too slow to open them, is removed at once. A contact that
    appeared below zero is lifted; what that does to the energy is booked as work. */
-static int mg_change_mode(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {
   const int outcome = mg_transition(c, events);
   if (outcome || !c->set->project) return outcome;
   const int lifts = mg_largest(c, c->d) > c->set->border * c->sys->length;
@@ -214,7 +214,7 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   return mg_conclude(c, h, event, record, events);
 }
 
-static mg_real mg_first_step(const mg_context *c) {
+MG_INTERNAL mg_real mg_first_step(const mg_context *c) {
   if (c->set->step > 0) return c->set->step;
   return c->sys->time * pow(c->set->tolerance, (mg_real)1 / 8) / 4;
 }

@@ -25,7 +25,7 @@ static int mg_find_extrema(mg_context *c) {
 }
 
 /* Contacts at zero gap that already separate are open. */
-static void mg_open_leaving(mg_context *c) {
+MG_INTERNAL void mg_open_leaving(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && c->d_dot[i] > c->set->rest_speed * c->sys->length / c->sys->time) c->run->closed[i] = 0;
 }

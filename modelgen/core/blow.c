@@ -146,7 +146,7 @@ static int mg_blow_phase(mg_blow *b, const mg_real *start, int law, mg_real e, c
 }
 
 /* The whole blow from the velocities in b->u; its impulses are then b->p along N and u[3], u[4] along t1, t2. */
-static int mg_blow_by(mg_blow *b, int law, mg_real e) {
+MG_INTERNAL int mg_blow_by(mg_blow *b, int law, mg_real e) {
   const mg_real start[3] = {b->u[0], b->u[1], b->u[2]};
   b->swift = sqrt(start[0] * start[0] + start[1] * start[1] + start[2] * start[2]);
   b->p = b->u[3] = b->u[4] = b->u[5] = 0, b->ended = b->straight = 0, b->share[0] = b->share[1] = 0;

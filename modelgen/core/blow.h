@@ -15,4 +15,7 @@ typedef struct {
   int ended;        /* slip has ended, or begun anew in a direction that it keeps */
 } mg_blow;
 
+/* blow.c */
+MG_INTERNAL int mg_blow_by(mg_blow *b, int law, mg_real e);
+
 #endif

@@ -150,7 +150,7 @@ static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
 }
 
 /* Those that slip get their kinetic bounds; returns how many bounds that changes. */
-static int mg_loosen_giving(mg_context *c) {
+MG_INTERNAL int mg_loosen_giving(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->sys->n_grip; g++) {
     const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
@@ -247,7 +247,7 @@ static void mg_note_report(mg_context *c, const mg_friction_report *report, int 
 }
 
 /* Solves for the modes of the closed contacts that are not skipped. Needs the rows at run->x. */
-static int mg_choose_grips(mg_context *c, const int *skip) {
+MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int giving, redundant, idle = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -280,7 +280,7 @@ static int mg_choose_grips(mg_context *c, const int *skip) {
 }
 
 /* Tells of slip that begins, dies, or dies and begins anew. */
-static void mg_report_grips(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_report_grips(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
       const int before = c->before[g], now = c->run->grip[g];

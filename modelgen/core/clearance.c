@@ -21,12 +21,12 @@ static mg_real mg_clearance(const mg_context *c, int link) {
   return mg_between_balls(c, mg_side_body(c, link, 0), centre_o, o[MG_BOUND], mg_side_body(c, link, 1), centre_f, f[MG_BOUND]);
 }
 
-static int mg_is_far(const mg_context *c, int link) {
+MG_INTERNAL int mg_is_far(const mg_context *c, int link) {
   return mg_clearance(c, link) > c->set->reach * c->sys->length;
 }
 
 /* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
-static mg_real mg_pair_clearance(const mg_context *c, int pair) {
+MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   const mg_real *ball = c->sys->pair_ball + 8 * pair;
   const int first = c->sys->pair_link[pair];
   mg_real clear = MG_MAX, whole = 0;
@@ -58,7 +58,7 @@ static mg_motion mg_seen_from(const mg_context *c, int seen, int from, mg_real e
 
 /* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without end the
    parts no farther than the characteristic length count. */
-static mg_motion mg_pair_motion(const mg_context *c, int pair) {
+MG_INTERNAL mg_motion mg_pair_motion(const mg_context *c, int pair) {
   const int first = c->sys->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
   const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
   const mg_motion of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->sys->length : extent_f);

@@ -3,20 +3,20 @@
 #include "core.h"
 #include "radau_coefficients.h"
 
-static mg_real *mg_stage_state(const mg_context *c, int stage) { return c->K + (1 + stage) * c->n_x; }
-static mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->K + (1 + MG_RADAU + stage) * c->n_x; }
-static mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
-static mg_real mg_stage_weight(int row, int column) { return mg_radau_weight[row][column]; }
+MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) { return c->K + (1 + stage) * c->n_x; }
+MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->K + (1 + MG_RADAU + stage) * c->n_x; }
+MG_INTERNAL mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
+MG_INTERNAL mg_real mg_stage_weight(int row, int column) { return mg_radau_weight[row][column]; }
 
 /* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by. */
-static mg_real mg_twice(int row, int column) {
+MG_INTERNAL mg_real mg_twice(int row, int column) {
   mg_real sum = 0;
   for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
   return sum;
 }
 
 /* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
-static mg_real mg_derivative(const mg_real *value, int stage) {
+MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage) {
   mg_real sum = 0;
   for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_slope[stage][k] * (value[k] - value[stage]);
   return sum;
@@ -45,7 +45,7 @@ static void mg_restage(mg_real *value, mg_real share) {
 }
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
-static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
+MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   const int n = c->n_x;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
   for (int i = from; i < to; i++) {
@@ -66,7 +66,7 @@ static mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, 
 
 /* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at the
    start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
-static mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->sys;
   mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x, *miss = c->K + (2 + 2 * MG_RADAU) * c->n_x;
   mg_real share[MG_RADAU], sum = 0;
@@ -88,7 +88,7 @@ static mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_re
 }
 
 /* The end of the step and the interpolant of the polynomial through x and the stages. */
-static void mg_collocated(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
   const int n = c->n_x;
   for (int i = 0; i < n; i++) {
     c->x_next[i] = mg_stage_state(c, MG_RADAU - 1)[i];
@@ -102,7 +102,7 @@ static void mg_collocated(mg_context *c, const mg_real *x) {
 
 /* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
    polynomial. */
-static void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
+MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -110,13 +110,13 @@ static void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
 }
 
 /* Ends the step that was collocated at a share of it. */
-static void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share) {
+MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share) {
   mg_share_stages(c, x, share);
   mg_collocated(c, x);
 }
 
 /* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
-static int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b) {
+MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b) {
   const int n = MG_RADAU;
   for (int k = 0; k < n; k++) {
     int pivot = k;

@@ -1,21 +1,21 @@
 /* How far a contact is from leaving its link: inequalities of its points, its normal and its eta. */
 #include "core.h"
 
-static const mg_real *mg_side(const mg_context *c, int link, int side) {
+MG_INTERNAL const mg_real *mg_side(const mg_context *c, int link, int side) {
   return c->sys->numbers + c->sys->side_numbers[2 * link + side];
 }
 
-static int mg_side_body(const mg_context *c, int link, int side) {
+MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side) {
   return side ? c->sys->link_f[link] : c->sys->link_o[link];
 }
 
-static int mg_carrier(const mg_context *c, int link, int side) {
-  const mg_contact_kind *kind = mg_contact_kinds + c->sys->link_kind[link];
+MG_INTERNAL int mg_carrier(const mg_context *c, int link, int side) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->sys->link_kind[link];
   return side ? kind->carrier_f : kind->carrier_o;
 }
 
 /* R^T x, R column-major. */
-static void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out) {
+MG_INTERNAL void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out) {
   const mg_real a = x[0], b = x[1], d = x[2];
   for (int k = 0; k < 3; k++) out[k] = R[3 * k] * a + R[3 * k + 1] * b + R[3 * k + 2] * d;
 }
@@ -26,7 +26,7 @@ static void mg_direction_in(const mg_context *c, int link, int side, const mg_re
 }
 
 /* A point of the world in the axes of the shape on one side of a link. */
-static void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
+MG_INTERNAL void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
   const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side), *place = mg_side(c, link, side) + MG_PLACEMENT;
   mg_real arm[3];
   for (int k = 0; k < 3; k++) arm[k] = world[k] - pose[k];
@@ -42,9 +42,9 @@ static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg
   const int shape = c->sys->side_shape[2 * link + side];
   const mg_real *parameters = c->sys->parameters + c->sys->side_parameters[2 * link + side];
   mg_real x[3], y[3], T[3];
-  mg_shape_point(shape, turns[0], parameters, x, T);
+  c->kernels->shape_point(shape, turns[0], parameters, x, T);
   if (!(x[0] > 0)) return point[0];
-  mg_shape_point(shape, turns[1], parameters, y, T);
+  c->kernels->shape_point(shape, turns[1], parameters, y, T);
   return atan2(point[1] / y[1], point[0] / x[0]);
 }
 
@@ -62,7 +62,7 @@ static void mg_coordinates(const mg_context *c, int link, int side, const mg_rea
   uv[1] = mg_carrier(c, link, side) == MG_CHART ? own[1] : point[1];
 }
 
-static inline mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] +
@@ -75,16 +75,16 @@ static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a
   const mg_system *s = c->sys;
   const mg_real at[2] = {mg_is_charted(c, link, side) ? uv[0] : mg_parameter_at(c, link, side, x), uv[1]};
   mg_real point[3], T[3];
-  mg_shape_point(s->side_shape[2 * link + side], at, s->parameters + s->side_parameters[2 * link + side], point, T);
+  c->kernels->shape_point(s->side_shape[2 * link + side], at, s->parameters + s->side_parameters[2 * link + side], point, T);
   return -(a[0] * (T[1] * N[0] - T[0] * N[1]) / sqrt(mg_dot3(T, T)) + a[1] * N[2]);
 }
 
-static mg_real mg_sine(const mg_real *a, const mg_real *b) {
+MG_INTERNAL mg_real mg_sine(const mg_real *a, const mg_real *b) {
   const mg_real cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
   return sqrt(mg_dot3(cross, cross));
 }
 
-static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta) {
+MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta) {
   const mg_system *s = c->sys;
   const mg_real *a = s->numbers + s->condition_numbers[k];
   const int side = s->condition_side[k];
@@ -105,7 +105,7 @@ static mg_real mg_condition(const mg_context *c, int link, int k, const mg_real 
 
 /* The least of the conditions of a link at eta, and which it is, among those that are watched only or among the
    others; needs mg_place there. */
-static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which) {
+MG_INTERNAL mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which) {
   mg_real least = MG_MAX;
   *which = -1;
   for (int k = c->sys->link_condition[link]; k < c->sys->link_condition[link + 1]; k++) {
@@ -116,6 +116,6 @@ static mg_real mg_least_condition(const mg_context *c, int link, const mg_real *
   return least;
 }
 
-static mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
+MG_INTERNAL mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
   return mg_least_condition(c, link, eta, 0, which);
 }

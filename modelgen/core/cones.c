@@ -1,7 +1,7 @@
 /* What bounds each grip of the closed contacts, as cones of the problem of friction. */
 #include "core.h"
 
-static void mg_bound_all(mg_context *c) {
+MG_INTERNAL void mg_bound_all(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
       int *mode = c->run->grip + g;
@@ -11,16 +11,16 @@ static void mg_bound_all(mg_context *c) {
 }
 
 /* Where the bound of an aspect stands in the cone of its contact. */
-static int mg_cone_at(int aspect) { return aspect == MG_SLIP ? 0 : 1 + aspect; }
+MG_INTERNAL int mg_cone_at(int aspect) { return aspect == MG_SLIP ? 0 : 1 + aspect; }
 
-static void mg_put_bound(const mg_context *c, int grip, const mg_real *mu, mg_real part, mg_real *cone) {
+MG_INTERNAL void mg_put_bound(const mg_context *c, int grip, const mg_real *mu, mg_real part, mg_real *cone) {
   const int aspect = c->sys->grip_aspect[grip];
   cone[mg_cone_at(aspect)] = part * mu[2 * grip];
   if (aspect == MG_SLIP) cone[1] = part * mu[2 * grip + 1];
 }
 
 /* The bounds of one contact of the problem, times `part`. A stuck grip that has reached its own is tried with less. */
-static void mg_put_cone(const mg_context *c, int contact, mg_real part, mg_real *cone) {
+MG_INTERNAL void mg_put_cone(const mg_context *c, int contact, mg_real part, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
   for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
     const mg_real *mu = c->bound_of[g] == MG_STATIC ? c->sys->grip_static : c->sys->grip_kinetic;
@@ -36,9 +36,9 @@ static int mg_is_open_question(const mg_context *c, int contact) {
 }
 
 /* Appends the rows of a contact to c->list of `size`, as contact k of the problem; returns the new size. */
-static int mg_put_contact(mg_context *c, int contact, int k, int size) {
+MG_INTERNAL int mg_put_contact(mg_context *c, int contact, int k, int size) {
   c->cone_contact[k] = contact, c->cone_first[k] = size;
-  c->cone_rows[k] = mg_is_open_question(c, contact) ? mg_contact_kinds[c->kind[contact]].rows : 1;
+  c->cone_rows[k] = mg_is_open_question(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
   c->list[size++] = contact;
   for (int r = 1; r < c->cone_rows[k]; r++) c->list[size++] = c->below + c->sys->contact_below[contact] + r - 1;
   return size;

@@ -5,7 +5,7 @@
    turn round, and slip along t1 and rolling about t2 change sign. */
 static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned, const mg_real *block) {
   mg_real *normal = c->normal + 3 * contact;
-  for (int i = 0; i < mg_contact_kinds[c->kind[contact]].rows; i++) {
+  for (int i = 0; i < c->kernels->contact_kinds[c->kind[contact]].rows; i++) {
     const int row = i ? c->below + c->sys->contact_below[contact] + i - 1 : contact;
     const mg_real sign = turned && (i == 1 || i == 4) ? -1 : 1;
     mg_real *J = c->J + 12 * row;
@@ -25,7 +25,7 @@ static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *
 static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
   const mg_system *s = c->sys;
   for (int link = c->first_pad_link + 3 * patch + 1; link >= c->first_pad_link + 3 * patch; link--)
-    if (mg_contact_kinds[s->link_kind[link]].rows >= mg_contact_kinds[s->link_kind[contact_link]].rows) return link;
+    if (c->kernels->contact_kinds[s->link_kind[link]].rows >= c->kernels->contact_kinds[s->link_kind[contact_link]].rows) return link;
   return -1;
 }
 
@@ -37,24 +37,24 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   const int patch = c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
   const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
   if (link < 0) return 0;
-  const int kind = s->link_kind[link], n = mg_contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
+  const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
   mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
   mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
   mg_into(c->pose + 12 * f, world, c->numbers + n - 3);
-  mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
+  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
                    c->d + contact, block, block + 36, block + 72, none, c->normal + 3 * contact,
                    c->tangents ? c->tangents + 6 * contact : 0);
-  mg_take_rim_rows(c, contact, mg_contact_kinds + kind, o != c->o[contact], block);
+  mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->o[contact], block);
   return 1;
 }
 
-static void mg_rates(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_rates(mg_context *c, const mg_real *x) {
   const mg_system *s = c->sys;
   for (int i = 0; i < s->n_contact; i++) {
-    const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = mg_contact_kinds[kind].rows > 1;
+    const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = c->kernels->contact_kinds[kind].rows > 1;
     if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
-    mg_contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
+    c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
                      x + s->n_q + s->n_u + s->contact_eta[i], mg_parameters_of(c, i), c->d + i,
                      below ? c->block : c->J + 12 * i, below ? c->block + 36 : c->J + 12 * i + 6,
                      below ? c->block + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
@@ -64,13 +64,13 @@ static void mg_rates(mg_context *c, const mg_real *x) {
   }
 }
 
-static inline mg_real mg_dot6(const mg_real *a, const mg_real *b) {
+MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b) {
   return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5]);
 }
 
 /* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
-static inline mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body) {
-  const mg_contact_kind *kind = mg_contact_kinds + c->kind[contact];
+MG_INTERNAL mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   const mg_real *J = c->J + 12 * contact;
   mg_real sum = 0;
   if (contact >= c->bilateral) return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
@@ -90,7 +90,7 @@ static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ
 }
 
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
-static inline mg_real mg_weigh(mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact) {
   const mg_system *s = c->sys;
   const int o = c->o[contact], f = c->f[contact];
   mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
@@ -100,7 +100,7 @@ static inline mg_real mg_weigh(mg_context *c, int contact) {
 }
 
 /* per_body += M^-1 J_i^T amount. */
-static inline void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
+MG_INTERNAL void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->o[contact], f = c->f[contact];
   const mg_real *MJ = c->MJ + 12 * contact;
   if (mg_moves(c, o))
@@ -114,7 +114,7 @@ static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int cont
 }
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
-static void mg_assemble(mg_context *c, const int *list, int n) {
+MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n) {
   for (int r = 0; r < n; r++) c->column[list[r]] = r, mg_weigh(c, list[r]);
   for (int k = 0; k < n * n; k++) c->A[k] = 0;
   for (int r = 0; r < n; r++)
@@ -132,17 +132,17 @@ static void mg_assemble(mg_context *c, const int *list, int n) {
 }
 
 /* The part of d_dot that driven bodies and given motions make. */
-static mg_real mg_driven_rate(const mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact) {
   mg_real rate = c->bias[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->f[contact] : c->o[contact];
-    if (mg_body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
+    if (c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
       rate += mg_dot6(c->J + 12 * contact + 6 * side, c->twist + 6 * body);
   }
   return rate;
 }
 
-static void mg_gap_rates(mg_context *c) {
+MG_INTERNAL void mg_gap_rates(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
   for (int i = c->bilateral; i < c->n_rows; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->bias[i];
   if (c->sys->n_grip) mg_slip_rates(c);

@@ -155,9 +155,9 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   if (s->n_grip) mg_carve_grips(c, work, iwork);
 }
 
-static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
+MG_INTERNAL void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
                     int *iwork) {
-  c->sys = sys, c->set = set, c->run = run;
+  c->sys = sys, c->kernels = sys->kernels, c->set = set, c->run = run;
   c->n_x = (int)mg_states(sys), c->work_index = c->n_x - 1, c->suspect = 0, c->laid = -1;
   c->first_pad = sys->n_contact - 3 * sys->n_slot, c->first_pad_link = sys->n_link - 3 * sys->n_patch;
   c->bilateral = sys->n_contact + 1, c->n_all = (int)mg_rows_of(sys);
@@ -180,11 +180,11 @@ static void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set,
 }
 
 /* Poses that never change are written once: fixed bodies whole, point bodies their identity rotation. */
-static void mg_set_fixed(mg_context *c) {
+MG_INTERNAL void mg_set_fixed(mg_context *c) {
   const mg_system *s = c->sys;
   c->driven = c->moving = 0;
   for (int b = 0; b < s->n_body; b++) {
-    const int motion = mg_body_kinds[mg_kind_of(c, b)].motion;
+    const int motion = c->kernels->body_kinds[mg_kind_of(c, b)].motion;
     mg_real *pose = c->pose + 12 * b;
     c->driven += motion == MG_DRIVEN, c->moving += motion >= MG_POINT;
     if (motion == MG_FIXED)

@@ -3,7 +3,7 @@
 #define MG_CORE_H
 
 #include "friction.h"
-#include "kinds.h"
+#include "kernels.h"
 #include "lcp_scaled.h"
 #include "modelgen.h"
 #include "rubbing.h"
@@ -77,6 +77,7 @@ typedef struct { /* over a singular place: as it was before, per row 12, 1, 1, p
 
 typedef struct {
   const mg_system *sys;
+  const mg_kernels *kernels;
   const mg_settings *set;
   mg_run *run;
   int below, n_all;                         /* rows below the normal ones: from `below` to n_all, behind all others */
@@ -153,6 +154,7 @@ typedef struct {
 } mg_context;
 
 typedef struct { /* two shapes of a contact kind, where they are */
+  const mg_kernels *kernels;
   int kind;
   const mg_real *pose_o, *pose_f, *parameters;
 } mg_couple;

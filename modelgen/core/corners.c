@@ -2,17 +2,17 @@
    told. What follows is told a moment later. */
 #include "core.h"
 
-static int mg_is_pointed(const mg_context *c, int link) { return mg_dimension(c, link, 0) + mg_dimension(c, link, 1) < 2; }
+MG_INTERNAL int mg_is_pointed(const mg_context *c, int link) { return mg_dimension(c, link, 0) + mg_dimension(c, link, 1) < 2; }
 
 /* The bodies as they will be in a moment, by the slope in K[0]; the state is in c->x_stage. */
-static void mg_look_ahead(mg_context *c) {
+MG_INTERNAL void mg_look_ahead(mg_context *c) {
   const mg_real moment = sqrt(c->set->event) * c->sys->time;
   for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->run->x[i] + moment * c->K[i];
   mg_poses(c, c->run->t + moment, c->x_stage);
 }
 
 /* In a moment the conditions of what was found hold no longer. */
-static int mg_goes_off(mg_context *c, const mg_found *found) {
+MG_INTERNAL int mg_goes_off(mg_context *c, const mg_found *found) {
   mg_real eta[6], next[6];
   int which;
   const int spare = mg_probe(c, found->link);
@@ -26,7 +26,7 @@ static int mg_goes_off(mg_context *c, const mg_found *found) {
 }
 
 /* Its point of one of the bodies touches the other already: that it is below another face there is no matter. */
-static int mg_touches_there(mg_context *c, const mg_found *found) {
+MG_INTERNAL int mg_touches_there(mg_context *c, const mg_found *found) {
   const mg_real near = c->set->apart * c->sys->length;
   const int pair = c->sys->link_pair[found->link];
   mg_real eta[6];
@@ -63,7 +63,7 @@ static int mg_link_around(mg_context *c, int from, int corner, const mg_real *at
 }
 
 /* From a link over a corner, where they touch, to another; returns 0 where there is none. */
-static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found) {
+MG_INTERNAL int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found) {
   int which;
   const int to = mg_link_around(c, from, corner, at);
   if (to < 0 || mg_step_over(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;

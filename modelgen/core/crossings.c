@@ -193,7 +193,7 @@ static void mg_cross_lines(mg_hull *h, const mg_span *x, const mg_span *y) {
   mg_add_cut(h, track, t, point);
 }
 
-static void mg_find_cuts(mg_hull *h) {
+MG_INTERNAL void mg_find_cuts(mg_hull *h) {
   const int n = h->regions->n_arc, n_o = h->regions->n_o;
   h->n_cut = 0, h->overflow = 0;
   for (int i = 0; i < n_o; i++)

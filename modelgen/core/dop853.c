@@ -16,7 +16,7 @@ static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, 
   const mg_real time = t + mg_dop_time[stage] * h;
   mg_dop_combine(c, stage, x, h, c->x_stage);
   if (c->set->newton > 1) mg_place_all(c, time, c->x_stage);
-  mg_slope(c, time, c->x_stage, c->K + stage * c->n_x);
+  mg_rhs(c, time, c->x_stage, c->K + stage * c->n_x);
 }
 
 /* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
@@ -38,7 +38,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
 }
 
 /* K[0] holds the slope at (t, x); writes c->x_next. Returns the error relative to the tolerance. */
-static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
     mg_dop_stage(c, stage, t, x, h);
     if (stage > 2) mg_watch(c), mg_strain_stage(c, stage);
@@ -48,7 +48,7 @@ static mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) 
 }
 
 /* The interpolant's rows in c->dense; needs the slope at the end of the step in K[12]. */
-static void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->n_x;
   for (int stage = 13; stage < 16; stage++) mg_dop_stage(c, stage, t, x, h);
   for (int i = 0; i < n; i++) {

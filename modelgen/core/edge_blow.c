@@ -5,7 +5,7 @@
 
 enum { MG_EDGED = 2, MG_TORN = 3 }; /* marks in c->trying: the slot's pads stand on points of the edge; and had rested flat */
 
-static int mg_is_edged(const mg_context *c, int contact) {
+MG_INTERNAL int mg_is_edged(const mg_context *c, int contact) {
   return mg_is_pad(c, contact) && c->trying[(contact - c->first_pad) / 3] >= MG_EDGED;
 }
 
@@ -70,7 +70,7 @@ static int mg_stand_on_edge(mg_context *c, int slot, const mg_support *at) {
 /* Puts the slot's pads on the edge, one where the face approaches fastest. Returns 0 where the hull has no curve, the face
    rolls on it already, or it approaches so slowly that it would be flat again before it leans by as much as stands on three
    points. */
-static int mg_go_to_edge(mg_context *c, int slot) {
+MG_INTERNAL int mg_go_to_edge(mg_context *c, int slot) {
   const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
   mg_real before[3];
   mg_support at;
@@ -110,7 +110,7 @@ static mg_real mg_most_missed(mg_context *c, int slot, mg_support *at) {
 
 /* After the impulses in c->z, of which the first n of c->list are rows that push: pads that do not push are free, and one of
    each slot on an edge moves to where the law is missed. Returns how many did. */
-static int mg_exchange(mg_context *c, int n) {
+MG_INTERNAL int mg_exchange(mg_context *c, int n) {
   const mg_real missed = -c->set->border * c->sys->length / c->sys->time;
   int count = 0;
   mg_change_by(c, mg_list_bilateral(c, c->list, n));
@@ -125,7 +125,7 @@ static int mg_exchange(mg_context *c, int n) {
 }
 
 /* Rows of pads on edges, appended to a list of rows that push. */
-static int mg_list_edged(const mg_context *c, int *list, int n) {
+MG_INTERNAL int mg_list_edged(const mg_context *c, int *list, int n) {
   for (int i = c->first_pad; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && mg_is_edged(c, i)) list[n++] = i;
   return n;
@@ -159,7 +159,7 @@ static void mg_open_quietly(mg_context *c, int slot) {
 }
 
 /* Lets the struck faces part, or go on from where they stay on their edges. */
-static void mg_leave_edges(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_leave_edges(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), torn = c->trying[slot] == MG_TORN;
     mg_brink brink;

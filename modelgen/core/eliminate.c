@@ -24,7 +24,7 @@ static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m
 }
 
 /* As mg_friction; needs the rows in c->list, those of contacts first. */
-static int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report) {
+MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report) {
   int m = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
   if (!mg_any_rub_leans(c) || m == p->n) return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i);

@@ -15,7 +15,7 @@ static int mg_held(const mg_context *c, int contact) { return c->run->closed[con
 
 /* Whether the contact leaves its link at the state x (MG_WALKS), or passes a watched border (MG_TIPS); which
    condition says so is in c->way. */
-static int mg_leaves(mg_context *c, int contact, mg_real *x) {
+MG_INTERNAL int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
   if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link) || mg_is_flat_far(c, contact)) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
@@ -44,7 +44,7 @@ static int mg_comes_back(mg_context *c, int contact, mg_real now) {
 
 /* Notes which contacts, closed or nearly, have not passed a watched border; beyond it other contacts may begin at any time.
    Needs the poses of run->x. */
-static void mg_mark_upright(mg_context *c) {
+MG_INTERNAL void mg_mark_upright(mg_context *c) {
   int which;
   for (int i = 0; i < c->sys->n_contact; i++) {
     const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->set->search * c->sys->length;
@@ -59,13 +59,13 @@ static void mg_mark_upright(mg_context *c) {
   }
 }
 
-static void mg_forget_events(mg_context *c) {
+MG_INTERNAL void mg_forget_events(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++) c->fired[i] = 0;
 }
 
 /* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
    turns to pulling, a gap held without force that accelerates. */
-static int mg_fired(mg_context *c, mg_real *x) {
+MG_INTERNAL int mg_fired(mg_context *c, mg_real *x) {
   const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
   int count = mg_patches_fired(c);
   for (int i = 0; i < c->first_pad; i++) {
@@ -82,7 +82,7 @@ static int mg_fired(mg_context *c, mg_real *x) {
   return c->sys->n_grip ? count + mg_grips_fired(c) : count;
 }
 
-static int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
+MG_INTERNAL int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->x_stage);
   mg_normalise(c, c->x_stage);
   mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
@@ -272,7 +272,7 @@ static int mg_is_plain(mg_context *c, mg_crossing *event, int count, mg_real h, 
 /* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
    c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
    interpolant, and the dips of the step marked. */
-static mg_real mg_locate(mg_context *c, mg_real h, int passed) {
+MG_INTERNAL mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan(c, h, &low) : mg_first_dip(c, h, 0, 1);
   if (high == 0) return 0;
   const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;

@@ -10,14 +10,14 @@ static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
 }
 
 /* The event function of a grip, which falls through zero: force left, or slip left along the course. */
-static mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
+MG_INTERNAL mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
   return c->run->grip[grip] == MG_STUCK ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
 }
 
 /* What is left before the event of a grip; MG_MAX where it has none. Slip that has reached slip_speed is over below it; one that
    has not, once it goes back as fast. */
-static mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
+MG_INTERNAL mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
   const int mode = c->run->grip[grip];
   if (!c->run->active[contact] || mode == MG_LOOSE) return MG_MAX;
   const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->sys->mass;
@@ -28,7 +28,7 @@ static mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
 static int mg_has_fired(const mg_context *c, int contact, int grip) { return mg_grip_strain(c, contact, grip) < 0; }
 
 /* Marks in c->slipped the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates. */
-static int mg_grips_fired(mg_context *c) {
+MG_INTERNAL int mg_grips_fired(mg_context *c) {
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
@@ -37,27 +37,27 @@ static int mg_grips_fired(mg_context *c) {
 }
 
 /* As mg_grips_fired at a stage, without marks. */
-static int mg_grips_suspect(const mg_context *c) {
+MG_INTERNAL int mg_grips_suspect(const mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       if (mg_has_fired(c, i, g)) return 1;
   return 0;
 }
 
-static int mg_first_slipped(const mg_context *c) {
+MG_INTERNAL int mg_first_slipped(const mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++)
     if (c->slipped[g]) return g;
   return -1;
 }
 
-static mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
+MG_INTERNAL mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
   mg_slip_along(c, contact, grip, slip);
   return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
 }
 
 /* The course of a grip along its slip, in world axes. */
-static void mg_set_on_course(mg_context *c, int contact, int grip) {
+MG_INTERNAL void mg_set_on_course(mg_context *c, int contact, int grip) {
   const mg_real *t = c->tangents + 6 * contact, size = mg_slip_size(c, contact, grip);
   mg_real slip[2], *course = c->run->course + 3 * grip;
   mg_slip_along(c, contact, grip, slip);
@@ -66,7 +66,7 @@ static void mg_set_on_course(mg_context *c, int contact, int grip) {
 }
 
 /* Notes where a grip slips. Returns 0 where it hardly does. */
-static int mg_aim(mg_context *c, int contact, int grip) {
+MG_INTERNAL int mg_aim(mg_context *c, int contact, int grip) {
   if (!(mg_slip_size(c, contact, grip) > 2 * mg_slip_rest(c, grip))) return 0;
   mg_set_on_course(c, contact, grip);
   return 1;
@@ -74,7 +74,7 @@ static int mg_aim(mg_context *c, int contact, int grip) {
 
 /* At the start of a step: the courses that tell its forces, the modes that its events are told by. Needs the rows at
    run->x. */
-static void mg_aim_all(mg_context *c) {
+MG_INTERNAL void mg_aim_all(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       if (c->run->active[i] && c->run->grip[g] >= MG_STARTING && mg_aim(c, i, g)) c->run->grip[g] = MG_SLIPPING;

@@ -8,7 +8,7 @@ static int mg_is_bent(const mg_context *c, int link, int side) {
 }
 
 /* Edges of solids that cross, not both straight. */
-static int mg_crosses(const mg_context *c, int link) {
+MG_INTERNAL int mg_crosses(const mg_context *c, int link) {
   if (mg_dimension(c, link, 0) != 1 || mg_dimension(c, link, 1) != 1 || mg_is_bare(c, link)) return 0;
   return mg_is_bent(c, link, 0) || mg_is_bent(c, link, 1);
 }
@@ -20,7 +20,7 @@ static mg_real mg_fold_of(const mg_context *c, int contact) {
 }
 
 /* A closed contact too near to where its extremum is lost, unless it has just come from there. */
-static int mg_is_singular(const mg_context *c, int contact) {
+MG_INTERNAL int mg_is_singular(const mg_context *c, int contact) {
   const mg_real margin = c->run->margin[contact];
   if (!c->run->closed[contact] || c->run->fresh[contact] || margin >= c->set->margin_refuse) return 0;
   return !(margin >= mg_fold_of(c, contact));
@@ -33,7 +33,7 @@ static int mg_folds(const mg_context *c, int contact) {
 }
 
 /* Leaves the contacts that end; their pairs are searched at once. Returns how many. */
-static int mg_leave_folds(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_leave_folds(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->first_pad; i++) {
     if (!mg_folds(c, i)) continue;

@@ -98,7 +98,7 @@ static void mg_even_move(mg_frictional *s, int k, const mg_real *D, const mg_rea
 }
 
 /* Reports rank and active, and evens `best` out. Returns whether no force was at the edge of what its contact allows. */
-static int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report)
+MG_INTERNAL int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report)
 {
   const int m = s->m, room = m + 3;
   mg_real *D = s->work, *G = D + m * m, *g = G + room * room, *image = g + room, *a = image + room, *rest = a + room;

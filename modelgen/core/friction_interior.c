@@ -203,7 +203,7 @@ static void mg_interior_open(mg_interior *n, mg_frictional *s, const mg_real *sh
 }
 
 /* y of the program's optimum, roughly: complementary to `gap` per cone, or the last point that can be told. */
-static void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap)
+MG_INTERNAL void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap)
 {
   mg_interior n;
   mg_interior_open(&n, s, shift);

@@ -35,7 +35,7 @@ static void mg_friction_partition(mg_frictional *s, mg_real *work, int *iwork)
   s->iwork = s->part_mark + 3 * k;
 }
 
-static int mg_friction_end_of(const mg_frictional *s, int contact)
+MG_INTERNAL int mg_friction_end_of(const mg_frictional *s, int contact)
 {
   return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
 }
@@ -69,7 +69,7 @@ static void mg_friction_add_contact(mg_frictional *s, int contact)
 }
 
 /* Returns 0 if the data are not finite, or a coefficient is negative. */
-static int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork)
+MG_INTERNAL int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork)
 {
   const int n = problem->n;
   int *owned = iwork + MG_FRICTION_INTS * (n + problem->n_contact) - n;

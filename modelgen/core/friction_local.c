@@ -112,7 +112,7 @@ static void mg_disc_set(const mg_frictional *s, int part, int from, int to, int 
 }
 
 /* y: the contact's rows, from s->y on entry, solved on return. */
-static void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y)
+MG_INTERNAL void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y)
 {
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   int part = s->part[contact];

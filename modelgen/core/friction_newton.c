@@ -209,7 +209,7 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration)
 }
 
 /* From s->y for at most `limit` steps. Returns whether a solution was found. */
-static int mg_friction_newton(mg_frictional *s, int limit, int augmented)
+MG_INTERNAL int mg_friction_newton(mg_frictional *s, int limit, int augmented)
 {
   mg_semismooth n = {0};
   mg_semismooth_open(&n, s);

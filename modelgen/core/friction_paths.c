@@ -121,7 +121,7 @@ static int mg_friction_soften(mg_frictional *s, int which)
 }
 
 /* Start number `which`, from the likeliest to the rest. */
-static int mg_friction_follow(mg_frictional *s, int which)
+MG_INTERNAL int mg_friction_follow(mg_frictional *s, int which)
 {
   if (which < 2) return mg_friction_shift(s, (mg_real)(1 - which), 0);
   if (which % 2) return mg_friction_shift(s, 1, which);

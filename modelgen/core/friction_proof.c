@@ -34,7 +34,7 @@ static int mg_friction_unbounded(mg_frictional *s)
 /* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
    then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
    only where it has no other rows. */
-static int mg_friction_impossible(mg_frictional *s)
+MG_INTERNAL int mg_friction_impossible(mg_frictional *s)
 {
   const int n = s->n;
   mg_real *N = s->work, *b = N + n * n, *z = b + n;
@@ -104,7 +104,7 @@ static int mg_friction_one_only(const mg_frictional *s)
 }
 
 /* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
-static void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report)
+MG_INTERNAL void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report)
 {
   if (!mg_friction_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;

@@ -1,7 +1,7 @@
 /* The certificate, on the scaled form and on the problem as it was given. */
 #include "friction_scaled.h"
 
-static mg_real mg_friction_norm(int k, const mg_real *x)
+MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x)
 {
   if (k == 1) return (mg_real)fabs(x[0]);
   return (mg_real)sqrt(x[0] * x[0] + x[1] * x[1]);
@@ -18,7 +18,7 @@ static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w,
   return mg_friction_norm(k, error) * (mg_real)sqrt(rho);
 }
 
-static mg_real mg_friction_slack(const mg_frictional *s, int contact)
+MG_INTERNAL mg_real mg_friction_slack(const mg_frictional *s, int contact)
 {
   mg_real slack = s->v[s->normal[contact]];
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p)
@@ -27,7 +27,7 @@ static mg_real mg_friction_slack(const mg_frictional *s, int contact)
 }
 
 /* Of y and v as they stand. */
-static mg_real mg_friction_error(const mg_frictional *s)
+MG_INTERNAL mg_real mg_friction_error(const mg_frictional *s)
 {
   mg_real worst = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -46,7 +46,7 @@ static mg_real mg_friction_error(const mg_frictional *s)
 }
 
 /* v = S y + c */
-static void mg_friction_motion(mg_frictional *s)
+MG_INTERNAL void mg_friction_motion(mg_frictional *s)
 {
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
@@ -56,14 +56,14 @@ static void mg_friction_motion(mg_frictional *s)
 }
 
 /* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
-static mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y)
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y)
 {
   const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
 /* Keeps y as the best if it is; returns whether it is good enough. */
-static int mg_friction_keep(mg_frictional *s)
+MG_INTERNAL int mg_friction_keep(mg_frictional *s)
 {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
@@ -135,7 +135,7 @@ static int mg_friction_is_bilateral(const mg_friction_problem *p, int row)
   return 1;
 }
 
-static mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth)
+MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth)
 {
   mg_friction_measure at = {0, 0, 0};
   for (int c = 0; c < p->n_contact; ++c) mg_friction_one(p, z, c, &at);

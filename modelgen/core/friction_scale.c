@@ -104,7 +104,7 @@ static void mg_friction_normalise(mg_frictional *s)
 }
 
 /* Returns 0 when the scaled data leave the range of the reals. */
-static int mg_friction_scale(mg_frictional *s)
+MG_INTERNAL int mg_friction_scale(mg_frictional *s)
 {
   const int m = s->m;
   for (int c = 0; c < s->n; ++c) {
@@ -127,13 +127,13 @@ static int mg_friction_scale(mg_frictional *s)
   return 1;
 }
 
-static void mg_friction_take(mg_frictional *s, const mg_real *z)
+MG_INTERNAL void mg_friction_take(mg_frictional *s, const mg_real *z)
 {
   for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
 /* z of the whole problem; the bilateral forces are of minimum norm. */
-static void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z)
+MG_INTERNAL void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z)
 {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;

@@ -27,45 +27,45 @@ typedef struct {
 } mg_frictional;
 
 /* friction_layout.c */
-static int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork);
+MG_INTERNAL int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork);
 
-static int mg_friction_end_of(const mg_frictional *s, int contact);
+MG_INTERNAL int mg_friction_end_of(const mg_frictional *s, int contact);
 
 /* friction_scale.c */
-static int mg_friction_scale(mg_frictional *s);
-static void mg_friction_take(mg_frictional *s, const mg_real *z);
-static void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z);
+MG_INTERNAL int mg_friction_scale(mg_frictional *s);
+MG_INTERNAL void mg_friction_take(mg_frictional *s, const mg_real *z);
+MG_INTERNAL void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z);
 
 /* friction_residual.c */
-static mg_real mg_friction_norm(int k, const mg_real *x);
-static mg_real mg_friction_slack(const mg_frictional *s, int contact);
-static mg_real mg_friction_error(const mg_frictional *s);
-static mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
-static void mg_friction_motion(mg_frictional *s);
-static mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y);
-static int mg_friction_keep(mg_frictional *s);
+MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
+MG_INTERNAL mg_real mg_friction_slack(const mg_frictional *s, int contact);
+MG_INTERNAL mg_real mg_friction_error(const mg_frictional *s);
+MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
+MG_INTERNAL void mg_friction_motion(mg_frictional *s);
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y);
+MG_INTERNAL int mg_friction_keep(mg_frictional *s);
 
 /* friction_local.c */
-static void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y);
+MG_INTERNAL void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y);
 
 /* friction_sweep.c */
-static int mg_friction_sweep(mg_frictional *s, int sweeps);
+MG_INTERNAL int mg_friction_sweep(mg_frictional *s, int sweeps);
 
 /* friction_newton.c */
-static int mg_friction_newton(mg_frictional *s, int limit, int augmented);
+MG_INTERNAL int mg_friction_newton(mg_frictional *s, int limit, int augmented);
 
 /* friction_interior.c */
-static void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap);
+MG_INTERNAL void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap);
 
 /* friction_paths.c */
 enum { MG_PATHS = 20 };
-static int mg_friction_follow(mg_frictional *s, int which);
+MG_INTERNAL int mg_friction_follow(mg_frictional *s, int which);
 
 /* friction_proof.c */
-static int mg_friction_impossible(mg_frictional *s);
-static void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report);
+MG_INTERNAL int mg_friction_impossible(mg_frictional *s);
+MG_INTERNAL void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report);
 
 /* friction_even.c */
-static int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report);
+MG_INTERNAL int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report);
 
 #endif

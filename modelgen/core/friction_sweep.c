@@ -49,7 +49,7 @@ static void mg_friction_change(mg_frictional *s, int contact)
 }
 
 /* Sweeps forth and back from y. Returns whether that is a solution. */
-static int mg_friction_sweep(mg_frictional *s, int sweeps)
+MG_INTERNAL int mg_friction_sweep(mg_frictional *s, int sweeps)
 {
   mg_friction_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {

@@ -2,21 +2,21 @@
    resistance against spinning and rolling. */
 #include "core.h"
 
-static int mg_contact_of(const mg_context *c, int grip) {
+MG_INTERNAL int mg_contact_of(const mg_context *c, int grip) {
   int contact = 0;
   while (c->sys->contact_grip[contact + 1] <= grip) contact++;
   return contact;
 }
 
 /* The first row of a grip of a contact. */
-static int mg_grip_row(const mg_context *c, int contact, int grip) {
+MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip) {
   return c->below + c->sys->contact_below[contact] + c->sys->grip_row[grip];
 }
 
-static int mg_grip_rows(const mg_context *c, int grip) { return c->sys->grip_aspect[grip] == MG_SPIN ? 1 : 2; }
+MG_INTERNAL int mg_grip_rows(const mg_context *c, int grip) { return c->sys->grip_aspect[grip] == MG_SPIN ? 1 : 2; }
 
 /* The rows below stand on the bodies of the contact's link. */
-static void mg_take_rows(mg_context *c, int contact) {
+MG_INTERNAL void mg_take_rows(mg_context *c, int contact) {
   const int *room = c->sys->contact_below + contact, first = c->below + room[0];
   for (int i = 0; i < room[1] - room[0]; i++) {
     c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->column[first + i] = -1;
@@ -25,13 +25,13 @@ static void mg_take_rows(mg_context *c, int contact) {
   }
 }
 
-static void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
+MG_INTERNAL void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;
 }
 
 /* Turns t1, t2 to the axes of a grip that is not alike in all directions. Where its direction is along N, they stay. */
-static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
+MG_INTERNAL void mg_turn_to_axes(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip);
   mg_real along[3], *t = c->tangents + 6 * contact;
   mg_out(c->pose + 12 * c->sys->grip_body[grip], c->sys->grip_direction + 3 * grip, 0, along);
@@ -43,8 +43,8 @@ static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
 }
 
 /* Puts the rows of c->block where the loops over rows look. */
-static void mg_scatter(mg_context *c, int contact) {
-  const mg_contact_kind *kind = mg_contact_kinds + c->kind[contact];
+MG_INTERNAL void mg_scatter(mg_context *c, int contact) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   for (int i = 0; i < kind->rows; i++) {
     const int row = i ? c->below + c->sys->contact_below[contact] + i - 1 : contact;
     for (int k = 0; k < kind->n_o; k++) c->J[12 * row + k] = c->block[kind->n_o * i + k];
@@ -56,12 +56,12 @@ static void mg_scatter(mg_context *c, int contact) {
 }
 
 /* Slip, spin and rolling of all contacts, into c->d_dot. */
-static void mg_slip_rates(mg_context *c) {
+MG_INTERNAL void mg_slip_rates(mg_context *c) {
   for (int i = c->below; i < c->n_all; i++) c->d_dot[i] = mg_row(c, i, c->twist);
 }
 
 /* Appends the rows of stuck grips to a list of n; returns its length. */
-static int mg_list_stuck(const mg_context *c, int *list, int n) {
+MG_INTERNAL int mg_list_stuck(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
       for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STUCK; k++) list[n++] = mg_grip_row(c, i, g) + k;

@@ -21,12 +21,12 @@ static void mg_uncover_links(mg_context *c, int patch, int flat, mg_founds *foun
 }
 
 /* With friction the faces are taken to lie flat yet: then what has friction is on points of them. */
-static void mg_uncover(mg_context *c, int patch, mg_founds *found) {
+MG_INTERNAL void mg_uncover(mg_context *c, int patch, mg_founds *found) {
   mg_uncover_links(c, patch, mg_has_rubbing(c, patch), found);
 }
 
 /* The contact of what a patch covers at a point of the world, or -1. */
-static int mg_contact_at(mg_context *c, int patch, const mg_real *world) {
+MG_INTERNAL int mg_contact_at(mg_context *c, int patch, const mg_real *world) {
   mg_real least = c->set->apart * c->sys->length, next[6];
   int nearest = -1;
   for (int i = 0; i < c->first_pad; i++) {
@@ -39,7 +39,7 @@ static int mg_contact_at(mg_context *c, int patch, const mg_real *world) {
   return nearest;
 }
 
-static void mg_close(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
+MG_INTERNAL void mg_close(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
 /* Whether a link is of a curve that passes a point of the world at t, and a plane; then eta of it there. */
 static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, mg_real *eta) {
@@ -47,10 +47,10 @@ static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, m
   const mg_real uv[2] = {t, 0};
   mg_sample sample[2];
   for (int side = 0; side < 2; side++) {
-    if (mg_shape_kinds[s->side_shape[2 * link + side]].dimension != 1) continue;
+    if (c->kernels->shape_kinds[s->side_shape[2 * link + side]].dimension != 1) continue;
     mg_sample_at(c, link, side, uv, sample + side);
     const mg_real *x = sample[side].point, arm[3] = {x[0] - world[0], x[1] - world[1], x[2] - world[2]};
-    if (mg_shape_kinds[s->side_shape[2 * link + !side]].foot != MG_FLAT) return 0;
+    if (c->kernels->shape_kinds[s->side_shape[2 * link + !side]].foot != MG_FLAT) return 0;
     if (mg_dot3(arm, arm) > c->set->apart * s->length * c->set->apart * s->length) return 0;
     mg_point_in(c, link, !side, world, sample[!side].local);
     for (int k = 0; k < 2; k++) sample[!side].uv[k] = sample[!side].local[k];
@@ -99,7 +99,7 @@ static int mg_is_closed_loop(const mg_context *c, int arc) {
   mg_real point[2][3] = {{0}}, tangent[3], arm[3];
   for (int end = 0; end < 2; end++) {
     const mg_real uv[2] = {ends[end], 0};
-    mg_shape_point(s->arc_shape[arc], uv, s->parameters + s->arc_parameters[arc], point[end], tangent);
+    c->kernels->shape_point(s->arc_shape[arc], uv, s->parameters + s->arc_parameters[arc], point[end], tangent);
   }
   for (int k = 0; k < 3; k++) arm[k] = point[1][k] - point[0][k];
   return sqrt(mg_dot3(arm, arm)) < c->set->apart * s->length;
@@ -116,7 +116,7 @@ static int mg_is_smooth(const mg_context *c, int patch, const mg_support *at) {
 }
 
 /* An extreme point of the hull, whose axes are o, in the world. */
-static void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world) {
+MG_INTERNAL void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world) {
   const mg_real local[3] = {at->point[0], at->point[1], 0};
   mg_out(o, local, 1, world);
 }
@@ -146,7 +146,7 @@ static int mg_turn_on_edge(mg_context *c, int slot, const mg_brink *brink, mg_re
 }
 
 /* What a face would turn on is a curve, and it has not begun to. */
-static int mg_turns_on_curve(mg_context *c, int slot) {
+MG_INTERNAL int mg_turns_on_curve(mg_context *c, int slot) {
   mg_real centre[3];
   mg_brink brink;
   mg_resultant(c, slot, c->force, centre);
@@ -157,7 +157,7 @@ static int mg_turns_on_curve(mg_context *c, int slot) {
 }
 
 /* The face turns over a point of its hull's edge, or a side of it. */
-static void mg_turn_at(mg_context *c, int slot, const mg_brink *brink) {
+MG_INTERNAL void mg_turn_at(mg_context *c, int slot, const mg_brink *brink) {
   const int patch = mg_patch_in(c, slot);
   mg_real o[12], outward[3], world[2][3];
   mg_founds found;
@@ -183,7 +183,7 @@ static void mg_turn_at(mg_context *c, int slot, const mg_brink *brink) {
 }
 
 /* The face turns over where the forces press on the edge of its hull. */
-static void mg_turn_over(mg_context *c, int slot) {
+MG_INTERNAL void mg_turn_over(mg_context *c, int slot) {
   mg_real centre[3];
   mg_brink brink;
   mg_resultant(c, slot, c->force, centre);
@@ -193,7 +193,7 @@ static void mg_turn_over(mg_context *c, int slot) {
 
 /* Ends the patches that impulses would pull at, or press outside their hulls; what they cover is struck instead.
    Returns how many. */
-static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
+MG_INTERNAL int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
   mg_founds found;
   mg_real margin, centre[3];
   int count = 0;
@@ -213,7 +213,7 @@ static int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor) {
 
 /* Where something else strikes a body that rests on a face with friction, the face takes the blow at points of it; returns how
    many faces do. */
-static int mg_stand_on_points(mg_context *c) {
+MG_INTERNAL int mg_stand_on_points(mg_context *c) {
   mg_founds found;
   int count = 0, struck = 0;
   for (int i = 0; i < c->first_pad; i++) struck |= c->run->closed[i] && mg_nearing(c, i);
@@ -229,7 +229,7 @@ static int mg_stand_on_points(mg_context *c) {
 }
 
 /* Ends the patches that are marked in c->fired; returns how many. */
-static int mg_end_patches(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_end_patches(mg_context *c, mg_events *events) {
   mg_founds found;
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {

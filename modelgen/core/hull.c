@@ -210,7 +210,7 @@ static void mg_settle_tangents(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edge + i, h->edge[i].u, h->edge[i].v);
 }
 
-static void mg_make_hull(mg_hull *h) {
+MG_INTERNAL void mg_make_hull(mg_hull *h) {
   mg_spot_all(h);
   mg_make_edges(h);
   for (int pass = 0; pass < MG_HULL_PASSES; pass++) {

@@ -2,20 +2,20 @@
    velocities: 0 <= P, 0 <= d_dot_after + e d_dot_before, complementary. */
 #include "core.h"
 
-static int mg_approaching(const mg_context *c, int contact) {
+MG_INTERNAL int mg_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
 }
 
 /* Newton's law for an approach that bounces. A rebound too slow to leave is none at all. Nor is that of an approach which only
    just counts: an open gap that begins to be pressed closes as soon as it does, and at restitution 1 would for ever. */
-static mg_real mg_rebound(const mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_rebound(const mg_context *c, int contact) {
   const mg_real e = c->sys->restitution[contact], approach = -c->d_dot[contact];
   const mg_real least = c->set->rest_speed * c->sys->length / c->sys->time;
   return e * approach > least && 4 * approach > 5 * least && !mg_has_unfolded(c, contact) ? e : 0;
 }
 
 /* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
-static int mg_nearing(const mg_context *c, int contact) {
+MG_INTERNAL int mg_nearing(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->set->drift * c->sys->length / c->sys->time;
 }
 
@@ -27,7 +27,7 @@ static int mg_list_closed(mg_context *c) {
 }
 
 /* Adds the impulses to u, and their work on the bodies that they move to the ledger. */
-static void mg_apply_impulses(mg_context *c, int n) {
+MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   const mg_system *s = c->sys;
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
@@ -37,14 +37,14 @@ static void mg_apply_impulses(mg_context *c, int n) {
     c->run->x[c->work_index] += c->z[r] * ((before + after) / 2 - mg_driven_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
 }
 
 /* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time. Where
    hardly anything presses it, it does not bounce. */
-static mg_real mg_bounces_left(mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_bounces_left(mg_context *c, int contact) {
   const mg_real e = c->sys->restitution[contact], pull = -mg_separation(c, contact), most = c->set->look * c->sys->time;
   const mg_real flights = -2 * e * c->d_dot[contact];
   return e < 1 && flights > 0 && pull > mg_slack(c) && flights < most * pull * (1 - e) ? flights / (pull * (1 - e)) : 0;
@@ -61,7 +61,7 @@ static void mg_after_impact(mg_context *c, mg_events *events) {
 }
 
 /* The pads of a face that comes down flat rebound together. */
-static void mg_rate_pads(mg_context *c) {
+MG_INTERNAL void mg_rate_pads(mg_context *c) {
   for (int i = c->first_pad; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
@@ -115,7 +115,7 @@ static void mg_note_chain(mg_context *c, int n) {
 
 /* Faces that come down flat are struck as one, if the impulse presses them together within their hull; else, and where
    an impulse tears a patch off, what they cover is struck singly. Needs the rows at run->x. */
-static int mg_impact(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_impact(mg_context *c, mg_events *events) {
   const mg_real floor = c->set->rest_speed * c->sys->mass * c->sys->length / c->sys->time;
   int n;
   for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;

@@ -21,7 +21,7 @@ static int mg_is_between(const mg_hull *h, const mg_span *s, const mg_real *p, m
 static int mg_is_next_part(const mg_regions *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
 
 /* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
-static int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
+MG_INTERNAL int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
   const mg_regions *r = h->regions;
   const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;
   const mg_real shared = r->shared * MG_SHARES / (side ? 1 : 2);

@@ -10,19 +10,19 @@ static const mg_real mg_sampled[MG_SPANS_SEEN + 1] = { /* times of a step, in pa
 enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
 #define MG_UNSEEN (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
 
-static int mg_is_driven(const mg_system *s, int body) { return mg_body_kinds[s->body_kind[body]].motion == MG_DRIVEN; }
+MG_INTERNAL int mg_is_driven(const mg_system *s, int body) { return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN; }
 
 static int mg_may_hide(const mg_system *s, int load) {
-  const mg_load_kind *kind = mg_load_kinds + s->load_kind[load];
+  const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[load];
   return kind->timed || kind->felt;
 }
 
 /* How many functions of time there are, and of what loads are felt by. */
-static int mg_count_timed(const mg_system *s) {
+MG_INTERNAL int mg_count_timed(const mg_system *s) {
   int count = 0;
   for (int b = 0; b < s->n_body; b++) count += 12 * mg_is_driven(s, b);
   for (int j = 0; j < s->n_joint; j++) {
-    const mg_joint_kind *kind = mg_joint_kinds + s->joint_kind[j];
+    const mg_joint_kind *kind = s->kernels->joint_kinds + s->joint_kind[j];
     count += kind->prescribed * kind->n_rows;
   }
   for (int i = 0; i < s->n_load; i++) count += 12 * mg_may_hide(s, i);
@@ -30,16 +30,16 @@ static int mg_count_timed(const mg_system *s) {
 }
 
 /* How many loads are felt; of these, if asked for, those alone that time changes too. */
-static int mg_count_felt(const mg_system *s, int timed) {
+MG_INTERNAL int mg_count_felt(const mg_system *s, int timed) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) {
-    const mg_load_kind *kind = mg_load_kinds + s->load_kind[i];
+    const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[i];
     count += kind->felt && (kind->timed || !timed);
   }
   return count;
 }
 
-static long mg_instant_size(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_count_timed(s); }
+MG_INTERNAL long mg_instant_size(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_count_timed(s); }
 
 static mg_real *mg_instant(const mg_context *c, int which) { return c->instant + (long)which * c->n_timed; }
 
@@ -55,12 +55,12 @@ static void mg_look_at_time(mg_context *c, mg_real t, mg_real way, mg_real *valu
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_driven(s, b)) continue;
     mg_real *pose = c->pose + 12 * b;
-    mg_body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->twist + 6 * b, c->accel + 6 * b);
+    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->twist + 6 * b, c->accel + 6 * b);
     for (int k = 0; k < 12; k++) *value++ = pose[k];
   }
   if (c->prescribed) mg_joint_rates(c, t);
   for (int j = 0; j < s->n_joint; j++) {
-    const mg_joint_kind *kind = mg_joint_kinds + s->joint_kind[j];
+    const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
     for (int k = 0; k < kind->n_rows && kind->prescribed; k++) *value++ = c->d[c->bilateral + s->joint_row[j] + k];
   }
   for (int i = 0; i < s->n_load; i++) {
@@ -85,7 +85,7 @@ static void mg_weigh_instants(const mg_context *c, mg_real h, mg_real *weight) {
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < 12 && mg_is_driven(s, b); k++) *weight++ = k < 3 ? way : turn;
   for (int j = 0; j < s->n_joint; j++) {
-    const mg_joint_kind *kind = mg_joint_kinds + s->joint_kind[j];
+    const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
     for (int k = 0; k < kind->n_rows && kind->prescribed; k++) *weight++ = way > turn ? way : turn;
   }
   for (int i = 0; i < s->n_load; i++)
@@ -136,7 +136,7 @@ static mg_real mg_least_seen(const mg_context *c) { return c->set->look * c->sys
 
 /* The longest step, of h, half of it, and so on, in which functions of time are seen; nothing shorter than look * time is
    looked for. Needs the poses of run->x. */
-static mg_real mg_seen_in_time(mg_context *c, mg_real h) {
+MG_INTERNAL mg_real mg_seen_in_time(mg_context *c, mg_real h) {
   const mg_real least = mg_least_seen(c);
   if (c->n_timed <= 12 * c->n_still || h <= least) return h;
   while (h > least && !mg_shows(c, h, 0)) h /= 2;
@@ -147,7 +147,7 @@ static mg_real mg_seen_in_time(mg_context *c, mg_real h) {
 
 /* Whether a load that is felt goes up and down unseen within the step h just tried, whose end is left as it was. The cubic knows
    its ends alone: a better interpolant may have met what the step has not, but goes nearer to where the body turns back. */
-static int mg_hides_on_way(mg_context *c, mg_real h) {
+MG_INTERNAL int mg_hides_on_way(mg_context *c, mg_real h) {
   if (!c->n_felt || c->set->method == MG_RK4 || h <= mg_least_seen(c)) return 0;
   mg_make_cubic(c, c->run->x, h);
   int shows = mg_shows(c, h, h);

@@ -41,7 +41,7 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
 
 /* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
    Leaves the rows in c->list and returns their number. */
-static int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
+MG_INTERNAL int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     amount[i] = 0;

@@ -9,7 +9,7 @@ static mg_swing mg_swing_at(const mg_context *c, int body, mg_real t) {
   const mg_system *s = c->sys;
   mg_swing swing = {t, {0}, {0}};
   mg_real pose[12];
-  mg_body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist, swing.accel);
+  c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist, swing.accel);
   return swing;
 }
 
@@ -26,7 +26,7 @@ static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing
 }
 
 /* A time so short that nothing else happens in it: at a kink itself its functions have the mean of both slopes. */
-static mg_real mg_at_once(const mg_context *c) {
+MG_INTERNAL mg_real mg_at_once(const mg_context *c) {
   const mg_real close = c->set->event * c->sys->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
 }
@@ -64,7 +64,7 @@ static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *be
 }
 
 /* The first within a step h from now, of all driven bodies. */
-static int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
+MG_INTERNAL int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
   for (int b = 0; b < c->sys->n_body && c->driven; b++)
     if (mg_is_driven(c->sys, b) && mg_find_jerk_of(c, b, found ? *before - c->run->t : h, before, after)) found = 1;
@@ -72,7 +72,7 @@ static int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real
 }
 
 /* Over a jump that is at hand, to the time after it. */
-static int mg_take_jerk(mg_context *c, mg_real after, mg_events *events) {
+MG_INTERNAL int mg_take_jerk(mg_context *c, mg_real after, mg_events *events) {
   mg_pass_time(c->run, after - c->run->t);
   mg_refresh(c);
   mg_forget_events(c);

@@ -14,30 +14,30 @@ static mg_rooms mg_rooms_of(int n_arc, int n_o) {
   return r;
 }
 
-static long mg_reals(long n, size_t size) {
+MG_INTERNAL long mg_reals(long n, size_t size) {
   const size_t unit = sizeof(mg_real) > sizeof(void *) ? sizeof(mg_real) : sizeof(void *);
   return (long)(((size_t)n * size + unit - 1) / unit * (unit / sizeof(mg_real)));
 }
 
-static long mg_hull_room(int n_arc, int n_o) {
+MG_INTERNAL long mg_hull_room(int n_arc, int n_o) {
   const mg_rooms r = mg_rooms_of(n_arc, n_o);
   return mg_reals(n_arc, sizeof(mg_track)) + mg_reals(r.span, sizeof(mg_span)) + mg_reals(r.cut, sizeof(mg_cut)) +
          mg_reals(r.piece, sizeof(mg_piece)) + mg_reals(r.spot, sizeof(mg_spot)) + mg_reals(r.spot, sizeof(mg_edge)) +
          mg_reals(2 * r.spot, sizeof(int));
 }
 
-static long mg_press_room(int n_arc, int n_o) {
+MG_INTERNAL long mg_press_room(int n_arc, int n_o) {
   const mg_rooms r = mg_rooms_of(n_arc, n_o);
   return 2 * (r.span + r.piece);
 }
 
-static void *mg_part_of_memory(mg_real **memory, long n, size_t size) {
+MG_INTERNAL void *mg_part_of_memory(mg_real **memory, long n, size_t size) {
   void *at = *memory;
   *memory += mg_reals(n, size);
   return at;
 }
 
-static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
+MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
   const mg_rooms r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
   h->track = mg_part_of_memory(&memory, regions->n_arc, sizeof(mg_track));
@@ -116,7 +116,7 @@ static void mg_find_pieces(mg_hull *h) {
   }
 }
 
-static int mg_lay(mg_hull *h, const mg_real *pose) {
+MG_INTERNAL int mg_lay(mg_hull *h, const mg_real *pose) {
   mg_place_tracks(h, pose);
   mg_find_cuts(h);
   mg_find_pieces(h);

@@ -21,7 +21,7 @@ static void mg_equilibrate_pass(int n, mg_real *A, mg_real *row, mg_real *column
 
 /* A becomes R A C with columns of largest entry 1, b becomes R b / max|R b|; z of the scaled problem times
    `column` is z. Positive diagonal R, C leave the complementary bases and their signs as they are. */
-static void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column)
+MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column)
 {
   mg_real scale;
   for (int i = 0; i < n; ++i) row[i] = column[i] = 1;
@@ -35,7 +35,7 @@ static void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real 
 }
 
 /* Elimination with row pivoting, in place; `swap` records the rows. Returns the smallest pivot, or 0. */
-static mg_real mg_lu(int k, mg_real *U, int *swap)
+MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap)
 {
   mg_real smallest = 1;
   for (int j = 0; j < k; ++j) {
@@ -57,7 +57,7 @@ static mg_real mg_lu(int k, mg_real *U, int *swap)
   return smallest;
 }
 
-static void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x)
+MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x)
 {
   for (int j = 0; j < k; ++j) {
     mg_real value = x[swap[j]];
@@ -74,7 +74,7 @@ static void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x)
 
 /* A_BB z_B = -b_B refined once, z = 0 off B. Returns the smallest pivot (of a matrix with entries up to 1);
    0: singular, z is 0. Scratch: n^2 + n reals, 2 n ints. */
-static mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                               mg_real *work, int *iwork)
 {
   int *index = iwork, *swap = iwork + n, k = 0;

@@ -3,7 +3,7 @@
 
 /* The lower triangle of L becomes the factor, with the reciprocals of its diagonal. Returns the smallest
    pivot; a pivot below the Tikhonov term is replaced by it. */
-static mg_real mg_cholesky(int k, mg_real *L)
+MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L)
 {
   mg_real smallest = MG_MAX;
   for (int j = 0; j < k; ++j) {
@@ -21,7 +21,7 @@ static mg_real mg_cholesky(int k, mg_real *L)
   return smallest;
 }
 
-static void mg_cholesky_solve(int k, const mg_real *L, mg_real *x)
+MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x)
 {
   for (int j = 0; j < k; ++j) {
     const mg_real *column = L + j * k;
@@ -56,7 +56,7 @@ static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, in
 
 /* L, full and symmetric on entry, becomes the lower trapezoid of P' S P, k by rank; returns the rank: the
    number of pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
-static int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance)
+MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance)
 {
   for (int j = 0; j < k; ++j) order[j] = j;
   for (int j = 0; j < k; ++j) {

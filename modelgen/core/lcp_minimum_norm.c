@@ -70,7 +70,7 @@ static void mg_correct(const mg_factor *f, const mg_real *residual, mg_real *y, 
 }
 
 /* The same in closed form for k = 2 and unit diagonal. */
-static int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y)
+MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y)
 {
   mg_real determinant = (1 - s) * (1 + s);
   if (determinant > MG_LCP_RANK(2)) {
@@ -112,7 +112,7 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
 
 /* Least |y| with S y = -c, refined once; returns the rank of S, the number of pivots above `floor`. The diagonal of S is
    1, or not positive. */
-static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
+MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                            int *order)
 {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};

@@ -3,16 +3,16 @@
 
 enum { MG_LCP_BLOCK = 16 };
 
-static mg_real mg_diagonal_scale(mg_real a) { return a > 0 ? (mg_real)sqrt(a) : (mg_real)1; }
+MG_INTERNAL mg_real mg_diagonal_scale(mg_real a) { return a > 0 ? (mg_real)sqrt(a) : (mg_real)1; }
 
-static int mg_all_finite(int count, const mg_real *x)
+MG_INTERNAL int mg_all_finite(int count, const mg_real *x)
 {
   int bad = 0;
   for (int i = 0; i < count; ++i) bad |= !(fabs(x[i]) <= MG_MAX);
   return !bad;
 }
 
-static mg_real mg_max_abs(int count, const mg_real *x)
+MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x)
 {
   mg_real largest = 0;
   for (int i = 0; i < count; ++i) largest = fabs(x[i]) > largest ? (mg_real)fabs(x[i]) : largest;
@@ -21,7 +21,7 @@ static mg_real mg_max_abs(int count, const mg_real *x)
 
 /* residual <= min(MG_LCP_CAP, 1e3 n eps max(1, growth)), growth = max|D z| / max|D^-1 b|: the rounding of
    A z cannot be had below eps * growth. */
-static mg_real mg_lcp_tolerance(int n, mg_real growth)
+MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth)
 {
   mg_real rounding = (mg_real)1e3 * (mg_real)n * MG_EPS * (growth > 1 ? growth : 1);
   return rounding < MG_LCP_CAP ? rounding : MG_LCP_CAP;
@@ -57,7 +57,7 @@ MG_API mg_real mg_lcp_residual(int n, const mg_real *A, const mg_real *b, const 
 }
 
 /* Clears the report and z. Returns nonzero when the answer is already known: z = 0, or data not finite. */
-static int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report)
+MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report)
 {
   int nonnegative = 1;
   report->outcome = MG_LCP_SOLVED;
@@ -78,7 +78,7 @@ static int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, m
 }
 
 /* Keeps the candidate in z if its residual is the least so far; returns whether it is a solution. */
-static int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
+MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
                           mg_lcp_report *report)
 {
   mg_real growth = 0, residual = mg_natural_map(n, A, b, candidate, &growth);
@@ -91,7 +91,7 @@ static int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_re
 }
 
 /* The outcome without a solution; z is the best candidate met, with its residual. */
-static int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
+MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
                           mg_lcp_report *report)
 {
   report->residual = mg_lcp_residual(n, A, b, z);

@@ -32,40 +32,40 @@ typedef struct {
 } mg_factor;
 
 /* lcp_residual.c */
-static int mg_all_finite(int count, const mg_real *x);
-static mg_real mg_diagonal_scale(mg_real a);
-static mg_real mg_max_abs(int count, const mg_real *x);
-static mg_real mg_lcp_tolerance(int n, mg_real growth);
-static int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report);
-static int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
+MG_INTERNAL int mg_all_finite(int count, const mg_real *x);
+MG_INTERNAL mg_real mg_diagonal_scale(mg_real a);
+MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x);
+MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth);
+MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report);
+MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
                           mg_lcp_report *report);
-static int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
+MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
                           mg_lcp_report *report);
 
 /* lcp_cholesky.c */
-static mg_real mg_cholesky(int k, mg_real *L);
-static void mg_cholesky_solve(int k, const mg_real *L, mg_real *x);
-static int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance);
+MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L);
+MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x);
+MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance);
 
 /* lcp_minimum_norm.c: scratch of 3 k^2 + 3 k reals, k ints */
-static int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
-static int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
+MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
+MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                            int *order);
 
 /* active_solve.c: pivots below `floor` count as zero */
-static int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
+MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
                            mg_real *work, int *iwork);
 
 /* lcp_basis.c */
-static mg_real mg_lu(int k, mg_real *U, int *swap);
-static void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
-static void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column);
-static mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap);
+MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
+MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column);
+MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                               mg_real *work, int *iwork);
 
 /* qp_small.c */
-static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report);
-static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report);
+MG_INTERNAL int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report);
+MG_INTERNAL int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report);
 
 /* qp_pivot.c */
 typedef struct {
@@ -79,10 +79,10 @@ typedef struct {
   int *index, *flip, *order;
   mg_real pivot;            /* the smallest of the factor */
 } mg_qp_state;
-static int mg_block_pivot(mg_qp_state *s, int *active, int limit);
+MG_INTERNAL int mg_block_pivot(mg_qp_state *s, int *active, int limit);
 
 /* qp_refine.c */
-static int mg_qp_refine(mg_qp_state *s);
-static int mg_qp_unbounded(const mg_qp_state *s);
+MG_INTERNAL int mg_qp_refine(mg_qp_state *s);
+MG_INTERNAL int mg_qp_unbounded(const mg_qp_state *s);
 
 #endif

@@ -1,19 +1,19 @@
 /* How the bodies of a contact lean on each other that lay flat: what was N in f's axes, against N now. */
 #include "core.h"
 
-static int mg_is_free(const mg_context *c, int body) { return mg_body_kinds[mg_kind_of(c, body)].motion == MG_FREE; }
+static int mg_is_free(const mg_context *c, int body) { return c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_FREE; }
 
 /* A direction of the world in the axes of a pose. */
 static void mg_turn_in(const mg_real *pose, const mg_real *world, mg_real *local) {
   for (int k = 0; k < 3; k++) local[k] = mg_dot3(pose + 3 + 3 * k, world);
 }
 
-static void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
+MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* Rounding of the poses leaves nothing of the direction of such a lean. */
-static int mg_is_lost(const mg_context *c, mg_real tilt) { return tilt < c->set->flat * c->set->flat; }
+MG_INTERNAL int mg_is_lost(const mg_context *c, mg_real tilt) { return tilt < c->set->flat * c->set->flat; }
 
 /* N in o's axes and in f's while they lay flat: the normals of the faces of a patch; of a rim without one, N now. Needs the
    place there. */
@@ -36,7 +36,7 @@ static void mg_find_axes(const mg_context *c, int contact, mg_onset *onset) {
 
 /* Notes at the start what leans against what, and how little it is held to lean at first in a step h. Returns 0 where
    no body could. */
-static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+MG_INTERNAL int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_poses(c, t, x);
   for (int i = 0; i < c->sys->n_contact; i++) {
     if (c->run->fresh[i] != MG_FRESH) continue;
@@ -56,7 +56,7 @@ static int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h) {
 }
 
 /* At the present poses. */
-static mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
+MG_INTERNAL mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth) {
   const mg_onset *onset = c->onset + contact;
   const mg_real *o = c->pose + 12 * c->o[contact], *f = c->pose + 12 * c->f[contact];
   mg_lean at;
@@ -81,7 +81,7 @@ static void mg_turning(const mg_context *c, int contact, mg_real *out) {
 }
 
 /* At the present poses and velocities of a stage. */
-static void mg_note_rate(mg_context *c, int contact, int stage) {
+MG_INTERNAL void mg_note_rate(mg_context *c, int contact, int stage) {
   mg_onset *onset = c->onset + contact;
   mg_real turning[3], axis[3], rate[3];
   mg_turning(c, contact, turning);
@@ -91,7 +91,7 @@ static void mg_note_rate(mg_context *c, int contact, int stage) {
 }
 
 /* What its rates have made of the lean at a stage of a step h, at the present poses, which round it away. */
-static void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean) {
+MG_INTERNAL void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean) {
   const mg_onset *onset = c->onset + contact;
   mg_real local[3] = {onset->start[0], onset->start[1], onset->start[2]};
   for (int j = 0; j < MG_RADAU; j++) {
@@ -102,7 +102,7 @@ static void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_rea
 }
 
 /* Turns the bodies of a contact in x until they lean by `tilt` along the azimuth of `at`. */
-static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x) {
+MG_INTERNAL void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x) {
   const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
   mg_real change[3], turn[3], angle[3];
   for (int k = 0; k < 3; k++) change[k] = (turns_f ? 1 : -1) * (tilt * at->along[k] - at->lean[k]);
@@ -112,7 +112,7 @@ static void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_r
 }
 
 /* By what part of a tilt bodies miss to lean by it along the azimuth of `at`. */
-static mg_real mg_misses(const mg_lean *at, mg_real tilt) {
+MG_INTERNAL mg_real mg_misses(const mg_lean *at, mg_real tilt) {
   mg_real sum = 0;
   for (int k = 0; k < 3; k++) sum += (at->lean[k] - tilt * at->along[k]) * (at->lean[k] - tilt * at->along[k]);
   return sqrt(sum) / tilt;
@@ -120,7 +120,7 @@ static mg_real mg_misses(const mg_lean *at, mg_real tilt) {
 
 /* Turns the bodies of a contact, that lean by `tilt`, in x so that their azimuth changes at a rate. The lean of a body that
    spins about N goes round with it. */
-static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x) {
+MG_INTERNAL void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate, mg_real *x) {
   const int turns_f = mg_is_free(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
   mg_real along[3], turning[3];
   mg_turning(c, contact, turning);
@@ -132,7 +132,7 @@ static void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at,
 }
 
 /* The angular acceleration of f against o about a direction of the world. */
-static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction) {
+MG_INTERNAL mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction) {
   mg_real sum = 0, turn[3];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->f[contact] : c->o[contact];
@@ -145,7 +145,7 @@ static mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope
 
 /* The point of f on which it rolls while its lean is lost in rounding, by leaning it clear of that. Needs the poses of x; leaves
    eta there. Returns 0 where it is not found. */
-static int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x) {
+MG_INTERNAL int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x) {
   const int body = mg_is_free(c, c->f[contact]) ? c->f[contact] : c->o[contact];
   mg_real kept[4], *turn = x + c->sys->body_q[body] + 3;
   for (int k = 0; k < 4; k++) kept[k] = turn[k];

@@ -1,14 +1,14 @@
 /* What a run owes: energy against work, gaps of closed contacts, complementarity, margins. */
 #include "core.h"
 
-static mg_real mg_energy(mg_context *c, mg_real *kinetic) {
+MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
   const mg_system *s = c->sys;
   mg_real total = 0;
   *kinetic = 0;
   for (int b = 0; b < s->n_body; b++) {
     mg_real moving, height, momentum[3], spin[3];
     if (!mg_moves(c, b)) continue;
-    mg_body_energy(mg_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b], s->gravity,
+    c->kernels->body_energy(mg_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b], s->gravity,
                    s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
     total += moving + height;
     *kinetic += moving;
@@ -21,7 +21,7 @@ static void mg_raise(mg_real *largest, mg_real value) {
 }
 
 /* Needs the rows at run->x. */
-static void mg_ledger(mg_context *c) {
+MG_INTERNAL void mg_ledger(mg_context *c) {
   const mg_system *s = c->sys;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);

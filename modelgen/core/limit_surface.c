@@ -77,7 +77,7 @@ static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *gr
   H[2] += more * step[1] * step[1] - 2 * Hg[1] * step[1] / curve;
 }
 
-static mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
+MG_INTERNAL mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
   const mg_real force[3] = {wrench[0], wrench[1], wrench[2] / radius};
   const mg_real size = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
   mg_search_plane s = {p, radius, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};

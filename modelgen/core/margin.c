@@ -73,7 +73,7 @@ static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *
   return outside;
 }
 
-static void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
+MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
   int own = spot;
   for (int i = h->spot[spot].twin; i != spot && h->spot[own].cut < 0; i = h->spot[i].twin)
     if (h->spot[i].cut >= 0) own = i;
@@ -132,7 +132,7 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const m
   else mg_side_normal(e, T, brink->normal);
 }
 
-static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {
   mg_nearest_side near = {MG_MAX, 0, 0, -1, 0};
   brink->n = 0, brink->margin = -MG_MAX;
   if (h->n_edge == 0) return brink->margin;

@@ -3,7 +3,7 @@
 
 /* Minima about eta that are too near to it for a search: Newton's method from both sides of it, as far off as two points are
    that have this margin. */
-static void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_founds *kept) {
+MG_INTERNAL void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_founds *kept) {
   const int link = c->run->link[contact], n = c->n_eta[contact];
   mg_real scale[6], to[6];
   mg_found found;
@@ -16,7 +16,7 @@ static void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_
 }
 
 /* Points of a pair that have become one are one contact, closed if one of them is. */
-static void mg_merge(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_merge(mg_context *c, mg_events *events) {
   mg_found found;
   mg_real next[6];
   for (int closed = 0; closed < 2; closed++)
@@ -32,7 +32,7 @@ static void mg_merge(mg_context *c, mg_events *events) {
 }
 
 /* One point of a pair that has become several touches at all of them; the others are marked in c->fired. */
-static void mg_touch_at_all(mg_context *c, mg_events *events, int contact) {
+MG_INTERNAL void mg_touch_at_all(mg_context *c, mg_events *events, int contact) {
   const int pair = c->sys->contact_pair[contact];
   const mg_real touching = c->set->gap * c->sys->length;
   mg_founds found = {0};
@@ -50,7 +50,7 @@ static void mg_touch_at_all(mg_context *c, mg_events *events, int contact) {
 }
 
 /* A contact that ends because other points of its pair have come to touch, or lie below, gives way to them. */
-static int mg_gives_way_to_others(mg_context *c, mg_events *events, int contact) {
+MG_INTERNAL int mg_gives_way_to_others(mg_context *c, mg_events *events, int contact) {
   const int pair = c->sys->contact_pair[contact];
   if (c->sys->pair_search[pair] == MG_SEARCH_NEVER) return 0;
   mg_search_pair(c, events, pair);

@@ -13,10 +13,11 @@
 #define MODELGEN_H
 
 #include "friction.h"
+#include "kernels.h"
 #include "lcp.h"
 #include "real.h"
 
-#define MG_ABI 8
+#define MG_ABI 9
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a link. A contact is on one link at a time, or on none, and walks to another
@@ -31,6 +32,7 @@ enum { MG_PLACEMENT = 0, MG_DOMAIN = 12, MG_BOUND = 16, MG_CENTRE = 17, MG_SPAN 
    axes, what u and v are measured against */
 
 typedef struct {
+  const mg_kernels *kernels; /* of the scene's library */
   int n_body, n_contact, n_load, n_pair, n_link;
   int n_q, n_u, n_eta;
   int n_closed; /* room for so many closed contacts at a time; memory grows with its square */
@@ -230,6 +232,7 @@ enum { MG_NOWHERE = 0,                      /* no extremum was found */
        MG_CLOSEST = 3 };                    /* the least of all, by certificate or closed form */
 
 typedef struct {          /* n pairs of poses of one contact kind; caller's arrays, one row a pair */
+  const mg_kernels *kernels;
   int kind, n;
   int warm;               /* convex shapes: eta is near, and below contact the extremum that continues it is meant;
                              other kinds always start from eta */
@@ -243,7 +246,6 @@ typedef struct {          /* n pairs of poses of one contact kind; caller's arra
 } mg_queries;
 
 MG_API int mg_abi(void);
-MG_API const char *mg_hash(void);
 MG_API int mg_real_size(void);
 MG_API long mg_work_size(const mg_system *system);   /* in mg_real */
 MG_API long mg_iwork_size(const mg_system *system);  /* in int */

@@ -4,19 +4,19 @@
 
 #define MG_NEW 2 /* mark in c->fired: the contact has just closed */
 
-static mg_real mg_slack(const mg_context *c) {
+MG_INTERNAL mg_real mg_slack(const mg_context *c) {
   return c->set->rest_acceleration * c->sys->length / (c->sys->time * c->sys->time);
 }
 
 /* The rows at run->x with the slope in K[0]. */
-static void mg_refresh(mg_context *c) {
+MG_INTERNAL void mg_refresh(mg_context *c) {
   mg_rhs(c, c->run->t, c->run->x, c->K);
   mg_gap_rates(c);
   for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
 }
 
 /* The pads of patches that are held carry force; the rates of their rows under the accelerations last computed. */
-static int mg_activate_pads(mg_context *c) {
+MG_INTERNAL int mg_activate_pads(mg_context *c) {
   int count = 0;
   for (int i = c->first_pad; i < c->sys->n_contact; i++) {
     if (!c->run->closed[i]) continue;
@@ -27,7 +27,7 @@ static int mg_activate_pads(mg_context *c) {
 }
 
 /* Solves for the active set among the closed contacts that are not skipped. */
-static int mg_choose_active(mg_context *c, const int *skip) {
+MG_INTERNAL int mg_choose_active(mg_context *c, const int *skip) {
   const int m = c->sys->n_contact;
   if (c->sys->n_grip) return mg_choose_rubs(c, skip);
   mg_lcp_report report;
@@ -94,7 +94,7 @@ static int mg_opens(mg_context *c, int contact) {
 }
 
 /* Contacts marked in c->fired are tried open first: their force has just reached zero. */
-static int mg_solve_modes(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_solve_modes(mg_context *c, mg_events *events) {
   const int m = c->sys->n_contact;
   int held = 0;
   mg_rest_patches(c, events, c->set->start_gap * c->sys->length);
@@ -115,7 +115,7 @@ static int mg_solve_modes(mg_context *c, mg_events *events) {
 }
 
 /* A closed contact without force whose gap no longer stays at rest: the active set must be chosen anew. */
-static int mg_unsettled(mg_context *c) {
+MG_INTERNAL int mg_unsettled(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && !c->run->active[i] && fabs(mg_separation(c, i)) > mg_slack(c)) return 1;
   return 0;
@@ -129,14 +129,14 @@ static int mg_too_many(mg_context *c) {
 }
 
 /* False when more contacts are closed than the caller gave room for. */
-static int mg_has_room(const mg_context *c) {
+MG_INTERNAL int mg_has_room(const mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->sys->n_contact; i++) n += c->run->closed[i] != 0;
   return n <= c->sys->n_closed;
 }
 
 /* A closed contact that has walked to where its gap is wide, or widens. */
-static void mg_open_far(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_open_far(mg_context *c, mg_events *events) {
   const mg_real far = c->set->start_gap * c->sys->length, rest = c->set->rest_speed * c->sys->length / c->sys->time;
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->closed[i] && (c->d[i] > far || c->d_dot[i] > rest)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
@@ -186,7 +186,7 @@ static void mg_let_pass(mg_context *c) {
 }
 
 /* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
-static int mg_transition(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_transition(mg_context *c, mg_events *events) {
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_refresh(c);
   mg_let_stay(c);

@@ -43,7 +43,7 @@ static int mg_largest_column(int n, const mg_real *A, int j, mg_real *size) {
 }
 
 /* A becomes R in its upper triangle, y becomes Q'y, `order` holds P. Returns the rank: pivots above `floor`. */
-static int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
+MG_INTERNAL int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
   for (int j = 0; j < n; j++) order[j] = j;
   for (int j = 0; j < n; j++) {
     mg_real size, *pivot = A + j + n * j;
@@ -59,7 +59,7 @@ static int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor)
 }
 
 /* z of least norm with R z = y, R of `rank` rows; beta is scratch. */
-static void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
+MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
   const int wide = n - rank;
   mg_real *beyond = R + n * rank;
   for (int i = rank - 1; i >= 0; i--) {
@@ -82,12 +82,12 @@ static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R,
   return mg_triangle(n, R, y, c->lcp_i, MG_LCP_RANK(n));
 }
 
-static int mg_oblique_rank(mg_context *c, const int *list, int n) {
+MG_INTERNAL int mg_oblique_rank(mg_context *c, const int *list, int n) {
   return mg_scaled_triangle(c, list, n, c->lcp, c->lcp + n * n, c->lcp + n * n + n);
 }
 
 /* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
-static void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
+MG_INTERNAL void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
   mg_real *R = c->lcp, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
   const int rank = mg_scaled_triangle(c, list, n, R, y, d);
   mg_solve_triangle(n, rank, R, y, x, beta);

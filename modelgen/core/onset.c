@@ -1,7 +1,7 @@
 /* Contacts that start from flat, and how they grow out of it. */
 #include "core.h"
 
-static int mg_starts_rolling(const mg_context *c) {
+MG_INTERNAL int mg_starts_rolling(const mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->fresh[i] == MG_FRESH) return 1;
   return 0;
@@ -17,7 +17,7 @@ static int mg_is_grown_up(mg_context *c, int contact) {
 }
 
 /* Brings eta of a contact to the extremum at the present poses, as near as rounding lets it. */
-static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
+MG_INTERNAL int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
   if (!c->n_eta[contact]) return 1;
   if (mg_settle_in(c, contact, eta) < 0) return 0;
   for (int extra = 0; extra < 2; extra++) {
@@ -28,7 +28,7 @@ static int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
 }
 
 /* A fresh contact whose lean is not clear of rounding. */
-static int mg_is_flat_yet(const mg_context *c, int contact) {
+MG_INTERNAL int mg_is_flat_yet(const mg_context *c, int contact) {
   return c->run->fresh[contact] == MG_FRESH && mg_patch_flat_on(c, contact, c->set->flat) >= 0;
 }
 
@@ -47,7 +47,7 @@ static mg_real mg_pace_of(const mg_context *c, int contact) {
 }
 
 /* After a step. */
-static void mg_grow_up(mg_context *c) {
+MG_INTERNAL void mg_grow_up(mg_context *c) {
   int grow = 0;
   for (int i = 0; i < c->first_pad; i++) grow |= c->run->fresh[i];
   if (grow) mg_poses(c, c->run->t, c->run->x);

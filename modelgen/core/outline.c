@@ -42,7 +42,7 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
   return next;
 }
 
-static void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) {
+MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
   for (int i = 0; i < h->n_piece; i++) h->order[i] = h->piece[i].thin;
   for (int first = 0; first < h->n_piece; first++) {
@@ -57,7 +57,7 @@ static void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) {
   }
 }
 
-static void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out) {
+MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
   for (int i = 0; i < h->n_edge; i++) {
     const mg_edge *e = h->edge + i;

@@ -1,39 +1,39 @@
 /* Which patches are held, in which slots, and what they cover. */
 #include "core.h"
 
-static int mg_is_pad(const mg_context *c, int contact) {
+MG_INTERNAL int mg_is_pad(const mg_context *c, int contact) {
   return contact >= c->first_pad && contact < c->sys->n_contact;
 }
 
-static int mg_pad_of(const mg_context *c, int slot) { return c->first_pad + 3 * slot; }
+MG_INTERNAL int mg_pad_of(const mg_context *c, int slot) { return c->first_pad + 3 * slot; }
 
 /* The patch that a slot holds, or -1. */
-static int mg_patch_in(const mg_context *c, int slot) {
+MG_INTERNAL int mg_patch_in(const mg_context *c, int slot) {
   const int link = c->run->link[mg_pad_of(c, slot)];
   return link < 0 ? -1 : (link - c->first_pad_link) / 3;
 }
 
 /* The slot that holds a patch, or -1. */
-static int mg_slot_of(const mg_context *c, int patch) {
+MG_INTERNAL int mg_slot_of(const mg_context *c, int patch) {
   for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_in(c, slot) == patch) return slot;
   return -1;
 }
 
-static int mg_free_slot(const mg_context *c, int patch) {
+MG_INTERNAL int mg_free_slot(const mg_context *c, int patch) {
   for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_in(c, slot) < 0) return slot;
   return -1;
 }
 
-static int mg_patch_covers(const mg_context *c, int patch, int link) {
+MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link) {
   for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
     if (c->sys->covered[k] == link) return 1;
   return 0;
 }
 
 /* The patch that a contact's link lies in with its faces against each other but for a lean of this size, or -1. */
-static int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean) {
+MG_INTERNAL int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean) {
   const int link = c->run->link[contact];
   mg_real o[12], f[12];
   for (int patch = 0; patch < c->sys->n_patch; patch++) {
@@ -53,16 +53,16 @@ static int mg_leaning_of(const mg_context *c, int link) {
   return 0;
 }
 
-static int mg_is_for_flat(const mg_context *c, int link) { return mg_leaning_of(c, link) < 0; }
-static int mg_is_for_leaning(const mg_context *c, int link) { return mg_leaning_of(c, link) > 0; }
+MG_INTERNAL int mg_is_for_flat(const mg_context *c, int link) { return mg_leaning_of(c, link) < 0; }
+MG_INTERNAL int mg_is_for_leaning(const mg_context *c, int link) { return mg_leaning_of(c, link) > 0; }
 
 /* Of a link for faces that lie flat, on which nothing touches soon: where its condition ends is no event. */
-static int mg_is_flat_far(const mg_context *c, int contact) {
+MG_INTERNAL int mg_is_flat_far(const mg_context *c, int contact) {
   return c->d[contact] > c->set->reach * c->sys->length && mg_is_for_flat(c, c->run->link[contact]);
 }
 
 /* A rim of the patch has just begun to roll. */
-static int mg_patch_starts(const mg_context *c, int patch) {
+MG_INTERNAL int mg_patch_starts(const mg_context *c, int patch) {
   for (int i = 0; i < c->first_pad; i++)
     if (c->run->fresh[i] && mg_patch_covers(c, patch, c->run->link[i])) return 1;
   return 0;
@@ -86,7 +86,7 @@ static int mg_is_unfolding(const mg_context *c, int patch) {
   return fabs(mg_dot3(arm, o + 9)) < c->set->flat * c->sys->length && mg_has_rim(c, patch);
 }
 
-static int mg_pair_unfolds(const mg_context *c, int pair) {
+MG_INTERNAL int mg_pair_unfolds(const mg_context *c, int pair) {
   for (int patch = 0; patch < c->sys->n_patch; patch++)
     if (mg_patch_concerns(c, patch, pair) && mg_is_unfolding(c, patch)) return 1;
   return 0;
@@ -106,7 +106,7 @@ static mg_real mg_leaning_rate(const mg_context *c, int patch) {
 }
 
 /* The longest step after which faces that unfold lean no more than what is found at once. */
-static mg_real mg_unfolding(const mg_context *c) {
+MG_INTERNAL mg_real mg_unfolding(const mg_context *c) {
   mg_real longest = MG_MAX;
   for (int patch = 0; patch < c->sys->n_patch; patch++)
     if (mg_is_unfolding(c, patch)) longest = fmin(longest, 2 * c->set->flat / mg_leaning_rate(c, patch));
@@ -115,7 +115,7 @@ static mg_real mg_unfolding(const mg_context *c) {
 
 /* The contact is of a rim whose faces have just unfolded, and falls as from rest since then: it was pressed, but could not be
    followed yet. */
-static int mg_has_unfolded(const mg_context *c, int contact) {
+MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact) {
   const int link = c->run->link[contact];
   if (!c->sys->n_patch || link < 0 || !mg_is_for_leaning(c, link)) return 0;
   const int patch = mg_patch_flat_on(c, contact, 4 * c->set->flat);
@@ -128,7 +128,7 @@ static int mg_has_unfolded(const mg_context *c, int contact) {
 }
 
 /* True if the link lies in a patch that is held, or in one that just turns over a rim. */
-static int mg_is_covered(const mg_context *c, int link) {
+MG_INTERNAL int mg_is_covered(const mg_context *c, int link) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch >= 0 && mg_patch_covers(c, patch, link)) return 1;
@@ -140,7 +140,7 @@ static int mg_is_covered(const mg_context *c, int link) {
 }
 
 /* Faces of the pair's shapes may lie in the patch. */
-static int mg_patch_concerns(const mg_context *c, int patch, int pair) {
+MG_INTERNAL int mg_patch_concerns(const mg_context *c, int patch, int pair) {
   if (c->sys->patch_pair[patch] == pair) return 1;
   for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
     if (c->sys->link_pair[c->sys->covered[k]] == pair) return 1;
@@ -148,7 +148,7 @@ static int mg_patch_concerns(const mg_context *c, int patch, int pair) {
 }
 
 /* A pair with a patch that is held. */
-static int mg_pair_rests(const mg_context *c, int pair) {
+MG_INTERNAL int mg_pair_rests(const mg_context *c, int pair) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch >= 0 && mg_patch_concerns(c, patch, pair)) return 1;
@@ -157,21 +157,21 @@ static int mg_pair_rests(const mg_context *c, int pair) {
 }
 
 /* The pairs of a patch are searched at once. */
-static void mg_search_around(mg_context *c, int patch) {
+MG_INTERNAL void mg_search_around(mg_context *c, int patch) {
   for (int pair = 0; pair < c->sys->n_pair; pair++)
     if (mg_patch_concerns(c, patch, pair)) c->run->moved[pair] = MG_MAX / 2;
 }
 
 /* The bodies of a patch: 0 for o, 1 for f. */
-static int mg_patch_body(const mg_context *c, int patch, int side) {
+MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
   const int link = c->first_pad_link + 3 * patch;
   return side ? c->sys->link_f[link] : c->sys->link_o[link];
 }
 
 /* The point of f that a pad's link is of, in the axes of its body. */
-static const mg_real *mg_point_of_link(const mg_context *c, int link) {
+MG_INTERNAL const mg_real *mg_point_of_link(const mg_context *c, int link) {
   const mg_system *s = c->sys;
-  return s->parameters + s->link_parameters[link] + mg_contact_kinds[s->link_kind[link]].n_parameters - 3;
+  return s->parameters + s->link_parameters[link] + c->kernels->contact_kinds[s->link_kind[link]].n_parameters - 3;
 }
 
 static void mg_pad_on(mg_context *c, int pad, int link) {
@@ -180,12 +180,12 @@ static void mg_pad_on(mg_context *c, int pad, int link) {
   c->run->closed[pad] = c->run->active[pad] = 1;
 }
 
-static void mg_hold_patch(mg_context *c, int slot, int patch) {
+MG_INTERNAL void mg_hold_patch(mg_context *c, int slot, int patch) {
   c->run->rub[slot] = MG_LOOSE;
   for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->first_pad_link + 3 * patch + k);
 }
 
-static void mg_drop_patch(mg_context *c, int slot) {
+MG_INTERNAL void mg_drop_patch(mg_context *c, int slot) {
   c->run->rub[slot] = MG_LOOSE;
   for (int k = 0; k < 3; k++) mg_set_link(c, mg_pad_of(c, slot) + k, -1, 0);
 }

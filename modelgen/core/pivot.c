@@ -5,14 +5,14 @@
 #include "core.h"
 
 /* The slot holds an edge in place of a patch. */
-static int mg_pivots(const mg_context *c, int slot) {
+MG_INTERNAL int mg_pivots(const mg_context *c, int slot) {
   return mg_patch_in(c, slot) >= 0 && !c->run->closed[mg_pad_of(c, slot) + 2];
 }
 
 static int mg_is_hinged(const mg_context *c, int slot) { return c->run->fresh[mg_pad_of(c, slot)] == MG_HINGED; }
 
 /* The lean about the edge, rad; negative where the face would sink into the other. */
-static mg_real mg_lean_of(const mg_context *c, int slot) {
+MG_INTERNAL mg_real mg_lean_of(const mg_context *c, int slot) {
   return asin(2 * c->d[mg_pad_of(c, slot) + 2] / c->sys->length);
 }
 
@@ -27,7 +27,7 @@ static mg_real mg_least_end(const mg_context *c, int slot, const mg_real *amount
 }
 
 /* The cause for which an edge is given up, or 0: the body leans enough, comes back flat, or lifts one end of it. */
-static int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
+MG_INTERNAL int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
   const mg_real lean = mg_lean_of(c, slot);
   if (mg_is_hinged(c, slot) && mg_least_end(c, slot, amount) < -fabs(floor)) return MG_YIELDS;
   if (lean > mg_lean_held(c, slot) + c->set->border) return MG_ROLLS_OFF;
@@ -35,7 +35,7 @@ static int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg
 }
 
 /* The function whose zero ends an edge. */
-static mg_real mg_edge_value(const mg_context *c, int slot, int cause) {
+MG_INTERNAL mg_real mg_edge_value(const mg_context *c, int slot, int cause) {
   if (cause == MG_YIELDS) return mg_least_end(c, slot, c->force);
   return cause == MG_ROLLS_OFF ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
 }
@@ -52,7 +52,7 @@ static void mg_hold_edge(mg_context *c, int slot, mg_real ends[2][3], const mg_r
 }
 
 /* The imaginary edge: along the tangent of the rim at a point of the world. */
-static void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
+MG_INTERNAL void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
   const mg_real half = c->sys->length / 2;
   mg_real o[12], along[3], ends[2][3];
   mg_face_pose(c, mg_patch_in(c, slot), 0, o);
@@ -63,7 +63,7 @@ static void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const
 }
 
 /* A side of the hull. */
-static void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
+MG_INTERNAL void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   mg_hold_edge(c, slot, ends, outward);
   c->run->fresh[mg_pad_of(c, slot)] = MG_HINGED;
 }
@@ -77,7 +77,7 @@ static void mg_take_over(mg_context *c, int patch, const mg_real *world, mg_even
   mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
 }
 
-static void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
+MG_INTERNAL void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
   const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), hinged = mg_is_hinged(c, slot);
   mg_founds found;
   mg_real ends[2][3], middle[3];

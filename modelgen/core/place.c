@@ -2,22 +2,22 @@
 #include "core.h"
 
 /* Layout of c->place: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
-static int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
+MG_INTERNAL int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const int kind = c->kind[contact];
   mg_real *p = c->place;
-  mg_contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
+  c->kernels->contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
                    mg_parameters_of(c, contact), eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
-  return mg_contact_kinds[kind].n_eta;
+  return c->kernels->contact_kinds[kind].n_eta;
 }
 
-static mg_real mg_margin_of(const mg_context *c) {
+MG_INTERNAL mg_real mg_margin_of(const mg_context *c) {
   const mg_real flat = c->place[4] * c->sys->length;
   return c->place[3] < flat ? c->place[3] : flat;
 }
 
 /* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would move;
    writes d and the margin. Returns 0 if not finite. */
-static int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
+MG_INTERNAL int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->sys;
   mg_poses(c, t, x);
   for (int i = 0; i < s->n_contact; i++) {
@@ -38,7 +38,7 @@ static int mg_settled(const mg_context *c) {
   return c->place[1] <= c->set->residual * c->sys->length && c->place[2] <= c->set->residual;
 }
 
-static int mg_settle_in(mg_context *c, int contact, mg_real *eta) {
+MG_INTERNAL int mg_settle_in(mg_context *c, int contact, mg_real *eta) {
   mg_real *next = c->place + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place(c, contact, eta, next);

@@ -9,6 +9,7 @@ typedef struct {          /* points in order, loop after loop; count goes on bey
 } mg_outline;
 
 typedef struct {          /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
+  const mg_kernels *kernels;
   int n_arc, n_o;         /* the first n_o arcs bound A, the others B */
   int fine;               /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
   int n_point;

@@ -6,7 +6,7 @@
 #define MG_PART_LEAST 1e-6 /* of a Newton step */
 #define MG_WAY_LEAST 1e-3  /* of what is left of the way to a centre */
 
-static void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips) {
+MG_INTERNAL void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips) {
   p->hull = h, p->room = room, p->strip = strips, p->n = p->cut = 0;
 }
 
@@ -150,7 +150,7 @@ static void mg_take_moments(mg_press *p) {
 }
 
 /* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
-static int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level) {
+MG_INTERNAL int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level) {
   const mg_real *m = p->moments, r = p->extent;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
   const mg_real free = yy - xy * xy / xx, bx = moment[1] - x * moment[0], by = moment[2] - y * moment[0];
@@ -161,7 +161,7 @@ static int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *l
 }
 
 /* All of the region pressed alike, with moments about a point. */
-static void mg_press_whole(mg_press *p, const mg_real *about) {
+MG_INTERNAL void mg_press_whole(mg_press *p, const mg_real *about) {
   for (int k = 0; k < 2; k++) p->centre[k] = p->foot[k] = about[k];
   p->level[0] = 1, p->level[1] = p->level[2] = 0;
   mg_strip_boundary(p);
@@ -195,7 +195,7 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
 
 /* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether it
    had to. */
-static int mg_inside_hull(const mg_hull *h, mg_real *x) {
+MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x) {
   mg_brink brink;
   mg_real middle[2];
   const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
@@ -260,7 +260,7 @@ static int mg_press_along(mg_press *p, mg_real force, const mg_real *centre) {
 }
 
 /* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
-static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
+MG_INTERNAL int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3];
   mg_press_whole(p, centre);

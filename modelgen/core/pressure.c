@@ -3,7 +3,7 @@
 #include "core.h"
 
 /* A face's axes in the world: origin and R, 12 numbers. */
-static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
+MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
   const mg_real *place = c->sys->numbers + c->sys->patch_numbers[patch] + 12 * side;
   const mg_real *pose = c->pose + 12 * mg_patch_body(c, patch, side);
   mg_out(pose, place, 1, out);
@@ -11,18 +11,18 @@ static void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out)
 }
 
 /* Where a pad is in the world. */
-static void mg_pad_point(const mg_context *c, int pad, mg_real *world) {
+MG_INTERNAL void mg_pad_point(const mg_context *c, int pad, mg_real *world) {
   mg_out(c->pose + 12 * c->f[pad], c->run->point + 3 * pad, 1, world);
 }
 
 /* A point of the world in the axes of a pose. */
-static void mg_into(const mg_real *pose, const mg_real *world, mg_real *local) {
+MG_INTERNAL void mg_into(const mg_real *pose, const mg_real *world, mg_real *local) {
   const mg_real arm[3] = {world[0] - pose[0], world[1] - pose[1], world[2] - pose[2]};
   mg_unturn(pose + 3, arm, local);
 }
 
 /* The resultant of the amounts on a slot's pads, and their centre in the world. */
-static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
+MG_INTERNAL mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
   const int pad = mg_pad_of(c, slot);
   mg_real sum = 0, point[3];
   for (int k = 0; k < 3; k++) sum += amount[pad + k], centre[k] = 0;
@@ -34,7 +34,7 @@ static mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount
 }
 
 /* The most arcs that bound the regions of a patch. */
-static int mg_most_arcs(const mg_system *s) {
+MG_INTERNAL int mg_most_arcs(const mg_system *s) {
   int most = 0;
   for (int patch = 0; patch < s->n_patch; patch++)
     if (s->patch_arc[patch + 1] - s->patch_arc[patch] > most) most = s->patch_arc[patch + 1] - s->patch_arc[patch];
@@ -44,7 +44,7 @@ static int mg_most_arcs(const mg_system *s) {
 static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_arc[patch] == c->sys->patch_arc_f[patch]; }
 
 /* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
-static void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
+MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
 
 /* The pose of f's face in the axes of the hull; its own exactly, where the poses of a stage are not of unit length yet. */
 static void mg_place_between(mg_context *c, int patch, mg_real *between) {
@@ -68,13 +68,13 @@ static void mg_set_patch(mg_context *c, int patch) {
                         numbers, numbers[12], numbers[13]};
     c->arc[i] = arc;
   }
-  const mg_regions regions = {n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
+  const mg_regions regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
   c->regions = regions, c->laid = patch, c->shelter = 0;
   mg_set_regions(&c->hull, &c->regions, c->lay);
 }
 
 /* Lays the faces of a patch on each other; returns the number of sides of their hull. */
-static int mg_lay_patch(mg_context *c, int patch) {
+MG_INTERNAL int mg_lay_patch(mg_context *c, int patch) {
   const int known = c->laid == patch;
   mg_real between[12];
   if (known && mg_is_whole(c, patch)) return c->hull.n_edge;
@@ -85,7 +85,7 @@ static int mg_lay_patch(mg_context *c, int patch) {
 
 /* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. In a hull that stays,
    all points as near as that are inside too. */
-static mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
+MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
   mg_into(hull, world, x);
@@ -106,10 +106,10 @@ static mg_real mg_sheltered_by(const mg_context *c, int patch, const mg_real *wo
   return (mg_real)0.99 * c->shelter - sqrt(dx * dx + dy * dy);
 }
 
-static mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
+MG_INTERNAL mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
 
 /* The cause for which a slot's patch ends with these amounts on its pads, or 0; how far it is from there. */
-static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin) {
+MG_INTERNAL int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin) {
   mg_real centre[3];
   mg_brink brink;
   const mg_real N = mg_resultant(c, slot, amount, centre);
@@ -121,11 +121,11 @@ static int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real 
 }
 
 /* What is left before the events of a slot: its force, the margin of its centre of pressure, friction. */
-static mg_strain *mg_strain_of_slot(const mg_context *c, int slot) { return mg_strain_at(c, MG_STRAINS) + mg_pad_of(c, slot); }
+MG_INTERNAL mg_strain *mg_strain_of_slot(const mg_context *c, int slot) { return mg_strain_at(c, MG_STRAINS) + mg_pad_of(c, slot); }
 
 /* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0; notes what is left before it
    does. */
-static int mg_slot_ends(mg_context *c, int slot) {
+MG_INTERNAL int mg_slot_ends(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
   const mg_real floor = -mg_weight_scale(c), border = c->set->border * c->sys->length;
   mg_strain *left = mg_strain_of_slot(c, slot);
@@ -142,7 +142,7 @@ static int mg_slot_ends(mg_context *c, int slot) {
 }
 
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
-static int mg_patches_fired(mg_context *c) {
+MG_INTERNAL int mg_patches_fired(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
@@ -153,14 +153,14 @@ static int mg_patches_fired(mg_context *c) {
   return count;
 }
 
-static int mg_any_patch_ends(mg_context *c) {
+MG_INTERNAL int mg_any_patch_ends(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (mg_slot_ends(c, slot)) return 1;
   return 0;
 }
 
 /* The function whose zero ends a patch. */
-static mg_real mg_patch_value(mg_context *c, int pad, int cause) {
+MG_INTERNAL mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_real centre[3];
   mg_brink brink;
   const int slot = (pad - c->first_pad) / 3;

@@ -1,7 +1,7 @@
 /* Drift off d = 0 and d_dot = 0 is removed along M^-1 J^T: the least change in the kinetic metric. */
 #include "core.h"
 
-static mg_real mg_largest(const mg_context *c, const mg_real *value) {
+MG_INTERNAL mg_real mg_largest(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = 0; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
@@ -19,14 +19,14 @@ static void mg_clear(mg_context *c) {
 
 /* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how many
    rows that are, in c->list; their z are in c->amount. */
-static int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
+MG_INTERNAL int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
   const int n = mg_hold(c, marked, value, c->amount);
   mg_clear(c);
   for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
   return n;
 }
 
-static void mg_turn(mg_real *e, const mg_real *angle) {
+MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle) {
   const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
   const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
   e[0] = q0 - q1 * x - q2 * y - q3 * z;
@@ -35,28 +35,28 @@ static void mg_turn(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-static void mg_move(mg_context *c) {
+MG_INTERNAL void mg_move(mg_context *c) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
-    if (mg_body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_turn(q + 3, change + 3);
+    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_turn(q + 3, change + 3);
   }
   mg_normalise(c, c->run->x);
   mg_clear(c);
 }
 
-static void mg_push(mg_context *c) {
+MG_INTERNAL void mg_push(mg_context *c) {
   const mg_system *s = c->sys;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
   mg_clear(c);
 }
 
 /* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
-static int mg_project(mg_context *c) {
+MG_INTERNAL int mg_project(mg_context *c) {
   const mg_real drift = c->set->drift * c->sys->length;
   if (mg_largest(c, c->d) > drift) {
     mg_correction(c, c->run->closed, c->d);
@@ -73,7 +73,7 @@ static int mg_project(mg_context *c) {
 }
 
 /* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
-static int mg_project_start(mg_context *c) {
+MG_INTERNAL int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
     if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
     mg_correction(c, c->run->closed, c->d);
@@ -95,7 +95,7 @@ static void mg_join_velocities(mg_context *c) {
 
 /* Needs the rows at run->x. Notes how well the joints fit, and brings the given start onto them; returns 0 where they
    do not fit. */
-static int mg_start_joints(mg_context *c) {
+MG_INTERNAL int mg_start_joints(mg_context *c) {
   mg_run *run = c->run;
   if (!c->sys->n_row) return 1;
   run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);

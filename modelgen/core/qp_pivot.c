@@ -44,7 +44,7 @@ static int mg_violations(const mg_qp_state *s, const int *active, int *least)
 }
 
 /* Returns the number of sets tried, at most `limit`; y, w, L, index, k belong to the last one. */
-static int mg_block_pivot(mg_qp_state *s, int *active, int limit)
+MG_INTERNAL int mg_block_pivot(mg_qp_state *s, int *active, int limit)
 {
   int fewest = s->n + 1, patience = 3, least = 0;
   for (int iteration = 1;; ++iteration) {

@@ -34,7 +34,7 @@ static int mg_refine_deficient(mg_qp_state *s)
 }
 
 /* trial = the minimum-norm solution of S_BB y_B = -c_B, 0 off B; returns the rank of S_BB. */
-static int mg_qp_refine(mg_qp_state *s)
+MG_INTERNAL int mg_qp_refine(mg_qp_state *s)
 {
   for (int i = 0; i < s->n; ++i) s->trial[i] = s->y[i];
   if (s->k == 0) return 0;
@@ -45,7 +45,7 @@ static int mg_qp_refine(mg_qp_state *s)
 
 /* u = (y - previous)+ is a proof that there is no solution: w, y >= 0 and w = S y + c give
    (S u)'y >= -c'u, so |y|_1 >= -c'u / max|S u|, here beyond 1 / sqrt(eps), c being 1 at most. */
-static int mg_qp_unbounded(const mg_qp_state *s)
+MG_INTERNAL int mg_qp_unbounded(const mg_qp_state *s)
 {
   int n = s->n;
   mg_real *u = s->trial, *image = s->work, cu = 0, size = 0, bound;

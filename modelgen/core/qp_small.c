@@ -1,7 +1,7 @@
 /* mg_qp in closed form for one and two contacts. */
 #include "lcp_scaled.h"
 
-static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report)
+MG_INTERNAL int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report)
 {
   report->iterations = 1;
   if (a > 0) {
@@ -22,7 +22,7 @@ static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_repor
 
 /* Returns nonzero if it decided: both diagonals positive and the pair well apart from parallel, where the
    solution is unique. */
-static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report)
+MG_INTERNAL int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report)
 {
   mg_real d[2], c[2], y[2], s;
   d[0] = mg_diagonal_scale(A[0]);

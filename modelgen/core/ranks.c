@@ -4,7 +4,7 @@
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
    less than `singular` is passed over. Writes into c->part how much of its own each row has, 0..1, and the independent
    rows of each joint into `rank` unless it is 0. Returns the rank. */
-static int mg_rank_joints(mg_context *c, int *rank) {
+MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_list_joints(c, c->list, 0);
   int total = 0;
   mg_assemble(c, c->list, n);
@@ -72,7 +72,7 @@ static int mg_passed_dead_centre(mg_context *c) {
 static mg_real mg_left_of(const mg_context *c, int joint) {
   const int first = c->sys->joint_row[joint];
   mg_real product = 1;
-  for (int r = first; r < first + mg_joint_kinds[c->sys->joint_kind[joint]].n_rows; r++)
+  for (int r = first; r < first + c->kernels->joint_kinds[c->sys->joint_kind[joint]].n_rows; r++)
     if (c->free[r]) product *= c->part[r];
   return product;
 }
@@ -91,7 +91,7 @@ static int mg_faintest(mg_context *c, mg_real *least) {
 }
 
 /* Needs the rows at run->x. */
-static void mg_watch_joints(mg_context *c) {
+MG_INTERNAL void mg_watch_joints(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;
   const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);

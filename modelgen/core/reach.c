@@ -4,7 +4,7 @@
 
 /* The longest step after which no open gap, accelerating as now, is deeper below zero than the characteristic
    length. */
-static mg_real mg_reach(const mg_context *c) {
+MG_INTERNAL mg_real mg_reach(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real reach = MG_MAX;
   for (int i = 0; i < c->first_pad; i++) {
@@ -18,7 +18,7 @@ static mg_real mg_reach(const mg_context *c) {
 }
 
 /* Notes the open gaps and their rates where a part of a step begins. */
-static void mg_note_gaps(mg_context *c) {
+MG_INTERNAL void mg_note_gaps(mg_context *c) {
   for (int i = 0; i < c->first_pad; i++) c->gap[2 * i] = c->d[i], c->gap[2 * i + 1] = c->d_dot[i];
 }
 
@@ -35,7 +35,7 @@ static int mg_may_dip(const mg_context *c, int contact, mg_real h) {
 }
 
 /* Marks the gaps that may have been closed since they were noted, h ago; returns the larger of what they do. */
-static int mg_mark_dips(mg_context *c, mg_real h) {
+MG_INTERNAL int mg_mark_dips(mg_context *c, mg_real h) {
   int most = 0;
   for (int i = 0; i < c->first_pad; i++) {
     c->dips[i] = mg_may_dip(c, i, h);

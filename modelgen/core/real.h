@@ -21,6 +21,12 @@ typedef double mg_real;
 #define MG_MAX DBL_MAX
 #endif
 
+/* Linkage of the functions that files of the core share. The core is compiled as one unit, where they are static;
+   -DMG_INTERNAL= compiles each file by itself. */
+#ifndef MG_INTERNAL
+#define MG_INTERNAL static
+#endif
+
 #if defined(_WIN32)
 #define MG_API __declspec(dllexport)
 #elif defined(__GNUC__)

@@ -28,7 +28,7 @@ static void mg_below_vector(const mg_context *c, int contact, const mg_real *val
 
 static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
   const long k = 3 * ((long)row * c->sys->n_contact + contact);
-  const int rows = mg_present(c, contact) ? mg_contact_kinds[c->kind[contact]].rows : 1;
+  const int rows = mg_present(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
   for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
   if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
   if (rows > 3) mg_below_vector(c, contact, c->force, 1, record->torque + k);
@@ -42,11 +42,11 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
   const int kind = s->joint_kind[joint], first = c->bilateral + s->joint_row[joint];
   mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
   for (int j = 0; j < 6; j++) wrench[j] = 0;
-  for (int i = first; i < first + mg_joint_kinds[kind].n_rows; i++)
+  for (int i = first; i < first + c->kernels->joint_kinds[kind].n_rows; i++)
     for (int j = 0; j < 6; j++) wrench[j] += c->force[i] * c->J[12 * i + 6 + j];
   for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
-  if (!mg_joint_kinds[kind].n_coordinates) return;
-  mg_joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
+  if (!c->kernels->joint_kinds[kind].n_coordinates) return;
+  c->kernels->joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
                        s->parameters + s->joint_parameters[joint], coordinate);
 }
 
@@ -88,7 +88,7 @@ static mg_real mg_energy_of(mg_context *c, mg_real *x) {
 }
 
 /* One sample of the state x; needs its poses, twists and forces fresh. */
-static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
+MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   const mg_system *s = c->sys;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;
@@ -103,12 +103,12 @@ static void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   record->work[row] = x[c->work_index];
 }
 
-static int mg_due(const mg_record *record, mg_real t) {
+MG_INTERNAL int mg_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
 /* Samples within the step h from run->x to c->x_next. */
-static void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
+MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
   if (!mg_due(record, t + h)) return;
   mg_finish_step(c, t, h);
@@ -123,6 +123,6 @@ static void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
 }
 
 /* Samples that are due at run->t itself; needs its rows fresh. */
-static void mg_record_now(mg_context *c, mg_record *record) {
+MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
   while (mg_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
 }

@@ -23,7 +23,7 @@ static void mg_reduce(mg_context *c, int n, int size) {
 }
 
 /* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
-static int mg_list_bilateral(const mg_context *c, int *list, int n) {
+MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n) {
   for (int i = c->first_pad; i < c->sys->n_contact; i++)
     if (c->run->closed[i] && !mg_is_edged(c, i)) list[n++] = i;
   return mg_list_joints(c, list, n);
@@ -45,7 +45,7 @@ static void mg_pass_held(mg_context *c, int n, int size) {
 /* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the pads' and the joints' rows held at
    zero. Starts from the active set in c->mask and leaves that of the answer there. Appends pads and joints to c->list;
    z of all is in c->z. Returns the solver's outcome. */
-static int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
+MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
   const int size = mg_list_bilateral(c, c->list, n), limit = c->set->lcp_iterations;
   c->run->lcp_solves++;
   mg_assemble(c, c->list, size);

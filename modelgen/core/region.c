@@ -25,7 +25,7 @@ static int mg_lay_query(const mg_region_query *q, mg_regions *regions, mg_hull *
     const mg_arc given = {q->shape[i], q->loop[i], q->parameters + q->first[i], numbers, numbers[12], numbers[13]};
     arc[i] = given;
   }
-  const mg_regions all = {q->n_arc, q->n_o, arc, q->shared};
+  const mg_regions all = {q->kernels, q->n_arc, q->n_o, arc, q->shared};
   *regions = all;
   mg_set_regions(h, regions, *work);
   *work += mg_hull_room(q->n_arc, q->n_o);

@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-#include "kinds.h"
+#include "kernels.h"
 #include "modelgen.h"
 
 typedef struct { /* a piece of a region's boundary; arcs of one loop are consecutive and run end to start; a number
@@ -19,6 +19,7 @@ typedef struct { /* a piece of a region's boundary; arcs of one loop are consecu
 } mg_arc;
 
 typedef struct {
+  const mg_kernels *kernels;
   int n_arc, n_o;     /* the first n_o arcs bound A, the others B */
   const mg_arc *arc;
   mg_real shared;     /* m: points of the two boundaries nearer than this are one */
@@ -35,6 +36,7 @@ typedef struct { /* an arc placed in the plane, or a part of it; turn: sum of it
 } mg_span;
 
 typedef struct {
+  const mg_kernels *kernels;
   int shape, side, straight, span, n_span, next; /* next: the arc that goes on in its loop */
   int right; /* the region lies on its right */
   const mg_real *parameters;
@@ -93,32 +95,32 @@ typedef struct { /* where the hull is nearest to x: n = 1 a vertex or a point of
 /* lay.c: the memory that a hull needs, in mg_real; it and `regions` with its arcs must outlive the hull. `pose` (12):
    of f's face in the axes of o's, flattened. Returns the number of the hull's sides: 0 where A cap B is empty, 1 for
    a point, 2 for a segment. */
-static long mg_hull_room(int n_arc, int n_o);
-static void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory);
-static int mg_lay(mg_hull *h, const mg_real *pose);
-static long mg_reals(long n, size_t size);
-static void *mg_part_of_memory(mg_real **memory, long n, size_t size);
+MG_INTERNAL long mg_hull_room(int n_arc, int n_o);
+MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory);
+MG_INTERNAL int mg_lay(mg_hull *h, const mg_real *pose);
+MG_INTERNAL long mg_reals(long n, size_t size);
+MG_INTERNAL void *mg_part_of_memory(mg_real **memory, long n, size_t size);
 
 /* margin.c: signed distance of x to the hull's boundary, m, > 0 inside; -MG_MAX for an empty hull. */
-static mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
-static void mg_support_at(const mg_hull *h, int spot, mg_support *at);
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
+MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support *at);
 
 /* tracks.c */
 enum { MG_LEVEL, MG_FOOT, MG_BEND }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
-static void mg_divide_tracks(mg_hull *h);
-static void mg_place_tracks(mg_hull *h, const mg_real *pose);
-static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent);
-static void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span);
-static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b);
-static mg_real mg_dot2(const mg_real *a, const mg_real *b);
-static mg_real mg_cross2(const mg_real *a, const mg_real *b);
-static mg_real mg_apart2(const mg_real *a, const mg_real *b);
+MG_INTERNAL void mg_divide_tracks(mg_hull *h);
+MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose);
+MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent);
+MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span);
+MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b);
+MG_INTERNAL mg_real mg_dot2(const mg_real *a, const mg_real *b);
+MG_INTERNAL mg_real mg_cross2(const mg_real *a, const mg_real *b);
+MG_INTERNAL mg_real mg_apart2(const mg_real *a, const mg_real *b);
 
 /* crossings.c, inside.c, outline.c, hull.c */
-static void mg_find_cuts(mg_hull *h);
-static int mg_is_inside(const mg_hull *h, int side, const mg_real *p);
-static void mg_make_hull(mg_hull *h);
-static void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
-static void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
+MG_INTERNAL void mg_find_cuts(mg_hull *h);
+MG_INTERNAL int mg_is_inside(const mg_hull *h, int side, const mg_real *p);
+MG_INTERNAL void mg_make_hull(mg_hull *h);
+MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
+MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 
 #endif

@@ -2,7 +2,7 @@
 #include "core.h"
 
 /* Velocity along N of a body's material point at a place of the world. */
-static mg_real mg_speed_along(const mg_context *c, const mg_real *twists, int body, const mg_real *at, const mg_real *N) {
+MG_INTERNAL mg_real mg_speed_along(const mg_context *c, const mg_real *twists, int body, const mg_real *at, const mg_real *N) {
   const mg_real *pose = c->pose + 12 * body, *twist = twists + 6 * body;
   mg_real spin[3], arm[3];
   mg_out(pose, twist + 3, 0, spin);
@@ -32,19 +32,19 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
 }
 
 /* The contact is of a patch whose faces lie on each other. */
-static int mg_is_flat_on(mg_context *c, int contact) {
+MG_INTERNAL int mg_is_flat_on(mg_context *c, int contact) {
   const int patch = mg_patch_flat_on(c, contact, c->set->flat);
   return patch >= 0 && mg_lies_flat(c, patch, c->set->start_gap * c->sys->length, 1);
 }
 
 /* Contacts that a held patch covers are hidden. */
-static void mg_hide_covered(mg_context *c) {
+MG_INTERNAL void mg_hide_covered(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     c->hidden[i] = i < c->first_pad && mg_present(c, i) && mg_is_covered(c, c->run->link[i]);
 }
 
 /* Holds every patch that lies flat and is not held; marks their slots in c->trying. Returns how many. */
-static int mg_try_flat(mg_context *c, mg_real touching, int moving) {
+MG_INTERNAL int mg_try_flat(mg_context *c, mg_real touching, int moving) {
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) c->trying[slot] = 0;
   for (int patch = 0; patch < c->sys->n_patch && c->set->planar; patch++) {
@@ -59,14 +59,14 @@ static int mg_try_flat(mg_context *c, mg_real touching, int moving) {
 }
 
 /* Lets go of the slots held on trial. */
-static void mg_drop_tried(mg_context *c) {
+MG_INTERNAL void mg_drop_tried(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     if (c->trying[slot]) c->trying[slot] = 0, mg_drop_patch(c, slot);
 }
 
 /* Lets go of the slots held on trial that the amounts on their pads would end; of impulses, they go to the edges of hulls that
    are curved. Returns how many. */
-static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
+MG_INTERNAL int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
   int count = 0;
   mg_real margin;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
@@ -81,7 +81,7 @@ static int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int im
 }
 
 /* What the patches that are held cover gives way to them. */
-static void mg_give_way(mg_context *c) {
+MG_INTERNAL void mg_give_way(mg_context *c) {
   const mg_real none[6] = {0};
   mg_hide_covered(c);
   for (int i = 0; i < c->first_pad; i++)
@@ -118,7 +118,7 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
 }
 
 /* Patches that lie flat rest, if there are forces that press them together within their hulls; what they cover gives way. */
-static void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
+MG_INTERNAL void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_try_flat(c, touching, 0)) return;
   if (c->sys->n_grip) mg_refresh(c);
   do {

@@ -22,7 +22,7 @@ static int mg_is_somewhere(const mg_context *c, int body) {
 }
 
 /* Whether a driven body is nowhere. */
-static int mg_a_path_ends(const mg_context *c) {
+MG_INTERNAL int mg_a_path_ends(const mg_context *c) {
   for (int b = 0; b < c->sys->n_body && c->driven; b++)
     if (mg_is_driven(c->sys, b) && !mg_is_somewhere(c, b)) return 1;
   return 0;
@@ -30,7 +30,7 @@ static int mg_a_path_ends(const mg_context *c) {
 
 /* Power that driven bodies and given motions put into the moving bodies through contacts and joints; without bounds where a path
    is not finite, though nothing may touch it. */
-static mg_real mg_driven_power(const mg_context *c) {
+MG_INTERNAL mg_real mg_driven_power(const mg_context *c) {
   mg_real power = 0;
   if (mg_a_path_ends(c)) return INFINITY;
   for (int i = 0; i < c->sys->n_contact; i++)
@@ -39,7 +39,7 @@ static mg_real mg_driven_power(const mg_context *c) {
   return power;
 }
 
-static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
+MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->sys;
   mg_poses(c, t, x);
   mg_accelerations(c, t, x, x_dot);
@@ -54,7 +54,7 @@ static void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
 }
 
 /* d_ddot of one row under the accelerations last computed. */
-static mg_real mg_separation(const mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
+MG_INTERNAL mg_real mg_separation(const mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
 
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,
                         const mg_real *x, mg_real *x_dot, mg_real *work, int *iwork) {

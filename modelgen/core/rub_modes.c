@@ -37,7 +37,7 @@ static mg_real mg_left_easily(const mg_context *c, int slot, mg_real *N) {
 
 /* N (1 - what it needs of its bound): what is left of the bound of a stuck patch; the twist against which it rubs, of the
    first pad's point and about N, along which slip would begin. */
-static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
+MG_INTERNAL mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
   const mg_real mu = c->sys->patch_friction[2 * mg_patch_in(c, slot)];
   const mg_real *force = c->force + mg_rub_row(c, slot);
   mg_rub_state *r = c->rub + slot;
@@ -62,13 +62,13 @@ static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist) {
 }
 
 /* The function whose zero is the event of a patch with friction. */
-static mg_real mg_rub_value(mg_context *c, int slot, int cause) {
+MG_INTERNAL mg_real mg_rub_value(mg_context *c, int slot, int cause) {
   mg_real twist[3];
   return cause == MG_GIVES ? mg_rub_left(c, slot, twist) : mg_rub_along(c, slot);
 }
 
 /* MG_GIVES, MG_CALMS, or 0. Slip that has reached slip_speed is over below it; one that has not, once it goes back as fast. */
-static int mg_rub_fires(mg_context *c, int slot) {
+MG_INTERNAL int mg_rub_fires(mg_context *c, int slot) {
   const int mode = c->run->rub[slot], cause = mode == MG_STUCK ? MG_GIVES : MG_CALMS;
   mg_strain *left = mg_strain_of_slot(c, slot) + 2;
   if (!mg_rubs(c, slot) || mode == MG_LOOSE) return 0;
@@ -94,7 +94,7 @@ static int mg_aim_rub(mg_context *c, int slot) {
 }
 
 /* At the start of a step. */
-static void mg_aim_rubs(mg_context *c) {
+MG_INTERNAL void mg_aim_rubs(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     int *mode = c->run->rub + slot;
     if (mg_rubs(c, slot) && *mode >= MG_STARTING && mg_aim_rub(c, slot)) *mode = MG_SLIPPING;
@@ -102,7 +102,7 @@ static void mg_aim_rubs(mg_context *c) {
   }
 }
 
-static void mg_forget_rubs(mg_context *c) {
+MG_INTERNAL void mg_forget_rubs(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) c->run->rub[slot] = MG_LOOSE, c->rub[slot].fired = 0;
 }
 
@@ -221,7 +221,7 @@ static int mg_release_rubs(mg_context *c) {
 }
 
 /* As mg_choose_grips, with the modes of patches. */
-static int mg_choose_rubs(mg_context *c, const int *skip) {
+MG_INTERNAL int mg_choose_rubs(mg_context *c, const int *skip) {
   mg_sort_rubs(c);
   int outcome = mg_choose_grips(c, skip);
   for (int round = 0; round < MG_RELEASES && !outcome && mg_release_rubs(c); round++) outcome = mg_choose_grips(c, skip);
@@ -230,7 +230,7 @@ static int mg_choose_rubs(mg_context *c, const int *skip) {
 }
 
 /* Tells of slip that begins, dies, or dies and begins anew. */
-static void mg_report_rubs(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_report_rubs(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const int before = c->rub[slot].before, now = c->run->rub[slot], pad = mg_pad_of(c, slot);
     const mg_real over = c->run->t + c->rub[slot].over;

@@ -118,7 +118,7 @@ static void mg_rub_far(const mg_press *p, const mg_real *twist, int n, mg_real G
   }
 }
 
-static void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
+MG_INTERNAL void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
   const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->extent;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
   if (away >= MG_AWAY * turn) {

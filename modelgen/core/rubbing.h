@@ -47,21 +47,21 @@ static const mg_real mg_node_weight[MG_NODES] = {
     (mg_real)0.0333356721543440687967844};
 
 /* lay.c: the most strips */
-static long mg_press_room(int n_arc, int n_o);
+MG_INTERNAL long mg_press_room(int n_arc, int n_o);
 
 /* pressing.c */
-static void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips);
-static int mg_press_at(mg_press *p, mg_real force, const mg_real *centre);
-static void mg_press_whole(mg_press *p, const mg_real *about);
-static int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level);
-static int mg_inside_hull(const mg_hull *h, mg_real *x);
+MG_INTERNAL void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips);
+MG_INTERNAL int mg_press_at(mg_press *p, mg_real force, const mg_real *centre);
+MG_INTERNAL void mg_press_whole(mg_press *p, const mg_real *about);
+MG_INTERNAL int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level);
+MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x);
 
 /* rubbing.c: G of force x, y and torque about the centre (rows) by the pressure's coefficients (columns); the friction of
    a twist (v of the centre, w) is -mu G level */
-static void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]);
+MG_INTERNAL void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]);
 
 /* limit_surface.c: the share that a force and torque about the centre take of what unit friction can hold, 1 at the
    most, and the twist, of unit length with w in units of 1/radius, that would rub most against it */
-static mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist);
+MG_INTERNAL mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist);
 
 #endif

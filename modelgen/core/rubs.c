@@ -4,30 +4,30 @@
 
 #define MG_RUB_ROUNDS 40
 
-static int mg_has_rubbing(const mg_context *c, int patch) { return c->sys->patch_friction[2 * patch + 1] > 0; }
+MG_INTERNAL int mg_has_rubbing(const mg_context *c, int patch) { return c->sys->patch_friction[2 * patch + 1] > 0; }
 
 /* The slot holds a patch with friction. */
-static int mg_rubs(const mg_context *c, int slot) {
+MG_INTERNAL int mg_rubs(const mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
   return patch >= 0 && mg_has_rubbing(c, patch) && c->run->active[mg_pad_of(c, slot)];
 }
 
-static int mg_rub_row(const mg_context *c, int slot) { return c->below + c->sys->contact_below[mg_pad_of(c, slot)]; }
+MG_INTERNAL int mg_rub_row(const mg_context *c, int slot) { return c->below + c->sys->contact_below[mg_pad_of(c, slot)]; }
 
 /* The slot of a row that is a pad's of a patch that slips, or -1. */
-static int mg_rub_leans(const mg_context *c, int row) {
+MG_INTERNAL int mg_rub_leans(const mg_context *c, int row) {
   const int slot = row >= c->first_pad && row < c->sys->n_contact ? (row - c->first_pad) / 3 : -1;
   return slot >= 0 && c->rub[slot].leans ? slot : -1;
 }
 
 /* The distance of the pads from the middle of the face. */
-static mg_real mg_rub_radius(const mg_context *c, int slot) {
+MG_INTERNAL mg_real mg_rub_radius(const mg_context *c, int slot) {
   const mg_real *a = c->run->point + 3 * mg_pad_of(c, slot), *b = a + 3;
   const mg_real arm[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   return sqrt(mg_dot3(arm, arm) / 3);
 }
 
-static void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at) {
+MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at) {
   const int pad = mg_pad_of(c, slot);
   mg_real world[3], local[3];
   mg_hull_pose(c, mg_patch_in(c, slot), at->pose);
@@ -41,14 +41,14 @@ static void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at) {
 }
 
 /* Slip and spin along the course of a patch. */
-static mg_real mg_rub_along(const mg_context *c, int slot) {
+MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot) {
   const mg_real *course = c->run->rub_course + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
   const mg_real *slip = c->d_dot + mg_rub_row(c, slot);
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) + slip[2] * mg_rub_radius(c, slot) * course[3];
 }
 
 /* The course along a twist: of the first pad's point along t1, t2, and spin about N. */
-static void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist) {
+MG_INTERNAL void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist) {
   const mg_real *t = c->tangents + 6 * mg_pad_of(c, slot), turn = twist[2] * mg_rub_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
   mg_real *course = c->run->rub_course + 4 * slot;
@@ -57,7 +57,7 @@ static void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist) {
 }
 
 /* Two directions across a unit vector. */
-static void mg_across(const mg_real *e, mg_real across[2][3]) {
+MG_INTERNAL void mg_across(const mg_real *e, mg_real across[2][3]) {
   const int least = fabs(e[0]) < fabs(e[1]) ? (fabs(e[0]) < fabs(e[2]) ? 0 : 2) : fabs(e[1]) < fabs(e[2]) ? 1 : 2;
   for (int k = 0; k < 3; k++) across[0][k] = (k == least) - e[least] * e[k];
   const mg_real size = sqrt(mg_dot3(across[0], across[0]));
@@ -66,7 +66,7 @@ static void mg_across(const mg_real *e, mg_real across[2][3]) {
 }
 
 /* The course and two directions across it: along t1, t2, and spin in units of 1/radius. */
-static void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]) {
+MG_INTERNAL void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]) {
   const mg_real *course = c->run->rub_course + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
   e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
   mg_across(e[0], e + 1);
@@ -90,7 +90,7 @@ static void mg_rub_twist(const mg_context *c, int slot, mg_real *twist) {
 }
 
 /* The pressure in a slot, of a resultant of 1 at its centre; of all of the face while that is not known. */
-static void mg_press_rub(mg_context *c, int slot) {
+MG_INTERNAL void mg_press_rub(mg_context *c, int slot) {
   mg_rub_state *r = c->rub + slot;
   mg_press *p = &c->press;
   mg_rub_frame at;
@@ -136,7 +136,7 @@ static void mg_lean_rub(mg_context *c, int slot) {
 }
 
 /* The leans of all slots; needs the rates of the rows. */
-static void mg_begin_rubs(mg_context *c) {
+MG_INTERNAL void mg_begin_rubs(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     mg_rub_state *r = c->rub + slot;
     r->leans = mg_rubs(c, slot) && c->run->rub[slot] >= MG_ONSET;
@@ -161,7 +161,7 @@ static int mg_rub_is_settled(mg_context *c, int slot, const mg_real *centre) {
 }
 
 /* After forces: 1 where leans were for another pressure, and have been made anew for this one. */
-static int mg_rubs_unsettled(mg_context *c) {
+MG_INTERNAL int mg_rubs_unsettled(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     mg_real world[3], pose[12], centre[3];
@@ -176,7 +176,7 @@ static int mg_rubs_unsettled(mg_context *c) {
 }
 
 /* Takes the leans of patches into the columns of pads among the n assembled in c->A. */
-static void mg_lean_pads(mg_context *c, const int *list, int n) {
+MG_INTERNAL void mg_lean_pads(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int slot = mg_rub_leans(c, list[j]), pad = (list[j] - c->first_pad) % 3;
     for (int k = 0; k < MG_RUB_ROWS && slot >= 0; k++)
@@ -186,7 +186,7 @@ static void mg_lean_pads(mg_context *c, const int *list, int n) {
 }
 
 /* The friction of patches that slip, from the forces on their pads, into c->force and c->accel. */
-static void mg_add_rubs(mg_context *c) {
+MG_INTERNAL void mg_add_rubs(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) {
     const mg_rub_state *r = c->rub + slot;
     const mg_real *N = c->force + mg_pad_of(c, slot);
@@ -199,7 +199,7 @@ static void mg_add_rubs(mg_context *c) {
 }
 
 /* Appends the rows of stuck patches to a list of n; returns its length. */
-static int mg_list_stuck_rubs(const mg_context *c, int *list, int n) {
+MG_INTERNAL int mg_list_stuck_rubs(const mg_context *c, int *list, int n) {
   for (int slot = 0; slot < c->sys->n_slot; slot++)
     for (int k = 0; k < MG_RUB_ROWS && mg_rubs(c, slot) && c->run->rub[slot] == MG_STUCK; k++)
       list[n++] = mg_rub_row(c, slot) + k;

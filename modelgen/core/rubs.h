@@ -22,33 +22,33 @@ typedef struct { /* rows and axes of a hull: t1, t2 and the pads in it, N along 
 } mg_rub_frame;
 
 /* rubs.c */
-static int mg_has_rubbing(const mg_context *c, int patch);
-static int mg_rubs(const mg_context *c, int slot);
-static int mg_rub_row(const mg_context *c, int slot);
-static int mg_rub_leans(const mg_context *c, int row);
-static mg_real mg_rub_radius(const mg_context *c, int slot);
-static void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at);
-static mg_real mg_rub_along(const mg_context *c, int slot);
-static void mg_across(const mg_real *e, mg_real across[2][3]);
-static void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]);
-static void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist);
-static void mg_begin_rubs(mg_context *c);
-static void mg_press_rub(mg_context *c, int slot);
-static int mg_rubs_unsettled(mg_context *c);
-static void mg_lean_pads(mg_context *c, const int *list, int n);
-static void mg_add_rubs(mg_context *c);
-static int mg_list_stuck_rubs(const mg_context *c, int *list, int n);
+MG_INTERNAL int mg_has_rubbing(const mg_context *c, int patch);
+MG_INTERNAL int mg_rubs(const mg_context *c, int slot);
+MG_INTERNAL int mg_rub_row(const mg_context *c, int slot);
+MG_INTERNAL int mg_rub_leans(const mg_context *c, int row);
+MG_INTERNAL mg_real mg_rub_radius(const mg_context *c, int slot);
+MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at);
+MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot);
+MG_INTERNAL void mg_across(const mg_real *e, mg_real across[2][3]);
+MG_INTERNAL void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]);
+MG_INTERNAL void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist);
+MG_INTERNAL void mg_begin_rubs(mg_context *c);
+MG_INTERNAL void mg_press_rub(mg_context *c, int slot);
+MG_INTERNAL int mg_rubs_unsettled(mg_context *c);
+MG_INTERNAL void mg_lean_pads(mg_context *c, const int *list, int n);
+MG_INTERNAL void mg_add_rubs(mg_context *c);
+MG_INTERNAL int mg_list_stuck_rubs(const mg_context *c, int *list, int n);
 
 /* eliminate.c */
-static int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report);
+MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report);
 
 /* rub_modes.c */
-static mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist);
-static mg_real mg_rub_value(mg_context *c, int slot, int cause);
-static int mg_rub_fires(mg_context *c, int slot);
-static void mg_aim_rubs(mg_context *c);
-static void mg_forget_rubs(mg_context *c);
-static int mg_choose_rubs(mg_context *c, const int *skip);
-static void mg_report_rubs(mg_context *c, mg_events *events);
+MG_INTERNAL mg_real mg_rub_left(mg_context *c, int slot, mg_real *twist);
+MG_INTERNAL mg_real mg_rub_value(mg_context *c, int slot, int cause);
+MG_INTERNAL int mg_rub_fires(mg_context *c, int slot);
+MG_INTERNAL void mg_aim_rubs(mg_context *c);
+MG_INTERNAL void mg_forget_rubs(mg_context *c);
+MG_INTERNAL int mg_choose_rubs(mg_context *c, const int *skip);
+MG_INTERNAL void mg_report_rubs(mg_context *c, mg_events *events);
 
 #endif

@@ -1,11 +1,11 @@
 /* Both sides of a link sampled over their domains. */
 #include "core.h"
 
-static int mg_dimension(const mg_context *c, int link, int side) {
-  return mg_shape_kinds[c->sys->side_shape[2 * link + side]].dimension;
+MG_INTERNAL int mg_dimension(const mg_context *c, int link, int side) {
+  return c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].dimension;
 }
 
-static void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out) {
+MG_INTERNAL void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out) {
   for (int k = 0; k < 3; k++)
     out[k] = is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
@@ -16,7 +16,7 @@ static void mg_sample_in(mg_context *c, int link, int side, const mg_real *uv, m
   const mg_system *s = c->sys;
   const mg_real *place = mg_side(c, link, side) + MG_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
-  mg_shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in, direction);
+  c->kernels->shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in, direction);
   const mg_real size = sqrt(mg_dot3(direction, direction));
   for (int k = 0; k < 3; k++) direction[k] = size > 0 && size < MG_MAX ? direction[k] / size : 0;
   mg_out(place, in, 1, in + 3), mg_out(place, direction, 0, in + 6);
@@ -28,7 +28,7 @@ static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real 
   at->uv[0] = uv[0], at->uv[1] = uv[1];
 }
 
-static void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
+MG_INTERNAL void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
   mg_real in[MG_IN];
   mg_sample_in(c, link, side, uv, in);
   mg_sample_out(c->pose + 12 * mg_side_body(c, link, side), uv, in, at);
@@ -39,13 +39,13 @@ static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
   const mg_system *s = c->sys;
   const mg_real *parameters = s->parameters + s->side_parameters[2 * link + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
-  mg_shape_point(s->side_shape[2 * link + side], zero, parameters, x, T);
+  c->kernels->shape_point(s->side_shape[2 * link + side], zero, parameters, x, T);
   mg_real far = reach / sqrt(mg_dot3(T, T));
   for (int doubling = 0; doubling < 30; doubling++, far *= 2) {
     const mg_real ends[2][2] = {{-far, 0}, {far, 0}};
     int outside = 0;
     for (int end = 0; end < 2; end++) {
-      mg_shape_point(s->side_shape[2 * link + side], ends[end], parameters, x, T);
+      c->kernels->shape_point(s->side_shape[2 * link + side], ends[end], parameters, x, T);
       outside += mg_dot3(x, x) >= reach * reach;
     }
     if (outside == 2) break;
@@ -54,7 +54,7 @@ static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
 }
 
 /* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
-static void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real *window) {
+MG_INTERNAL void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real *window) {
   const mg_real *domain = mg_side(c, link, side) + MG_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
@@ -77,7 +77,7 @@ static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real
 }
 
 /* A grid of n by n samples over the window, as many along a curve, one of a point. */
-static int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out) {
+MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out) {
   const int dimension = mg_dimension(c, link, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
@@ -94,14 +94,14 @@ static int mg_sample_side(mg_context *c, int link, int side, const mg_real *wind
   return count;
 }
 
-static void mg_zoom(mg_real *window, const mg_real *centre) {
+MG_INTERNAL void mg_zoom(mg_real *window, const mg_real *centre) {
   for (int k = 0; k < 2; k++) {
     const mg_real half = (window[2 * k + 1] - window[2 * k]) / 10;
     window[2 * k] = centre[k] - half, window[2 * k + 1] = centre[k] + half;
   }
 }
 
-static mg_real mg_reach_of(mg_context *c, int link) {
+MG_INTERNAL mg_real mg_reach_of(mg_context *c, int link) {
   const mg_real *o = c->pose + 12 * mg_side_body(c, link, 0), *f = c->pose + 12 * mg_side_body(c, link, 1);
   const mg_real apart[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]}, distance = sqrt(mg_dot3(apart, apart));
   mg_real size = distance / 1000;

@@ -3,16 +3,16 @@
 #include "core.h"
 
 /* Puts the spare contact, behind the last one, on a link. */
-static int mg_probe(mg_context *c, int link) {
+MG_INTERNAL int mg_probe(mg_context *c, int link) {
   mg_stand(c, c->sys->n_contact, link);
   return c->sys->n_contact;
 }
 
-static int mg_has_signs(const mg_context *c, int link) { return mg_carrier(c, link, 0) == MG_SIGN ||
+MG_INTERNAL int mg_has_signs(const mg_context *c, int link) { return mg_carrier(c, link, 0) == MG_SIGN ||
                                                                mg_carrier(c, link, 1) == MG_SIGNED_CURVE; }
 
 /* Turns the normal of two curves round. */
-static void mg_turn_round(const mg_context *c, int link, mg_real *eta) {
+MG_INTERNAL void mg_turn_round(const mg_context *c, int link, mg_real *eta) {
   if (mg_carrier(c, link, 0) == MG_SIGN) eta[0] = -eta[0];
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
@@ -30,7 +30,7 @@ static int mg_undecided(const mg_context *c, int link) {
 }
 
 /* No condition on the normal tells the outside. */
-static int mg_is_bare(const mg_context *c, int link) {
+MG_INTERNAL int mg_is_bare(const mg_context *c, int link) {
   const mg_system *s = c->sys;
   for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
     if (s->condition_kind[k] == MG_WING || s->condition_kind[k] == MG_DIRECTION) return 0;
@@ -39,7 +39,7 @@ static int mg_is_bare(const mg_context *c, int link) {
 
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
    the two the link takes first. */
-static void mg_note_place(const mg_context *c, mg_found *found) {
+MG_INTERNAL void mg_note_place(const mg_context *c, mg_found *found) {
   const int turned = mg_side_body(c, found->link, 0) > mg_side_body(c, found->link, 1);
   found->d = c->place[0];
   for (int k = 0; k < 3; k++) {
@@ -50,7 +50,7 @@ static void mg_note_place(const mg_context *c, mg_found *found) {
 
 /* The same point and the same normal: one contact, be it on two links where charts overlap. Two curves without an
    outside have one contact at a point, whichever way its normal is turned. */
-static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b) {
+MG_INTERNAL int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
@@ -62,7 +62,7 @@ static int mg_same_contact(const mg_context *c, const mg_found *a, const mg_foun
 }
 
 /* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
-static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
+MG_INTERNAL int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
   const int spare = mg_probe(c, link), alone = mg_is_bare(c, link);
   int which;
   mg_real next[6];
@@ -82,7 +82,7 @@ static int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
 }
 
 /* Keeps the found in order of |d|, each once. */
-static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found) {
+MG_INTERNAL void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_same_contact(c, kept->list + i, found)) return;
   int at = kept->count < MG_FOUNDS ? kept->count++ : MG_FOUNDS;
@@ -93,7 +93,7 @@ static void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found)
 
 /* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
    the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
-static mg_real mg_parting(mg_context *c, int pair) {
+MG_INTERNAL mg_real mg_parting(mg_context *c, int pair) {
   const mg_system *s = c->sys;
   mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
   int groups = 0;
@@ -119,10 +119,10 @@ static int mg_was_left(mg_context *c, const mg_found *found) {
 }
 
 /* Adds to what is kept the extrema of a link that are above `least`. */
-static void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept) {
-  const int n_eta = mg_contact_kinds[c->sys->link_kind[link]].n_eta;
+MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept) {
+  const int n_eta = c->kernels->contact_kinds[c->sys->link_kind[link]].n_eta;
   const int turn = mg_carrier(c, link, 0) == MG_TURN;
-  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || mg_contact_kinds[c->sys->link_kind[link]].seeks;
+  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || c->kernels->contact_kinds[c->sys->link_kind[link]].seeks;
   mg_starts *starts = &c->starts;
   mg_found found;
   starts->count = 1;
@@ -176,7 +176,7 @@ static int mg_start_shared(mg_context *c, int pair) {
   return MG_DONE;
 }
 
-static int mg_start_pairs(mg_context *c) {
+MG_INTERNAL int mg_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->sys->n_pair; pair++) {
     const int outcome = mg_has_own_links(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
     if (outcome) return outcome;

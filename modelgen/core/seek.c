@@ -6,12 +6,12 @@
 #define MG_CLIMBS 6
 
 static void mg_look(const mg_couple *p, mg_view *v) {
-  mg_contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->bend, v->tangents,
+  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->bend, v->tangents,
                   v->eta);
 }
 
 /* Brings a direction to unit length; returns 0 where it has none. */
-static int mg_unit(mg_real *n) {
+MG_INTERNAL int mg_unit(mg_real *n) {
   const mg_real length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), scale = 1 / length;
   for (int k = 0; k < 3; k++) n[k] *= scale;
   return length > 0 && length <= MG_MAX;
@@ -125,7 +125,7 @@ static int mg_away(const mg_real *peaks, int n, mg_real *direction) {
 
 /* Climbs from v->normal, and where that ends below `floor`, from other sides too. v then is the first maximum
    above it; else the highest one, or the first if `keep`. Returns 0 where rounding left it blunt. */
-static int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v) {
+MG_INTERNAL int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v) {
   mg_real peaks[3 * MG_CLIMBS];
   mg_view best = *v;
   int sharp = 0;

@@ -3,14 +3,14 @@
 #include "core.h"
 
 /* The size of the slip of a grip: m/s, of spin and rolling rad/s. */
-static mg_real mg_slip_scale(const mg_context *c, int grip) {
+MG_INTERNAL mg_real mg_slip_scale(const mg_context *c, int grip) {
   return (c->sys->grip_aspect[grip] == MG_SLIP ? c->sys->length : 1) / c->sys->time;
 }
 
-static mg_real mg_slip_rest(const mg_context *c, int grip) { return c->set->slip_speed * mg_slip_scale(c, grip); }
+MG_INTERNAL mg_real mg_slip_rest(const mg_context *c, int grip) { return c->set->slip_speed * mg_slip_scale(c, grip); }
 
 /* The slip of a grip past its course: its components s, and returned s.course. */
-static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip) {
+MG_INTERNAL mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip) {
   const int row = mg_grip_row(c, contact, grip);
   const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
   slip[0] = c->d_dot[row], slip[1] = 0;
@@ -21,7 +21,7 @@ static mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real
 
 /* Along the slip, which is taken round where it points against its course, so that the force is smooth while one that
    stays on a line passes zero; along the course where there is so little of it that rounding would turn it. */
-static void mg_slip_lean(mg_context *c, int contact, int grip) {
+MG_INTERNAL void mg_slip_lean(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip), rows = mg_grip_rows(c, grip);
   const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *course = c->run->course + 3 * grip;
   const mg_real *t = c->tangents + 6 * contact;
@@ -41,7 +41,7 @@ static int mg_is_slipping(const mg_context *c, int contact, int grip) {
 }
 
 /* The leans of all rows below, 0 of those that do not slip, with M^-1 J^T of those that do. */
-static void mg_lean_all(mg_context *c) {
+MG_INTERNAL void mg_lean_all(mg_context *c) {
   const mg_system *s = c->sys;
   mg_slip_rates(c);
   for (int i = 0; i < s->n_below; i++) c->lean[i] = 0;
@@ -55,7 +55,7 @@ static void mg_lean_all(mg_context *c) {
 }
 
 /* J_row M^-1 J_column^T. */
-static mg_real mg_product(const mg_context *c, int row, int column) {
+MG_INTERNAL mg_real mg_product(const mg_context *c, int row, int column) {
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {
@@ -67,12 +67,12 @@ static mg_real mg_product(const mg_context *c, int row, int column) {
 }
 
 /* Of a contact; those of patches go with three normal rows. */
-static int mg_rows_below(const mg_context *c, int row) {
-  return row < c->first_pad ? mg_contact_kinds[c->kind[row]].rows - 1 : 0;
+MG_INTERNAL int mg_rows_below(const mg_context *c, int row) {
+  return row < c->first_pad ? c->kernels->contact_kinds[c->kind[row]].rows - 1 : 0;
 }
 
 /* Takes the leans into the columns of the normal rows among the n assembled in c->A. */
-static void mg_lean_columns(mg_context *c, const int *list, int n) {
+MG_INTERNAL void mg_lean_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int first = c->below + (mg_rows_below(c, list[j]) ? c->sys->contact_below[list[j]] : 0);
     for (int k = first; k < first + mg_rows_below(c, list[j]); k++) {
@@ -94,7 +94,7 @@ static int mg_leans(const mg_context *c, const int *list, int n) {
 
 /* The forces of an island whose n rows are assembled in c->A, c->b: those nearest to their shares where they are not
    unique. */
-static void mg_hold_leaning(mg_context *c, int n, mg_real *amount) {
+MG_INTERNAL void mg_hold_leaning(mg_context *c, int n, mg_real *amount) {
   const int oblique = mg_leans(c, c->island, n);
   if (oblique) mg_lean_columns(c, c->island, n);
   for (int j = 0; j < n && c->run->shared; j++)
@@ -106,7 +106,7 @@ static void mg_hold_leaning(mg_context *c, int n, mg_real *amount) {
 }
 
 /* The forces of slipping grips, from the normal forces, into c->force and c->accel. */
-static void mg_add_slipping(mg_context *c) {
+MG_INTERNAL void mg_add_slipping(mg_context *c) {
   for (int i = 0; i < c->sys->n_contact; i++)
     for (int k = 0; k < mg_rows_below(c, i); k++) {
       const int row = c->below + c->sys->contact_below[i] + k;
@@ -119,7 +119,7 @@ static void mg_add_slipping(mg_context *c) {
 }
 
 /* Power of the rows below into the moving bodies; the slip of a stuck grip is an error, which is no work. */
-static mg_real mg_slipping_power(const mg_context *c) {
+MG_INTERNAL mg_real mg_slipping_power(const mg_context *c) {
   mg_real power = 0;
   for (int i = c->below; i < c->n_all; i++) {
     if (c->force[i] == 0) continue;

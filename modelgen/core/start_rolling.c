@@ -67,7 +67,7 @@ static int mg_slope_leaning(mg_context *c, mg_real t, int stage, mg_real h, int 
     if (!(flat ? mg_point_leaning(c, t, i, &at, x) : mg_settle_fully(c, i, mg_eta_of(c, x, i)))) return 0;
   }
   if (c->set->newton > 1 && !mg_place_all(c, t, x)) return 0;
-  mg_slope(c, t, x, slope);
+  mg_rhs(c, t, x, slope);
   return 1;
 }
 
@@ -237,7 +237,7 @@ static int mg_is_of_onset(const mg_context *c, int state) {
 
 /* The difference of the interpolant half way from the end of a step half as long, root mean square against the
    tolerance. */
-static mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half) {
+MG_INTERNAL mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->x_stage);
   for (int i = 0; i < c->n_x; i++) {
@@ -271,7 +271,7 @@ static void mg_keep_azimuths(mg_context *c, int back) {
 
 /* From K[0], of which only the rates of q count, to c->x_next and the interpolant. Returns the error relative to the
    tolerance, as far as it is more than rounding; MG_MAX where there is no solution. */
-static mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int i = 0; i < c->n_x; i++) c->x_next[i] = x[i];
   const mg_real whole = mg_solve_whole(c, t, x, h);
   c->tried = whole <= MG_MAX ? h : 0;

@@ -19,7 +19,7 @@ typedef struct {
   mg_real stiffness[MG_RADAU][MG_ONSETS][MG_ONSETS];  /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
 
-static int mg_starts_slipping(const mg_context *c) {
+MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++)
     if (c->run->grip[g] == MG_ONSET) return 1;
   for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
@@ -28,7 +28,7 @@ static int mg_starts_slipping(const mg_context *c) {
 }
 
 /* After the step, or where it is left to small ones. */
-static void mg_slip_on(mg_context *c) {
+MG_INTERNAL void mg_slip_on(mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++)
     if (c->run->grip[g] == MG_ONSET) c->run->grip[g] = MG_STARTING;
   for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
@@ -54,7 +54,7 @@ static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
 }
 
 /* Along a direction at an angle from the course, in the coordinates of the grip's rows. */
-static void mg_steered(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
+MG_INTERNAL void mg_steered(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
   const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
   const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
@@ -186,7 +186,7 @@ static int mg_is_under_way(mg_context *c, const mg_slip_onset *o) {
 
 /* From K[0] to c->x_next and the interpolant. Returns the error relative to the tolerance; MG_MAX where there is no
    solution. */
-static mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
   for (int i = 0; i < c->n_x; i++) c->x_next[i] = x[i];
   if (!mg_list_onsets(c, &onset) || !mg_find_stages(c, &onset, t, x, h / 2)) return MG_MAX;

@@ -21,7 +21,7 @@ static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curve
 /* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
 static int mg_has_foot(const mg_context *c, int link, int side) {
   const int carrier = mg_carrier(c, link, side);
-  return mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
+  return c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
 }
 
 typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the centre and the radius, else 0 */
@@ -34,7 +34,7 @@ static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) 
   mg_real arm[3], turned[3];
   mg_sample_at(c, link, side, zero, &ground->base);
   ground->radius = 0;
-  if (mg_shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) return;
+  if (c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) return;
   ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
   mg_out(mg_side(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
   mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
@@ -111,7 +111,7 @@ static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
   return 1;
 }
 
-static void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
+MG_INTERNAL void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
   for (int side = 0; side < 2; side++) {
     const mg_sample *at = side ? f : o;
     switch (mg_carrier(c, link, side)) {
@@ -190,7 +190,7 @@ static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, 
 }
 
 /* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
-static void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
+MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
   const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
   const int across = mg_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};

@@ -4,10 +4,10 @@
 static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
 
 /* Steps from this state are by collocation, whatever the method. */
-static int mg_is_collocated(const mg_context *c) { return mg_starts_rolling(c) || mg_starts_slipping(c); }
+MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_starts_rolling(c) || mg_starts_slipping(c); }
 
 /* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
-static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
   if (c->sys->n_grip && mg_starts_slipping(c)) {
     const mg_real error = mg_start_slipping(c, t, x, h), least = c->sys->time * sqrt(c->set->tolerance);
@@ -20,20 +20,20 @@ static mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real 
 }
 
 /* The same, watching for events. */
-static mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   c->suspect = 0;
   return mg_take_step(c, t, x, h);
 }
 
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
-static void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
+MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_normalise(c, c->x_next);
   mg_rhs(c, t + h, c->x_next, c->K + mg_end_row(c) * c->n_x);
   mg_gap_rates(c);
 }
 
 /* The cubic through both ends of the step and their slopes. */
-static void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
+MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
   const int n = c->n_x, end = mg_end_row(c);
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
@@ -43,13 +43,13 @@ static void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
   }
 }
 
-static void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (c->set->method != MG_DOP853) mg_make_cubic(c, x, h);
   else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
 }
 
 /* The state at t + theta h. */
-static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
+MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
   const int n = c->n_x;
   for (int i = 0; i < n; i++) {
     mg_real y = 0;
@@ -59,7 +59,7 @@ static void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta,
 }
 
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
-static void mg_watch(mg_context *c) {
+MG_INTERNAL void mg_watch(mg_context *c) {
   if (c->suspect) return;
   const mg_real deep = -c->set->gap * c->sys->length;
   if (mg_any_patch_ends(c)) c->suspect = 1;

@@ -12,13 +12,13 @@ static const int mg_strain_of[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; 
 
 typedef struct { mg_real theta; mg_strain left; } mg_strained; /* theta < 0 or > 1: no sample */
 
-static int mg_count_strains(const mg_system *s) { return s->n_contact + s->n_grip; }
-static long mg_strain_size(const mg_system *s) { return mg_reals((MG_STRAINS + 1L) * mg_count_strains(s), sizeof(mg_strain)); }
+MG_INTERNAL int mg_count_strains(const mg_system *s) { return s->n_contact + s->n_grip; }
+MG_INTERNAL long mg_strain_size(const mg_system *s) { return mg_reals((MG_STRAINS + 1L) * mg_count_strains(s), sizeof(mg_strain)); }
 
-static mg_strain *mg_strain_at(const mg_context *c, int sample) { return c->strain + (long)sample * mg_count_strains(c->sys); }
+MG_INTERNAL mg_strain *mg_strain_at(const mg_context *c, int sample) { return c->strain + (long)sample * mg_count_strains(c->sys); }
 
 /* Takes what is left now for a sample of the step. Of slots it has been noted. Needs mg_rhs and mg_gap_rates. */
-static void mg_take_strain(mg_context *c, int sample) {
+MG_INTERNAL void mg_take_strain(mg_context *c, int sample) {
   const mg_system *s = c->sys;
   const mg_strain *now = mg_strain_at(c, MG_STRAINS);
   mg_strain *taken = mg_strain_at(c, sample), *grips = taken + s->n_contact;
@@ -32,13 +32,13 @@ static void mg_take_strain(mg_context *c, int sample) {
 }
 
 /* The same at the start of a step; needs the forces there. */
-static void mg_begin_strain(mg_context *c) {
+MG_INTERNAL void mg_begin_strain(mg_context *c) {
   for (int slot = 0; slot < c->sys->n_slot; slot++) mg_slot_ends(c, slot);
   mg_take_strain(c, 0);
 }
 
 /* At a stage of the step, at each of which mg_watch notes the slots; of no use where an event has been seen. */
-static void mg_strain_stage(mg_context *c, int stage) {
+MG_INTERNAL void mg_strain_stage(mg_context *c, int stage) {
   if (mg_strain_of[stage] > 0 && !c->suspect) mg_take_strain(c, mg_strain_of[stage]);
 }
 
@@ -88,7 +88,7 @@ static int mg_varies_little(const mg_context *c, int which) {
 }
 
 /* Whether something may be below zero between the samples of the step. Needs mg_rhs and mg_gap_rates at its end. */
-static int mg_may_strain(mg_context *c) {
+MG_INTERNAL int mg_may_strain(mg_context *c) {
   mg_strained p[4];
   mg_real theta;
   if (c->set->method != MG_DOP853) return 0;
@@ -124,7 +124,7 @@ static mg_real mg_seek_strain(mg_context *c, int which, mg_real h, mg_strained *
 
 /* The first of all within the part of the step h that ends with the given one of n even samples, after *low; 0 where there is
    none. */
-static mg_real mg_first_strain(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low) {
+MG_INTERNAL mg_real mg_first_strain(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low) {
   mg_strained p[4];
   mg_real first = 0, from = 0;
   for (int which = 0; which < mg_count_strains(c->sys); which++) {

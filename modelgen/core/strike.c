@@ -32,7 +32,7 @@ static mg_friction_problem mg_pose_impact(mg_context *c) {
 
 /* As mg_find_impulses: into c->z in the order of c->list, and of each pad into c->amount. Returns how many of the list
    are rows of contacts, -1 without a solution. */
-static int mg_find_impulses_with_friction(mg_context *c) {
+MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c) {
   mg_friction_report report;
   const mg_friction_problem p = mg_pose_impact(c);
   int n = 0;
@@ -46,7 +46,7 @@ static int mg_find_impulses_with_friction(mg_context *c) {
 
 /* Newton's law with friction may make energy: notes the contact that makes most. The first n rows of c->list are those
    of contacts, c->z their impulses; needs d_dot before the impact. */
-static void mg_note_gain(mg_context *c, int n) {
+MG_INTERNAL void mg_note_gain(mg_context *c, int n) {
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
   const int size = mg_list_bilateral(c, c->list, n);
   for (int r = 0; r < size; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
@@ -60,7 +60,7 @@ static void mg_note_gain(mg_context *c, int n) {
 }
 
 /* After an impact grips are told by their slip anew. */
-static void mg_forget_slip(mg_context *c) {
+MG_INTERNAL void mg_forget_slip(mg_context *c) {
   for (int g = 0; g < c->sys->n_grip; g++) c->run->grip[g] = MG_LOOSE, c->slipped[g] = 0;
   mg_forget_rubs(c);
   mg_slip_rates(c);

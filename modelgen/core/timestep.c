@@ -42,7 +42,7 @@ static int mg_settle_contacts(mg_context *c, mg_events *events, mg_real h) {
 }
 
 /* One step of h, or of less where a pair could move past what the next search sees. */
-static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real sight = mg_sight(c);
   if (h > sight) h = sight;
@@ -71,7 +71,7 @@ static int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *
 }
 
 /* The forces of the step to come, where a sample is due at its start. */
-static void mg_preview(mg_context *c, const mg_record *record) {
+MG_INTERNAL void mg_preview(mg_context *c, const mg_record *record) {
   if (!mg_steps_in_time(c) || !mg_due(record, c->run->t)) return;
   const mg_real h = mg_next_step(c);
   mg_take_geometry(c, h);

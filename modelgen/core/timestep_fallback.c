@@ -4,15 +4,15 @@
 
 enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
 
-static int mg_steps_in_time(const mg_context *c) { return c->set->method == MG_TIME_STEPPING || c->run->fall_left > 0; }
+MG_INTERNAL int mg_steps_in_time(const mg_context *c) { return c->set->method == MG_TIME_STEPPING || c->run->fall_left > 0; }
 
 /* The length of the next step: given, that of a fall, or the integrator's. */
-static mg_real mg_next_step(const mg_context *c) {
+MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->set->method == MG_TIME_STEPPING) return c->set->step;
   return c->run->fall_left > 0 ? c->set->fallback_step * c->sys->time : c->run->h;
 }
 
-static int mg_is_closed_to_events(int outcome) {
+MG_INTERNAL int mg_is_closed_to_events(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
          outcome == MG_STEP_TOO_SMALL;
 }
@@ -25,7 +25,7 @@ static int mg_is_gripped(const mg_context *c) {
 
 /* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as where
    slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
-static int mg_crawls(mg_context *c) {
+MG_INTERNAL int mg_crawls(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->watch_tries, refused = run->rejected - run->watch_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
@@ -54,7 +54,7 @@ static void mg_release_patches(mg_context *c) {
 
 /* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once on
    another lasts twice as long. */
-static int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
+MG_INTERNAL int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->set->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
   const mg_real span = (MG_FALL_STEPS * c->set->fallback_step + c->set->crawl) * c->sys->time;
@@ -83,7 +83,7 @@ static int mg_hand_over(mg_context *c) {
 }
 
 /* Counts a step of a fall; after the last one events are told again. */
-static int mg_take_up(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_take_up(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
   if (c->set->method == MG_TIME_STEPPING || --run->fall_left > 0) return MG_DONE;
   run->fall_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);

@@ -26,7 +26,7 @@ static void mg_tell_grips(mg_context *c, mg_events *events) {
 }
 
 /* Needs the impulses of the step in c->force, not yet made forces. */
-static void mg_tell_modes(mg_context *c, mg_events *events, mg_real h) {
+MG_INTERNAL void mg_tell_modes(mg_context *c, mg_events *events, mg_real h) {
   for (int i = 0; i < c->sys->n_contact; i++)
     if (mg_present(c, i)) mg_tell_contact(c, events, i, h);
   if (c->sys->n_grip) mg_tell_grips(c, events);

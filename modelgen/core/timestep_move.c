@@ -22,18 +22,18 @@ static void mg_work_of_impulses(mg_context *c, mg_real h) {
 }
 
 /* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
-static void mg_book_impulses(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->sys;
   mg_work_of_impulses(c, h);
   c->run->x[c->work_index] += h * c->K[c->n_x + c->work_index];
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
       c->run->x[s->n_q + s->body_u[b] + k] += h * c->accel[6 * b + k] + c->wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
 }
 
 /* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
-static void mg_drift_on(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_drift_on(mg_context *c, mg_real h) {
   const mg_system *s = c->sys;
   const mg_real left = mg_theta(c) * h, none[6] = {0};
   mg_real unused[6];
@@ -41,9 +41,9 @@ static void mg_drift_on(mg_context *c, mg_real h) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
     const mg_real *from = c->settled + s->body_q[b];
-    mg_body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
+    c->kernels->body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
                    s->parameters + s->body_parameters[b], slope, unused);
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
     c->run->x[k] = c->settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
@@ -66,7 +66,7 @@ static int mg_settle_one(mg_context *c, int contact) {
 }
 
 /* Puts all contacts on their extrema at run->x; those that have none there are left. Returns how many. */
-static int mg_settle_eta(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
   int count = 0;
   mg_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->sys->n_contact; i++) {
@@ -106,7 +106,7 @@ static int mg_push_once(mg_context *c, mg_real worst) {
 
 /* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change; what
    that does to the energy is booked as work. Leaves the rows fresh. */
-static int mg_push_apart(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_push_apart(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0;
   int moved = 0;
   mg_rows_at(c, c->run->t, c->run->x);

@@ -3,14 +3,14 @@
 #include "core.h"
 
 /* Rows, gaps and their rates; no forces. */
-static void mg_rows_at(mg_context *c, mg_real t, const mg_real *x) {
+MG_INTERNAL void mg_rows_at(mg_context *c, mg_real t, const mg_real *x) {
   mg_poses(c, t, x);
   mg_rates(c, x);
   mg_joint_rates(c, t);
   mg_gap_rates(c);
 }
 
-static mg_real mg_theta(const mg_context *c) { return c->set->scheme == MG_MOREAU ? c->set->theta : 1; }
+MG_INTERNAL mg_real mg_theta(const mg_context *c) { return c->set->scheme == MG_MOREAU ? c->set->theta : 1; }
 
 /* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->accel. */
 static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
@@ -18,7 +18,7 @@ static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real 
   for (int i = 0; i < c->n_x; i++) to[i] = c->run->x[i];
   for (int i = 0; i < s->n_q; i++) to[i] += time * c->K[i];
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
       to[s->n_q + s->body_u[b] + k] += change * c->accel[6 * b + k];
   mg_normalise(c, to);
 }
@@ -33,7 +33,7 @@ static void mg_join_free(mg_context *c) {
 
 /* Leaves in c->accel the accelerations without contacts, in K[1] the power of the loads, both of the middle of the step,
    and in c->settled the positions at which the rows are taken; makes the rows. */
-static void mg_take_geometry(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->sys;
   const mg_real t = c->run->t, ahead = (1 - mg_theta(c)) * h;
   mg_rows_at(c, t, c->run->x);
@@ -49,24 +49,24 @@ static void mg_take_geometry(mg_context *c, mg_real h) {
 }
 
 /* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */
-static mg_real mg_free_rate(const mg_context *c, int row, mg_real h) {
+MG_INTERNAL mg_real mg_free_rate(const mg_context *c, int row, mg_real h) {
   const mg_real turning = row >= c->bilateral && row < c->below ? c->gamma[row] : 0;
   return c->d_dot[row] + h * (mg_row(c, row, c->accel) + turning);
 }
 
 /* What a step may make of the rate of a gap that rests. */
-static mg_real mg_slow(const mg_context *c, int contact, mg_real h) {
+MG_INTERNAL mg_real mg_slow(const mg_context *c, int contact, mg_real h) {
   const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
   return rest + 2 * h * (fabs(mg_row(c, contact, c->accel)) + fabs(c->gamma[contact]));
 }
 
 /* The approach is one that Newton's law sends back. */
-static int mg_is_sent_back(const mg_context *c, int contact, mg_real h) {
+MG_INTERNAL int mg_is_sent_back(const mg_context *c, int contact, mg_real h) {
   return c->sys->restitution[contact] > 0 && c->d_dot[contact] < -mg_slow(c, contact, h);
 }
 
 /* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
-static mg_real mg_least_rate(const mg_context *c, int contact, mg_real h) {
+MG_INTERNAL mg_real mg_least_rate(const mg_context *c, int contact, mg_real h) {
   if (mg_is_sent_back(c, contact, h)) return -c->sys->restitution[contact] * c->d_dot[contact];
   if (c->set->scheme != MG_STEWART_TRINKLE || c->d[contact] <= 0) return 0;
   return -c->d[contact] / h;

@@ -143,7 +143,7 @@ static int mg_add_missed(mg_context *c, mg_real h) {
 }
 
 /* Needs the geometry of the step. Leaves impulses in c->force, the changes of velocity that they make in c->wrench. */
-static int mg_step_impulses(mg_context *c, mg_real h) {
+MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
   for (int i = 0; i < c->sys->n_contact; i++) c->near[i] = mg_takes_part(c, i, mg_end_rate(c, i, h), h) ? MG_NEAR : MG_FAR;
   for (int round = 0; round < MG_ROUNDS; round++) {

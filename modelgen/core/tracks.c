@@ -5,18 +5,18 @@
 #define MG_FINEST 512    /* spans of an arc at most */
 #define MG_BENDS 8       /* parts of a span in which an inflection is sought */
 
-static mg_real mg_dot2(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1]; }
-static mg_real mg_cross2(const mg_real *a, const mg_real *b) { return a[0] * b[1] - a[1] * b[0]; }
+MG_INTERNAL mg_real mg_dot2(const mg_real *a, const mg_real *b) { return a[0] * b[0] + a[1] * b[1]; }
+MG_INTERNAL mg_real mg_cross2(const mg_real *a, const mg_real *b) { return a[0] * b[1] - a[1] * b[0]; }
 
-static mg_real mg_apart2(const mg_real *a, const mg_real *b) {
+MG_INTERNAL mg_real mg_apart2(const mg_real *a, const mg_real *b) {
   const mg_real d[2] = {b[0] - a[0], b[1] - a[1]};
   return sqrt(mg_dot2(d, d));
 }
 
-static void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
+MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
   mg_real x[3] = {0}, d[3] = {0};
-  mg_shape_point(k->shape, uv, k->parameters, x, d);
+  k->kernels->shape_point(k->shape, uv, k->parameters, x, d);
   for (int i = 0; i < 2; i++) {
     point[i] = k->at[i] + (k->axis[i] * x[0] + k->axis[2 + i] * x[1] + k->axis[4 + i] * x[2]);
     tangent[i] = k->axis[i] * d[0] + k->axis[2 + i] * d[1] + k->axis[4 + i] * d[2];
@@ -36,7 +36,7 @@ static void mg_turn_of(mg_span *s) {
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
 }
 
-static void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span) {
+MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span) {
   span->track = track, span->a = a, span->b = b;
   mg_on(h->track + track, a, span->P, span->S), mg_on(h->track + track, b, span->Q, span->E);
   mg_unit2(span->S), mg_unit2(span->E);
@@ -75,7 +75,7 @@ static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_rea
 }
 
 /* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
-static mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
   mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
   if (sought == MG_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
   if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
@@ -130,7 +130,7 @@ static void mg_divide(mg_hull *h, int track, int most) {
       part /= 2;
       continue;
     }
-    if (!k->straight && mg_shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
+    if (!k->straight && k->kernels->shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
     done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
     if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
     if (k->straight) s->turn = 0;
@@ -196,11 +196,11 @@ static int mg_has_right(const mg_hull *h, int i) {
   return mg_is_inside(h, k->side, right) == 1;
 }
 
-static void mg_divide_tracks(mg_hull *h) {
+MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
   const mg_regions *r = h->regions;
   for (int i = 0; i < r->n_arc; i++) {
     mg_track *k = h->track + i;
-    k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
+    k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
     k->side = i >= r->n_o, k->next = mg_following(r, i);
     mg_place_track(h, i, 0);
     k->straight = mg_is_straight(k);
@@ -210,7 +210,7 @@ static void mg_divide_tracks(mg_hull *h) {
   for (int i = 0; i < r->n_arc; i++) h->track[i].right = mg_has_right(h, i);
 }
 
-static void mg_place_tracks(mg_hull *h, const mg_real *pose) {
+MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose) {
   const mg_regions *r = h->regions;
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {

@@ -22,14 +22,14 @@ static const struct {
     [MG_ENDS_RUN] = {MG_STAYS, MG_EVENT_MARGIN},
 };
 
-static void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
+MG_INTERNAL void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
   if (events->count >= events->capacity) return;
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
   events->link[k] = c->run->link[contact];
 }
 
-static void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed) {
+MG_INTERNAL void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_STAYS && closed != c->run->closed[contact])
     c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;

@@ -4,7 +4,7 @@
 enum { MG_BLOWS = 1000 };
 
 /* Whether contacts are struck one after another: where that is asked for, or one follows a law for a single contact. */
-static int mg_takes_turns(const mg_context *c) {
+MG_INTERNAL int mg_takes_turns(const mg_context *c) {
   int singly = c->set->sequential;
   for (int i = 0; i < c->first_pad; i++) singly |= c->run->closed[i] && c->sys->impact_law[i] != MG_NEWTON;
   return singly;
@@ -117,7 +117,7 @@ static void mg_part_after_blows(mg_context *c, mg_events *events) {
 }
 
 /* Leaves approaches that are too slow to rebound. Returns 0 where a blow has no end. */
-static int mg_strike_in_turn(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_strike_in_turn(mg_context *c, mg_events *events) {
   for (int turn = 0; turn < MG_BLOWS; turn++) {
     const int contact = mg_fastest(c);
     if (contact < 0) {

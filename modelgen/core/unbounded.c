@@ -20,7 +20,7 @@ static mg_real mg_load_size(const mg_context *c, int load, mg_real t) {
   mg_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++)
     if (body[side] >= 0 && mg_moves(c, body[side]))
-      size = mg_largest_of(wrench + 6 * side, mg_body_kinds[mg_kind_of(c, body[side])].n_u, size);
+      size = mg_largest_of(wrench + 6 * side, c->kernels->body_kinds[mg_kind_of(c, body[side])].n_u, size);
   return size;
 }
 
@@ -28,7 +28,7 @@ static mg_real mg_load_size(const mg_context *c, int load, mg_real t) {
 static mg_real mg_path_size(const mg_context *c, int body, mg_real t) {
   mg_real place[24] = {0};
   if (!mg_is_driven(c->sys, body)) return 0;
-  mg_body_path(mg_kind_of(c, body), &t, c->sys->parameters + c->sys->body_parameters[body], place, place + 12, place + 18);
+  c->kernels->body_path(mg_kind_of(c, body), &t, c->sys->parameters + c->sys->body_parameters[body], place, place + 12, place + 18);
   return mg_largest_of(place, 24, 0);
 }
 
@@ -37,8 +37,8 @@ static mg_real mg_motion_size(const mg_context *c, int joint, mg_real t) {
   const mg_system *s = c->sys;
   const int kind = s->joint_kind[joint], a = s->joint_a[joint], b = s->joint_b[joint];
   mg_real row[3 * MG_JOINT_ROWS] = {0}, J[12 * MG_JOINT_ROWS];
-  if (!mg_joint_kinds[kind].prescribed) return 0;
-  mg_joint_rows(kind, &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
+  if (!c->kernels->joint_kinds[kind].prescribed) return 0;
+  c->kernels->joint_rows(kind, &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
                 s->parameters + s->joint_parameters[joint], row, J, row + MG_JOINT_ROWS, row + 2 * MG_JOINT_ROWS);
   return mg_largest_of(row, 3 * MG_JOINT_ROWS, 0);
 }
@@ -82,7 +82,7 @@ static int mg_first_unbounded(mg_context *c, mg_real ahead) {
 }
 
 /* The outcome that says why: forces are not to be had where functions of time are not finite, and steps shrink before a pole. */
-static int mg_verdict(mg_context *c, int outcome) {
+MG_INTERNAL int mg_verdict(mg_context *c, int outcome) {
   const mg_real ahead = c->set->look * c->sys->time;
   return mg_is_closed_to_events(outcome) && mg_first_unbounded(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
 }

@@ -33,7 +33,7 @@ static void mg_column(const mg_context *c, int row, mg_real *column) {
   for (int k = 0; k < 12; k++) column[k] = c->MJ[12 * row + k];
   if (!c->sys->n_grip || row >= c->first_pad) return;
   const int first = c->below + c->sys->contact_below[row];
-  for (int i = first; i < first + mg_contact_kinds[c->kind[row]].rows - 1; i++)
+  for (int i = first; i < first + c->kernels->contact_kinds[c->kind[row]].rows - 1; i++)
     for (int k = 0; k < 12; k++) column[k] -= c->lean[i - c->below] * c->MJ[12 * i + k];
 }
 
@@ -136,7 +136,7 @@ static void mg_vault_speeds(mg_context *c, mg_real tau, mg_real *x, mg_real *tur
   }
   *turned = 0;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < mg_body_kinds[mg_kind_of(c, b)].n_u; k++) {
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++) {
       const int at = s->n_q + s->body_u[b] + k;
       const mg_real size = fabs(change[6 * b + k]) * (k < 3 ? s->time / s->length : s->time);
       if (!(size <= *turned)) *turned = size;
@@ -174,7 +174,7 @@ static mg_real mg_work_over(const mg_context *c, mg_real tau, mg_real power) {
     work -= v->impulse[i] * mg_driven_rate(c, i);
     if (!c->sys->n_grip || i >= c->first_pad || !c->run->active[i]) continue;
     const int first = c->below + c->sys->contact_below[i];
-    for (int k = first; k < first + mg_contact_kinds[c->kind[i]].rows - 1; k++)
+    for (int k = first; k < first + c->kernels->contact_kinds[c->kind[i]].rows - 1; k++)
       work -= c->lean[k - c->below] * v->impulse[i] * (v->rate[k] + c->d_dot[k]) / 2;
   }
   return work;
@@ -257,7 +257,7 @@ static int mg_vault_on(mg_context *c, mg_record *record) {
 }
 
 /* Over the places where closed contacts have become singular, as far as there is a way. */
-static int mg_vault_all(mg_context *c, mg_record *record, mg_events *events) {
+MG_INTERNAL int mg_vault_all(mg_context *c, mg_record *record, mg_events *events) {
   int singular = 0;
   while (singular < c->sys->n_contact && !mg_is_singular(c, singular)) singular++;
   if (singular == c->sys->n_contact || !mg_may_vault(c)) return MG_DONE;

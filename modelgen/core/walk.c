@@ -33,7 +33,7 @@ static void mg_eta_near(mg_context *c, int link, const mg_real *point_o, const m
 
 /* From one link to another with the points and the normal kept as near as can be. Returns the worst condition
    there, -MG_MAX where no extremum is found. */
-static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
+MG_INTERNAL mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
   const int turned = mg_side_body(c, from, 0) != mg_side_body(c, to, 0), spare = mg_probe(c, to);
   mg_real next[6];
   *which = -1;
@@ -45,7 +45,7 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
 }
 
 /* True if a contact of the pair other than this one is there already, or will be once its eta has settled. */
-static int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
+MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
   mg_real eta[6];
   mg_found other;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
@@ -73,7 +73,7 @@ static int mg_only_leads(const mg_context *c, int link, mg_real d) {
 /* Its coming and going is not told. */
 static int mg_is_untold(const mg_context *c, int link, mg_real d) { return mg_is_for_flat(c, link) || mg_only_leads(c, link, d); }
 
-static void mg_leave(mg_context *c, mg_events *events, int contact) {
+MG_INTERNAL void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
   if (c->left.count < MG_FOUNDS) {
@@ -124,7 +124,7 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
 }
 
 /* Walks for all contacts marked MG_WALKS in c->fired, and sees to the marks MG_TIPS. Returns how many changed. */
-static int mg_walk_all(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_walk_all(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->sys->n_contact; i++) {
     const int cause = c->fired[i];
@@ -154,7 +154,7 @@ static void mg_leave_far(mg_context *c) {
 }
 
 /* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
-static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
+MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
   int slot = -1;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     if (c->sys->contact_link[i] == found->link) return mg_present(c, i) ? -1 : i;
@@ -166,7 +166,7 @@ static int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
 
 /* What a search during a run takes up: within reach unless it is to keep steps short, not below the depth, not about to
    end. */
-static int mg_is_taken_up(const mg_context *c, const mg_found *found) {
+MG_INTERNAL int mg_is_taken_up(const mg_context *c, const mg_found *found) {
   const mg_real length = c->sys->length;
   const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
   const int far = found->d > c->set->reach * length && !mg_only_leads(c, found->link, found->d);
@@ -188,7 +188,7 @@ static int mg_is_idle(mg_context *c, const mg_found *found) {
   return found->d < -c->set->start_gap * c->sys->length || mg_goes_off(c, found);
 }
 
-static int mg_search_pair(mg_context *c, mg_events *events, int pair) {
+MG_INTERNAL int mg_search_pair(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->sys;
   if (mg_pair_clearance(c, pair) > c->set->reach * s->length) return 0;
   const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
@@ -224,7 +224,7 @@ static mg_real mg_still_seen(const mg_context *c, int pair) {
 
 /* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
    its own and one ends where the next begins, those that are there do for the others. */
-static mg_real mg_sight(const mg_context *c) {
+MG_INTERNAL mg_real mg_sight(const mg_context *c) {
   const mg_system *s = c->sys;
   mg_real sight = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
@@ -241,7 +241,7 @@ static mg_real mg_sight(const mg_context *c) {
 }
 
 /* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */
-static int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
+MG_INTERNAL int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->sys;
   int count = mg_leave_folds(c, events);
   mg_leave_far(c);

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.amalgamation import SOURCE
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.tables import Array, address
+from modelgen.runtime.tables import KERNELS, Array, address
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work
@@ -24,6 +25,7 @@ static int iwork[{iwork}];
 static mg_record the_record{record};
 
 int main(void) {{
+  the_system.kernels = mg_kernel_table();
   int code = mg_begin(&the_system, &the_settings, &the_run, &the_events, work, iwork);
   if (code == 0) do {{
     the_events.count = 0;
@@ -55,7 +57,7 @@ HEAD = """/* {scene}, from its start to t = {until:g} s, with the tables and set
 
 
 def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
-    """C99 text that, linked with the library's `model.c`, runs the scene to `until`, s."""
+    """C99 text that, linked with the scene's `model.c` and the core, runs the scene to `until`, s."""
     session = Session(library, accuracy)
     return _program(session, session.arrays(), until, " = {0}", "")
 
@@ -63,7 +65,7 @@ def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
 def compile_command(library: Library, name: str) -> str:
     """How a program of a scene is compiled in the folder of its library."""
     program = name.removesuffix(".c")
-    words = ["cc", "-O2", *REAL_FLAGS[library.real], name, "model.c", "-lm", "-o", program]
+    words = ["cc", "-O2", *REAL_FLAGS[library.real], name, "model.c", SOURCE, "-lm", "-o", program]
     return f"{' '.join(words)} && ./{program}"
 
 
@@ -126,7 +128,9 @@ def _values(record: ctypes.Structure, numbers: Mapping[int, int]) -> str:
     values = []
     for field, kind in record._fields_:  # type: ignore[misc]
         value = getattr(record, field)
-        if kind is ctypes.c_void_p:
+        if field == KERNELS:
+            values.append("0")
+        elif kind is ctypes.c_void_p:
             values.append(f"a{numbers[value]}" if value else "0")
         elif isinstance(value, ctypes.Array):
             values.append("{" + ", ".join(float(each).hex() for each in value) + "}")

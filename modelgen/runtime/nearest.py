@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.library import Library
+from modelgen.codegen.library import Library, kernel_table
 from modelgen.errors import SimulationError, nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
@@ -136,7 +136,7 @@ def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> t
     out = {name: np.zeros((len(eta), size), dtype=real) for name, size in OUTPUTS.items()}
     outcome = np.zeros(len(eta), dtype=np.intc)
     reach = np.array([*_reach(library, entry), 0], dtype=real)
-    queries = Tables(real).Queries(entry["kind"], len(eta), 0, lengths.shape[1])
+    queries = Tables(real).Queries(kernel_table(library.cdll), entry["kind"], len(eta), 0, lengths.shape[1])
     queries.kept = [lengths, pose_o, pose_f, reach, eta, *out.values(), outcome]
     for name, array in zip((*QUERY_GIVEN, *QUERY_FOUND), queries.kept, strict=True):
         setattr(queries, name, address(array))

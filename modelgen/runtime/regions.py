@@ -15,9 +15,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from modelgen.codegen.library import kernel_table
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import SHARED
-from modelgen.runtime.tables import Array, Tables, address, structure
+from modelgen.runtime.tables import KERNELS, Array, Tables, address, structure
 
 FINE = 8  # points of an outline to each part of a curve that turns by less than 0.3 rad
 IDENTITY = np.array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], dtype=float)
@@ -82,7 +83,7 @@ def overlap(
     """
     if not f:
         raise SimulationError("overlap", "no arcs for the region of f", "one or more", "give its boundary")
-    query, found = query_of(core.dtype, o, f, pose, points, fine)
+    query, found = query_of(core, o, f, pose, points, fine)
     core.cdll.mg_region_size.restype = ctypes.c_long
     work = np.empty(core.cdll.mg_region_size(len(o) + len(f), len(o)), dtype=core.dtype)
     sides = core.cdll.mg_region(ctypes.byref(query), ctypes.c_void_p(address(work)))
@@ -95,9 +96,10 @@ def overlap(
 
 
 def query_of(
-    real: Any, o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array | None, fine: int
+    core: Core, o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array | None, fine: int
 ) -> tuple[Any, dict[str, Array]]:
     """The mg_region_query without room for outlines, and the arrays that it fills in."""
+    real: Any = core.dtype
     arcs = [*o, *f]
     lengths = [len(arc.parameters) for arc in arcs]
     x = np.array(points if points is not None else np.zeros((0, 2)), dtype=real, order="C").reshape(-1, 2)
@@ -119,7 +121,7 @@ def query_of(
     }
     outline, regions = _structures(np.dtype(real))
     outlines = {"outline": outline(), "hull": outline()}
-    query = regions(n_arc=len(arcs), n_o=len(o), fine=fine, n_point=len(x))
+    query = regions(kernels=kernel_table(core.cdll), n_arc=len(arcs), n_o=len(o), fine=fine, n_point=len(x))
     query.kept = [given, found, outlines]
     for name, array in (given | found).items():
         setattr(query, name, address(array))
@@ -135,7 +137,8 @@ def _structures(real: np.dtype[Any]) -> tuple[Any, Any]:
     integers = ("n_arc", "n_o", "fine", "n_point")
     given = ("shape", "loop", "first", "parameters", "numbers", "pose")
     found = ("x", "margin", "normal", "supports", "identity", "where", "outline", "hull")
-    fields: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in integers]
+    fields: list[tuple[str, Any]] = [(KERNELS, ctypes.c_void_p)]
+    fields += [(name, ctypes.c_int) for name in integers]
     fields += [(name, ctypes.c_void_p) for name in given] + [("shared", Tables(real).real)]
     fields += [(name, ctypes.c_void_p) for name in found]
     counts: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in ("capacity", "count", "n_loop")]

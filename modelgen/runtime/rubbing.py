@@ -61,7 +61,7 @@ def rubbing(
     m = len(given[0])
     found = np.zeros(m, dtype=np.intc)
     filled = [np.full(shape, np.nan, dtype=core.dtype) for shape in ((m, 3), (m, 3), (m,))]
-    regions, _ = query_of(core.dtype, o, f, pose, None, FINE)
+    regions, _ = query_of(core, o, f, pose, None, FINE)
     pointers = [address(x) for x in (*given, found, *filled)]
     query = _structure()(ctypes.addressof(regions), m, *pointers)
     core.cdll.mg_rub_size.restype = ctypes.c_long

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.library import Library
+from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import redundancy
@@ -37,7 +37,9 @@ class Session:
         self.n_shown, self.n_slot = len(self.contacts), slot_count(sentence)
         n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
         self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
-        self.system, self._kept = fill_system(self.tables, library.manifest, self._scales())
+        self.system, self._kept = fill_system(
+            self.tables, library.manifest, kernel_table(library.cdll), self._scales()
+        )
         self.settings = fill_settings(self.tables, accuracy, library.manifest.sentence)
         self.x = self._reals(self.n_x)
         self.x[: sentence["n_q"]] = sentence["initial_q"]

@@ -17,6 +17,7 @@ from modelgen.runtime.sides import Sides, append
 
 Array = np.ndarray[Any, Any]
 
+KERNELS = "kernels"  # the table of the scene's library, first field of what the core is given
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
     *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
@@ -117,7 +118,8 @@ class Tables:
         self.real = real
         self.System = structure(
             "System",
-            [(n, integer) for n in SYSTEM_INTEGERS]
+            [(KERNELS, pointer)]
+            + [(n, integer) for n in SYSTEM_INTEGERS]
             + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
             + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
         )
@@ -150,7 +152,8 @@ class Tables:
 def _queries(real: Any) -> Any:
     return structure(
         "Queries",
-        [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
+        [(KERNELS, ctypes.c_void_p)]
+        + [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
         + [("stride", ctypes.c_long)]
         + [(n, ctypes.c_void_p) for n in QUERY_GIVEN]
         + [("length", real), ("residual", real)]
@@ -168,8 +171,9 @@ def address(array: Array) -> int:
     return int(array.ctypes.data)
 
 
-def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, list[Array]]:
-    """The mg_system of a manifest's sentence, and the arrays that it points into, which must outlive it."""
+def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) -> tuple[Any, list[Array]]:
+    """The mg_system of a manifest's sentence over the kernels at an address, and its arrays, which must
+    outlive it."""
     sentence = manifest.sentence
     parameters: list[float] = []
     starts = {
@@ -190,7 +194,7 @@ def fill_system(tables: Tables, manifest: Manifest, scale: Array) -> tuple[Any, 
     rows = _room(manifest), len(sentence["joints"]), _row_count(manifest)
     patches = len(sentence["patches"]), slot_count(sentence)
     counts = *rows, *patches, len(integers["table_first"]) - 1, grips.count, grips.rows
-    system = tables.System(*_sizes(sentence, integers), *states, *counts)
+    system = tables.System(kernels, *_sizes(sentence, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*sentence["gravity"])

@@ -1,0 +1,71 @@
+"""The C core as two texts: one header, `modelgen.h`, and one source, `modelgen_runtime.c`.
+
+The core is written as many files; it is compiled as one unit, in which the functions that its files share are
+static. The texts include nothing but each other and the C library, so that a folder that holds both compiles
+by itself.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+
+HEADER, SOURCE = "modelgen.h", "modelgen_runtime.c"
+INCLUDE = re.compile(r'^#include "([^"]+)"[^\n]*\n', re.MULTILINE)
+
+
+@cache
+def core_files() -> dict[str, str]:
+    """The hand-written C files, by path within the core, in alphabetical order."""
+    found = {name: item.read_text(encoding="utf-8") for name, item in _walk(resources.files("modelgen.core"))}
+    return dict(sorted(found.items()))
+
+
+@cache
+def header_text() -> str:
+    """The public header with all headers that it includes."""
+    return _merged([HEADER], set())
+
+
+@cache
+def runtime_text() -> str:
+    """All source files of the core, each header once."""
+    known = {HEADER}
+    _merged([HEADER], known)
+    sources = [name for name in core_files() if name.endswith(".c")]
+    return (
+        f'/* The core of modelgen in one file, made from its sources. */\n#include "{HEADER}"\n\n'
+        + _merged(sources, known)
+    )
+
+
+def abi() -> int:
+    """The ABI number that the public header defines."""
+    match = re.search(r"#define MG_ABI (\d+)", core_files()[HEADER])
+    assert match is not None
+    return int(match.group(1))
+
+
+def _walk(folder: Traversable, prefix: str = "") -> Iterator[tuple[str, Traversable]]:
+    for item in folder.iterdir():
+        if item.is_dir():
+            yield from _walk(item, f"{prefix}{item.name}/")
+        elif item.name.endswith((".c", ".h")):
+            yield prefix + item.name, item
+
+
+def _merged(names: list[str], known: set[str]) -> str:
+    """The texts one after the other, each include replaced by its text where it comes first."""
+    files = core_files()
+
+    def include(match: re.Match[str]) -> str:
+        name = match.group(1)
+        if name in known:
+            return ""
+        known.add(name)
+        return INCLUDE.sub(include, files[name])
+
+    return "".join(f"/* {name} */\n{INCLUDE.sub(include, files[name])}\n" for name in names)

@@ -1,0 +1,101 @@
+"""The core compiled once for each compiler, flags, processor and real type, in the user's cache folder."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
+from modelgen.codegen.compiler import Compiler, compile_object, cpu_target
+from modelgen.errors import LibraryError
+
+CACHE = "MODELGEN_CACHE"  # environment variable that names another folder
+
+
+def runtime_object(
+    compiler: Compiler, flags: tuple[str, ...], tell: Callable[[str], None] | None = None
+) -> Path:
+    """The core as an object file, compiled if the cache has none of the same content.
+
+    Two processes may ask at once: the second waits for the first. One that is killed leaves nothing that
+    another would take for an object.
+
+    Args:
+        compiler: what compiles it.
+        flags: for an object (`Compiler.flags`).
+        tell: receives one line before the core is compiled; None: the line goes to the standard error.
+
+    Raises:
+        LibraryError: the cache cannot be written, or the compiler fails; the message names the log.
+    """
+    folder = cache_folder()
+    path = folder / f"runtime-{runtime_hash(compiler, flags)[:16]}.o"
+    if path.exists():
+        return path
+    with _locked(path.with_suffix(".lock")):
+        if not path.exists():
+            (tell or _print)(
+                f"compiling the core, once for this compiler and these flags, into {path} (about 10 s)"
+            )
+            _compile(compiler, flags, path)
+    return path
+
+
+def cache_folder() -> Path:
+    """Where compiled cores are kept: MODELGEN_CACHE, else the user's cache folder."""
+    named = os.environ.get(CACHE)
+    folder = Path(named) if named else user_cache_path("modelgen", appauthor=False)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LibraryError(
+            str(folder),
+            f"the cache folder cannot be made: {error.strerror}",
+            "",
+            f"name another in {CACHE}",
+        ) from None
+    return folder.absolute()
+
+
+def runtime_hash(compiler: Compiler, flags: tuple[str, ...]) -> str:
+    """SHA-256 (hex) of all that decides what the object does: text, flags, compiler, processor."""
+    digest = hashlib.sha256()
+    for part in (header_text(), runtime_text(), *flags, *compiler.command, compiler.version, cpu_target()):
+        digest.update(f"{len(part)}:{part}".encode())
+    return digest.hexdigest()
+
+
+def _compile(compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
+    """Compile in a folder of its own, then move the object into place, so that no one sees half of it."""
+    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
+        scratch = Path(name)
+        (scratch / HEADER).write_text(header_text(), encoding="utf-8")
+        (scratch / SOURCE).write_text(runtime_text(), encoding="utf-8")
+        compile_object(compiler, flags, scratch / SOURCE, scratch / path.name, path.with_suffix(".log"))
+        os.replace(scratch / path.name, path)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Holds a lock that the system frees when the process ends, however it ends."""
+    try:
+        file = path.open("a")
+    except OSError as error:
+        raise LibraryError(
+            str(path), f"cannot be written: {error.strerror}", "", f"name another folder in {CACHE}"
+        ) from None
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _print(line: str) -> None:
+    print(f"modelgen: {line}", file=sys.stderr, flush=True)
