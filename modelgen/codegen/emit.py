@@ -1,7 +1,8 @@
-"""From formulas to text: kernels, the table of a scene's kinds, and the manifest. Nothing touches the disk."""
+"""From formulas to text: kernels, the table of a scene's kinds, and the manifest. No file is touched."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,9 @@ from modelgen.errors import expect
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
+ENTRY = re.compile(
+    r"(^CASADI_SYMBOL_EXPORT int (mg_\w+)\([^\n]*\)\{)\n  return (\w+)\(arg, res, iw, w, mem\);\n", re.M
+)
 
 MODEL_HEAD = """/* The kernels of one scene's vocabulary, and the table through which the core calls them. */
 #include "modelgen.h"
@@ -28,8 +32,22 @@ MODEL_HEAD = """/* The kernels of one scene's vocabulary, and the table through 
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #endif
 
+#define casadi_int long long
 #define casadi_real mg_real
 #define CASADI_SYMBOL_EXPORT MG_API
+
+/* Calls a kernel for a caller that may pass null pointers: such inputs are zero, such outputs are dropped. */
+static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_real *, int), int n_in, int n_out,
+                   const mg_real **arg, mg_real **res) {{
+  static const mg_real zeros[{longest_in}] = {{0}};
+  mg_real dropped[{longest_out}];
+  const mg_real *given[{most_in}];
+  mg_real *wanted[{most_out}];
+  for (int i = 0; i < n_in; i++) given[i] = arg[i] ? arg[i] : zeros;
+  for (int i = 0; i < n_out; i++) wanted[i] = res[i] ? res[i] : dropped;
+  return kernel(given, wanted, 0, 0, 0);
+}}
+
 #include "kernels.c"
 
 #if defined(__GNUC__)
@@ -58,7 +76,7 @@ def emit(derivation: Derivation) -> Package:
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     files = {
         "kernels.c": _kernels(compiled),
-        "model.c": MODEL_HEAD + table_text(derivation, internal),
+        "model.c": _head(compiled) + table_text(derivation, internal),
         HEADER: header_text(),
     }
     manifest = Manifest(
@@ -76,12 +94,42 @@ def file_names() -> set[str]:
     return {"kernels.c", "model.c", HEADER, SOURCE}
 
 
+def _head(formulas: list[Formula]) -> str:
+    functions = [formula.function for formula in formulas]
+    return MODEL_HEAD.format(
+        longest_in=max((f.numel_in(i) for f in functions for i in range(f.n_in())), default=1),
+        longest_out=max((f.numel_out(i) for f in functions for i in range(f.n_out())), default=1),
+        most_in=max((f.n_in() for f in functions), default=1),
+        most_out=max((f.n_out() for f in functions), default=1),
+    )
+
+
 def _kernels(formulas: list[Formula]) -> str:
     options: dict[str, Any] = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
     generator = ca.CodeGenerator("kernels.c", options)
     for formula in formulas:
         generator.add(formula.function)
-    return str(generator.dump())
+    counts = {f.name: (f.function.n_in(), f.function.n_out()) for f in formulas}
+    return without_null_tests(str(generator.dump()), counts)
+
+
+def without_null_tests(text: str, counts: Mapping[str, tuple[int, int]]) -> str:
+    """CasADi's C text with one test for null pointers at each exported entry in place of one an element.
+
+    The core passes no null pointers; callers from outside may, by CasADi's interface, for inputs that are
+    zero and outputs that they do not want. `counts`: inputs and outputs by the kernel's name.
+    """
+    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
+    text = re.sub(r"if \(res\[(\d+)\]!=0\) res\[\1\]", r"res[\1]", text)
+    assert "]? arg[" not in text
+    assert "]!=0)" not in text
+
+    def entry(match: re.Match[str]) -> str:
+        head, name, internal = match.groups()
+        n_in, n_out = counts[name]
+        return f"{head}\n  (void)iw, (void)w, (void)mem;\n  return mg_call({internal}, {n_in}, {n_out}, arg, res);\n"
+
+    return ENTRY.sub(entry, text)
 
 
 def _entry(formula: Formula) -> Json:

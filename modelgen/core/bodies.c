@@ -9,10 +9,9 @@ MG_INTERNAL int mg_moves(const mg_context *c, int body) { return c->kernels->bod
 /* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
 MG_INTERNAL void mg_copy_u(const mg_context *c, int body, const mg_real *from, mg_real *to) {
   const int motion = c->kernels->body_kinds[mg_kind_of(c, body)].motion;
-  if (motion == MG_FREE)
-    for (int i = 0; i < 6; i++) to[i] = from[i];
-  else if (motion == MG_POINT)
-    for (int i = 0; i < 3; i++) to[i] = from[i];
+  if (motion < MG_POINT) return;
+  to[0] = from[0], to[1] = from[1], to[2] = from[2];
+  if (motion == MG_FREE) to[3] = from[3], to[4] = from[4], to[5] = from[5];
 }
 
 MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x) {

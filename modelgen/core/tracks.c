@@ -15,12 +15,13 @@ MG_INTERNAL mg_real mg_apart2(const mg_real *a, const mg_real *b) {
 
 MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
-  mg_real x[3] = {0}, d[3] = {0};
+  const mg_real *a = k->axis;
+  mg_real x[3], d[3];
   k->kernels->shape_point(k->shape, uv, k->parameters, x, d);
-  for (int i = 0; i < 2; i++) {
-    point[i] = k->at[i] + (k->axis[i] * x[0] + k->axis[2 + i] * x[1] + k->axis[4 + i] * x[2]);
-    tangent[i] = k->axis[i] * d[0] + k->axis[2 + i] * d[1] + k->axis[4 + i] * d[2];
-  }
+  point[0] = k->at[0] + (a[0] * x[0] + a[2] * x[1] + a[4] * x[2]);
+  point[1] = k->at[1] + (a[1] * x[0] + a[3] * x[1] + a[5] * x[2]);
+  tangent[0] = a[0] * d[0] + a[2] * d[1] + a[4] * d[2];
+  tangent[1] = a[1] * d[0] + a[3] * d[1] + a[5] * d[2];
 }
 
 /* The unit tangent in place of one of any length. */
