@@ -100,9 +100,11 @@ def write_run(
 
 
 def write_main(library: Library, name: str) -> Path:
-    """Write the C program of a run beside the library's `model.c`."""
+    """Write the C program of a run, and the core that it needs, beside the library's `model.c`."""
+    from modelgen.codegen.amalgamation import SOURCE, runtime_text
     from modelgen.runtime.driver import program_text
 
+    (library.path.parent / SOURCE).write_text(runtime_text(), encoding="utf-8")
     path = library.path.parent / name
     path.write_text(program_text(library, name), encoding="utf-8")
     return path

@@ -90,7 +90,7 @@ def cpu_target() -> str:
 
 
 def compile_object(compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path) -> None:
-    """Compile `source` to the object `target`; a failure raises LibraryError and leaves the output in `log`."""
+    """Compile `source` to the object `target`; a failure raises LibraryError, with the output in `log`."""
     _run([*compiler.command, *flags, "-c", "-o", str(target), source.name], source.parent, log)
 
 

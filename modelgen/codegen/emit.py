@@ -18,8 +18,10 @@ from modelgen.errors import expect
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
-ENTRY = re.compile(
-    r"(^CASADI_SYMBOL_EXPORT int (mg_\w+)\([^\n]*\)\{)\n  return (\w+)\(arg, res, iw, w, mem\);\n", re.M
+ENTRY = re.compile(  # the exported function of a kernel: head, name, internal function
+    r"(^CASADI_SYMBOL_EXPORT int (mg_\w+)\([^\n]*\)\{)\n"
+    r"  return (\w+)\(arg, res, iw, w, mem\);\n",
+    re.MULTILINE,
 )
 
 MODEL_HEAD = """/* The kernels of one scene's vocabulary, and the table through which the core calls them. */
@@ -37,8 +39,8 @@ MODEL_HEAD = """/* The kernels of one scene's vocabulary, and the table through 
 #define CASADI_SYMBOL_EXPORT MG_API
 
 /* Calls a kernel for a caller that may pass null pointers: such inputs are zero, such outputs are dropped. */
-static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_real *, int), int n_in, int n_out,
-                   const mg_real **arg, mg_real **res) {{
+static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_real *, int), int n_in,
+                   int n_out, const mg_real **arg, mg_real **res) {{
   static const mg_real zeros[{longest_in}] = {{0}};
   mg_real dropped[{longest_out}];
   const mg_real *given[{most_in}];
@@ -127,7 +129,8 @@ def without_null_tests(text: str, counts: Mapping[str, tuple[int, int]]) -> str:
     def entry(match: re.Match[str]) -> str:
         head, name, internal = match.groups()
         n_in, n_out = counts[name]
-        return f"{head}\n  (void)iw, (void)w, (void)mem;\n  return mg_call({internal}, {n_in}, {n_out}, arg, res);\n"
+        call = f"mg_call({internal}, {n_in}, {n_out}, arg, res)"
+        return f"{head}\n  (void)iw, (void)w, (void)mem;\n  return {call};\n"
 
     return ENTRY.sub(entry, text)
 

@@ -9,14 +9,15 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from modelgen.codegen.compiler import LIBRARIES, find_compiler
+from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.runtime_object import runtime_object
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import ENTRY, driver_text
 
 CPU = "-march=haswell"  # callgrind knows no newer vector instructions
-NOT_OF_A_PROGRAM = ("-march=native", "-shared", "-fPIC", "-Wl,-z,defs")
+NOT_OF_A_PROGRAM = ("-march=native", "-fPIC")
 COUNTED = ("double", "float")  # valgrind's long double has the digits of double
 
 
@@ -33,8 +34,10 @@ def instructions(library: Library, accuracy: Accuracy, until: float, level: str)
     with tempfile.TemporaryDirectory() as name:
         source, program = Path(name) / "run.c", Path(name) / "run"
         source.write_text(driver_text(library, accuracy, until))
-        model = _model(library, level)
-        if model is None or not _compiled(library, level, ["-o", program, source, model, *LIBRARIES]):
+        model, runtime = _model(library, level), _runtime(library.real, level)
+        if model is None:
+            return None
+        if not _compiled(library, level, ["-o", program, source, model, runtime, *LIBRARIES]):
             return None
         return _counted(program)
 
@@ -51,13 +54,22 @@ def _model(library: Library, level: str) -> Path | None:
     return target if _compiled(library, level, ["-c", "-o", target, folder / "model.c"]) else None
 
 
+def _runtime(real: str, level: str) -> Path:
+    """The core for the processor that is counted."""
+    compiler = find_compiler()
+    return runtime_object(compiler, _flags(compiler, real, level), lambda line: None)
+
+
+def _flags(compiler: Compiler, real: str, level: str) -> tuple[str, ...]:
+    flags = [flag for flag in compiler.flags(real, level) if flag not in NOT_OF_A_PROGRAM]
+    return (*flags, CPU)
+
+
 def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
     compiler = find_compiler()
-    flags = [flag for flag in compiler.flags(library.real, level) if flag not in NOT_OF_A_PROGRAM]
     named = ['-DMG_HASH="counted"', f"-I{library.path.parent}"]
-    return (
-        subprocess.run([*compiler.command, *flags, CPU, *named, *rest], capture_output=True).returncode == 0
-    )
+    command = [*compiler.command, *_flags(compiler, library.real, level), *named, *rest]
+    return subprocess.run(command, capture_output=True).returncode == 0
 
 
 def _counted(program: Path) -> int | None:

@@ -80,7 +80,7 @@ def size_of(derivation: Derivation) -> Size:
         *(("wrench", load.kind) for load in model.loads),
         *(("rows", joint.kind) for joint in model.joints),
     ]
-    text = sum(len(files[name].encode()) for name in ("kernels.c", "kinds.c"))
+    text = sum(len(files[name].encode()) for name in ("kernels.c", "model.c"))
     return Size(sum(counts.get(part, 0) for part in parts), text, model.n_q + model.n_u + model.n_eta)
 
 

@@ -8,8 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from modelgen.codegen.compiler import find_compiler
+from modelgen.codegen.compiler import compile_library, find_compiler
 from modelgen.codegen.library import Library
+from modelgen.codegen.runtime_object import runtime_object
 
 COUNTED_CPU = "-march=haswell"  # callgrind knows no newer vector instructions
 
@@ -33,4 +34,5 @@ def countable(library: Library, folder: Path) -> None:
     flags = [COUNTED_CPU if flag == "-march=native" else flag for flag in compiler.flags("double")]
     source, target = library.path.parent / "model.c", folder / library.path.name
     define = f'-DMG_HASH="{library.record.hash}"'
-    subprocess.run([*compiler.command, *flags, define, str(source), "-o", str(target), "-lm"], check=True)
+    runtime = runtime_object(compiler, tuple(flags))
+    compile_library(compiler, (*flags, define), source, runtime, target, folder / "compiler.log")

@@ -92,7 +92,7 @@ def solver_us(session: Session, n: int) -> float:
 
 def row(bodies: int, folder: Path) -> str:
     package = emit(derive(require(scene_of(bodies))))
-    size = sum(len(text) for name, text in package.files.items() if name in ("kernels.c", "kinds.c"))
+    size = sum(len(text) for name, text in package.files.items() if name in ("kernels.c", "model.c"))
     begun = perf_counter()
     library = build(package, folder=folder)
     built = perf_counter() - begun

@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import stat
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +15,7 @@ import pytest
 
 from modelgen import build, derive, emit, require
 from modelgen.codegen import compiler
+from modelgen.codegen.amalgamation import SOURCE
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.errors import CompilerMissing, LibraryError
@@ -27,22 +31,32 @@ def package(axes: str = "[0.12, 0.09, 0.07]", more: str = "density = 1000.0", fo
     )
 
 
-@pytest.fixture
-def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A compiler that writes one line for each compilation, and is quick."""
-    log, script = tmp_path / "calls", tmp_path / "cc"
-    log.touch()
+@pytest.fixture(scope="session")
+def quick_compiler(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A compiler that does not optimise and writes its arguments as one line to the file that CALLS names."""
+    script = tmp_path_factory.mktemp("compiler") / "cc"
     script.write_text(
         f'#!/bin/sh\ncase "$*" in *--version*) exec {CC} --version;; esac\n'
-        f'echo "$*" >> {log}\nexec {CC} "$@" -O0\n'
+        f'echo "$*" >> "$CALLS"\nexec {CC} "$@" -O0\n'
     )
     script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setenv("CC", str(script))
+    return script
+
+
+@pytest.fixture
+def calls(quick_compiler: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The list of what the quick compiler has compiled; cores are kept for the session alone."""
+    log = tmp_path / "calls"
+    log.touch()
+    monkeypatch.setenv("CC", str(quick_compiler))
+    monkeypatch.setenv("CALLS", str(log))
+    monkeypatch.setenv("MODELGEN_CACHE", str(quick_compiler.parent))
     return log
 
 
-def count(calls: Path) -> int:
-    return len(calls.read_text().splitlines())
+def count(calls: Path, source: str = "model.c") -> int:
+    """How often a source was compiled."""
+    return sum(source in line.split() for line in calls.read_text().splitlines())
 
 
 def test_the_second_build_compiles_nothing(calls: Path, tmp_path: Path) -> None:
@@ -125,7 +139,7 @@ def test_a_folder_without_a_build_says_so(tmp_path: Path) -> None:
 
 def test_a_compiler_that_fails_leaves_its_words(calls: Path, tmp_path: Path) -> None:
     broken = package()
-    broken = replace(broken, files={**broken.files, "rk4.c": "#error this is wrong\n"})
+    broken = replace(broken, files={**broken.files, "kernels.c": "#error this is wrong\n"})
     with pytest.raises(LibraryError) as caught:
         build(broken, folder=tmp_path / "out")
     (log,) = (tmp_path / "out").glob("*.log")
@@ -199,3 +213,50 @@ def test_a_renamed_foreign_or_missing_library_is_refused(calls: Path, tmp_path: 
     ):
         with pytest.raises(LibraryError, match=message):
             Library(library.manifest, replace(library.record, file=file), tmp_path)
+
+
+def test_the_core_is_compiled_once_for_each_real_type(
+    calls: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "cache"))
+    told: list[str] = []
+    for real in ("double", "float"):
+        build(package(), real=real, folder=tmp_path / real, tell=told.append)
+    build(package(form="implicit"), folder=tmp_path / "other", tell=told.append)
+    assert count(calls, SOURCE) == len(told) == 2
+    assert count(calls) == 3
+    assert all(str(tmp_path / "cache") in line for line in told)
+
+
+def test_processes_that_build_at_once_compile_one_core(
+    calls: Path, quick_compiler: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One of them is killed while it compiles; what it leaves is not taken for an object."""
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "cache"))
+    ask = (
+        "from modelgen.codegen.compiler import find_compiler\n"
+        "from modelgen.codegen.runtime_object import runtime_object\n"
+        "compiler = find_compiler()\n"
+        "print(runtime_object(compiler, compiler.flags('double')))\n"
+    )
+    command = [sys.executable, "-c", ask]
+    killed = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while count(calls, SOURCE) == 0:
+        time.sleep(0.02)
+    killed.kill()
+    killed.wait()
+    both = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    paths = {process.communicate()[0].strip() for process in both}
+    assert [process.returncode for process in both] == [0, 0]
+    assert len(paths) == 1
+    assert Path(paths.pop()).is_file()
+    assert count(calls, SOURCE) == 2
+
+
+def test_a_cache_that_cannot_be_made_is_named(
+    calls: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(LibraryError, match=r"cache folder cannot be made.*MODELGEN_CACHE"):
+        build(package(), folder=tmp_path / "out")

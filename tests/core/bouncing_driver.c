@@ -23,7 +23,7 @@ int main(void) {
     for (int k = 0; k < 4; k++) of[MG_DOMAIN + k] = k % 2 ? MG_MAX : -MG_MAX;
     of[MG_BOUND] = MG_MAX;
   }
-  mg_system system = {.n_body = 2, .n_contact = 1, .n_pair = 1, .n_link = 1, .n_q = 3, .n_u = 3, .n_closed = 1,
+  mg_system system = {.kernels = &table, .n_body = 2, .n_contact = 1, .n_pair = 1, .n_link = 1, .n_q = 3, .n_u = 3, .n_closed = 1,
                       .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
                       .contact_pair = zeros, .contact_eta = zeros, .contact_link = zeros,
                       .pair_contact = ends, .pair_link = ends, .pair_search = search,

@@ -1,11 +1,10 @@
 /* A vocabulary of plane curves, written by hand: lets regions be tested without the rest of the core. */
-#include "kinds.h"
+#include "modelgen.h"
 
 enum { EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC };
-static const mg_shape_kind mg_shape_kinds[] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 0, 1}};
+static const mg_shape_kind shape_kinds[] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 0, 1}};
 
-static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
-                           mg_real *direction) {
+static void shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point, mg_real *direction) {
   const mg_real t = uv[0], *p = parameters;
   point[2] = direction[2] = 0;
   if (kind == EDGE) {
@@ -22,3 +21,8 @@ static void mg_shape_point(int kind, const mg_real *uv, const mg_real *parameter
     point[0] = p[0] * cos(t), point[1] = b * sin(t), direction[0] = -p[0] * sin(t), direction[1] = b * cos(t);
   }
 }
+
+static const mg_kernels table = {.abi = MG_ABI, .real_size = sizeof(mg_real), .shape_kinds = shape_kinds,
+                                 .shape_point = shape_point};
+
+MG_API const mg_kernels *mg_kernel_table(void) { return &table; }

@@ -34,7 +34,7 @@ def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
     command = [
         compiler,
         "-std=c99",
-        "-O1",
+        "-O0",
         "-g",
         "-Wall",
         "-Wextra",

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from modelgen import read
+from modelgen.codegen.amalgamation import SOURCE, runtime_text
 from modelgen.measure.counts import instructions, why_not_counted
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.driver import driver_text
@@ -32,16 +33,18 @@ int main(void) {
 def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
     library = library_of(named("ended"))
     text = driver_text(library, Accuracy.balanced(), UNTIL)
+    (tmp_path / SOURCE).write_text(runtime_text())
     (tmp_path / "run.c").write_text(text.replace("int main(void)", "int run(void)") + END)
     model, folder = library.path.parent / "model.c", library.path.parent
     command = [
         "cc",
         "-std=c99",
-        "-O1",
+        "-O0",
         '-DMG_HASH="x"',
         f"-I{folder}",
         "run.c",
         str(model),
+        SOURCE,
         "-o",
         "run",
         "-lm",

@@ -63,7 +63,7 @@ def test_what_a_decision_saves_is_the_difference_of_two_derivations(name: str) -
         undone = DECISIONS[saving.decision](model)
         assert undone is not None
         found = [emit(derive(require(what))) for what in (model.scene, undone[1])]
-        text = [sum(len(each.files[name]) for name in ("kernels.c", "kinds.c")) for each in found]
+        text = [sum(len(each.files[name]) for name in ("kernels.c", "model.c")) for each in found]
         states = [sum(each.manifest.sentence[n] for n in ("n_q", "n_u", "n_eta")) for each in found]
         assert saving.as_json()["saved"]["bytes"] == text[1] - text[0]
         assert saving.as_json()["saved"]["states"] == states[1] - states[0]

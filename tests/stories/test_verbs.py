@@ -101,17 +101,19 @@ def test_build_writes_a_c_program_that_runs_without_python(
     scene = Path("scenes/sphere_slide_to_roll.toml")
     said = modelgen("build", scene, "--out", tmp_path, "--main", "run.c", "--real", real).out.splitlines()
     assert said[1:] == [
-        f"written: {tmp_path / 'run.c'}", f"there: cc -O2 {flag}run.c model.c -lm -o run && ./run"
-    ]  # fmt: skip
+        f"written: {tmp_path / 'run.c'}",
+        f"there: cc -O2 {flag}run.c model.c modelgen_runtime.c -lm -o run && ./run",
+    ]
     strict = [
         compiler,
         "-std=c99",
         "-Wall",
         "-Werror",
-        "-O1",
+        "-O0",
         *flag.split(),
         "run.c",
         "model.c",
+        "modelgen_runtime.c",
         "-lm",
         "-o",
         "run",
