@@ -4,7 +4,7 @@
 #ifndef MG_KERNELS_H
 #define MG_KERNELS_H
 
-#include "real.h"
+#include "base/real.h"
 
 enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
 

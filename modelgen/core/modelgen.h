@@ -12,10 +12,10 @@
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
-#include "friction.h"
+#include "solve/friction/friction.h"
 #include "kernels.h"
-#include "lcp.h"
-#include "real.h"
+#include "solve/lcp/lcp.h"
+#include "base/real.h"
 
 #define MG_ABI 9
 
@@ -291,6 +291,6 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 /* The closest points of n pairs of poses, one contact kind. */
 MG_API void mg_closest(const mg_queries *queries);
 
-#include "planar_queries.h"
+#include "region/region_queries.h"
 
 #endif

@@ -12,12 +12,7 @@ from typing import Any
 import numpy as np
 
 CORE = Path(__file__).parents[2] / "modelgen" / "core"
-SOURCES = (
-    "active_solve", "enumerate", "friction", "friction_even", "friction_interior", "friction_layout",
-    "friction_local", "friction_newton", "friction_paths", "friction_proof", "friction_residual",
-    "friction_scale", "friction_sweep", "lcp_basis", "lcp_cholesky", "lcp_minimum_norm", "lcp_residual",
-    "lemke", "qp", "qp_pivot", "qp_refine", "qp_small",
-)  # fmt: skip
+SOLVERS = ("base", "solve")  # rooms that know no bodies
 WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wconversion")
 REALS: dict[str, tuple[tuple[str, ...], Any]] = {
     "double": ((), np.float64),
@@ -36,10 +31,17 @@ def compiler() -> str | None:
     return next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
 
 
+def includes(*rooms: str) -> str:
+    """Lines that include the sources of some rooms of the core, of all if none is named."""
+    folders = [CORE / room for room in rooms] or [CORE]
+    sources = [path for folder in folders for path in sorted(folder.rglob("*.c"))]
+    return "".join(f'#include "{path.relative_to(CORE)}"\n' for path in sources)
+
+
 def compile_core(folder: Path, text: str, *flags: str) -> Path:
     """The solvers, and `text` after them, in one file."""
     unit = folder / "lcp_unit.c"
-    unit.write_text("".join(f'#include "{name}.c"\n' for name in SOURCES) + text)
+    unit.write_text(includes(*SOLVERS) + text)
     out = folder / "lcp_unit.out"
     command = [str(compiler()), *WARNINGS, f"-I{CORE}", *flags, str(unit), "-o", str(out), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

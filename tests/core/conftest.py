@@ -10,12 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.core.compiling import CORE, REALS, CoreBuild, compile_core, compiler, core_in
-
-REGIONS = (
-    *("crossings", "hull", "inside", "lay", "limit_surface", "margin", "outline"),
-    *("pressing", "region", "rubbing", "tracks"),
-)
+from tests.core.compiling import CORE, REALS, CoreBuild, compile_core, compiler, core_in, includes
 
 
 @pytest.fixture(scope="session")
@@ -53,8 +48,8 @@ def regions_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Core
         pytest.skip("no C compiler on the path")
     folder = tmp_path_factory.mktemp("regions")
     unit = folder / "regions.c"
-    sources = [Path(__file__).with_name("region_kinds.c"), *(CORE / f"{name}.c" for name in REGIONS)]
-    unit.write_text("".join(f'#include "{source}"\n' for source in sources))
+    kinds = Path(__file__).with_name("region_kinds.c")
+    unit.write_text(f'#include "{kinds}"\n' + includes("base", "region"))
     warnings = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
 
     @cache

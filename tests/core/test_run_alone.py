@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from importlib.resources import files
 from pathlib import Path
 
 import pytest
+
+from tests.core.compiling import CORE, includes
 
 HERE = Path(__file__).parent
 E, G, HEIGHT = 0.7, 9.81, 1.0
@@ -27,10 +28,9 @@ def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
     compiler = shutil.which("gcc") or shutil.which("cc")
     if compiler is None:
         pytest.skip("no C compiler")
-    core = Path(str(files("modelgen"))) / "core"
     unit = folder / "unit.c"
-    sources = [HERE / "bouncing_kinds.c", *sorted(core.glob("*.c")), HERE / "bouncing_driver.c"]
-    unit.write_text("".join(f'#include "{source}"\n' for source in sources))
+    before, after = (f'#include "{HERE / name}"\n' for name in ("bouncing_kinds.c", "bouncing_driver.c"))
+    unit.write_text(before + includes() + after)
     command = [
         compiler,
         "-std=c99",
@@ -41,7 +41,7 @@ def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
         "-Werror",
         "-fsanitize=address,undefined",
     ]
-    command += [*flags, f"-I{core}", str(unit), "-o", str(folder / "driver"), "-lm"]
+    command += [*flags, f"-I{CORE}", str(unit), "-o", str(folder / "driver"), "-lm"]
     subprocess.run(command, check=True)
     done = subprocess.run([folder / "driver"], check=True, capture_output=True, text=True)
     return [line.split() for line in done.stdout.splitlines()]

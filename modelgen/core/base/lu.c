@@ -1,0 +1,97 @@
+/* Complementary bases of a general matrix: scaling by rows and columns, and the solution of one basis. */
+#include "base/base.h"
+
+static void mg_equilibrate_pass(int n, mg_real *A, mg_real *row, mg_real *column)
+{
+  for (int i = 0; i < n; ++i) {
+    mg_real largest = 0, factor;
+    for (int j = 0; j < n; ++j)
+      if (fabs(A[i + j * n]) > largest) largest = (mg_real)fabs(A[i + j * n]);
+    factor = largest > 0 ? 1 / (mg_real)sqrt(largest) : (mg_real)1;
+    row[i] *= factor;
+    for (int j = 0; j < n; ++j) A[i + j * n] *= factor;
+  }
+  for (int j = 0; j < n; ++j) {
+    mg_real largest = mg_max_abs(n, A + j * n), factor;
+    factor = largest > 0 ? 1 / largest : (mg_real)1;
+    column[j] *= factor;
+    for (int i = 0; i < n; ++i) A[i + j * n] *= factor;
+  }
+}
+
+/* A becomes R A C with columns of largest entry 1, b becomes R b / max|R b|; z of the scaled problem times
+   `column` is z. Positive diagonal R, C leave the complementary bases and their signs as they are. */
+MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column)
+{
+  mg_real scale;
+  for (int i = 0; i < n; ++i) row[i] = column[i] = 1;
+  for (int pass = 0; pass < 3; ++pass) mg_equilibrate_pass(n, A, row, column);
+  for (int i = 0; i < n; ++i) b[i] *= row[i];
+  scale = mg_max_abs(n, b);
+  for (int i = 0; i < n; ++i) {
+    b[i] /= scale;
+    column[i] *= scale;
+  }
+}
+
+/* Elimination with row pivoting, in place; `swap` records the rows. Returns the smallest pivot, or 0. */
+MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap)
+{
+  mg_real smallest = 1;
+  for (int j = 0; j < k; ++j) {
+    int p = j;
+    for (int i = j + 1; i < k; ++i)
+      if (fabs(U[i + j * k]) > fabs(U[p + j * k])) p = i;
+    swap[j] = p;
+    if (!(fabs(U[p + j * k]) > (mg_real)k * MG_EPS)) return 0;
+    if (fabs(U[p + j * k]) < smallest) smallest = (mg_real)fabs(U[p + j * k]);
+    for (int c = 0; c < k && p != j; ++c) {
+      mg_real value = U[p + c * k];
+      U[p + c * k] = U[j + c * k];
+      U[j + c * k] = value;
+    }
+    for (int i = j + 1; i < k; ++i) U[i + j * k] /= U[j + j * k];
+    for (int c = j + 1; c < k; ++c)
+      for (int i = j + 1; i < k; ++i) U[i + c * k] -= U[i + j * k] * U[j + c * k];
+  }
+  return smallest;
+}
+
+MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x)
+{
+  for (int j = 0; j < k; ++j) {
+    mg_real value = x[swap[j]];
+    x[swap[j]] = x[j];
+    x[j] = value;
+  }
+  for (int j = 0; j < k; ++j)
+    for (int i = j + 1; i < k; ++i) x[i] -= U[i + j * k] * x[j];
+  for (int j = k - 1; j >= 0; --j) {
+    x[j] /= U[j + j * k];
+    for (int i = 0; i < j; ++i) x[i] -= U[i + j * k] * x[j];
+  }
+}
+
+/* A_BB z_B = -b_B refined once, z = 0 off B. Returns the smallest pivot (of a matrix with entries up to 1);
+   0: singular, z is 0. Scratch: n^2 + n reals, 2 n ints. */
+MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+                              mg_real *work, int *iwork)
+{
+  int *index = iwork, *swap = iwork + n, k = 0;
+  mg_real *U = work, *residual = work + n * n, pivot;
+  for (int i = 0; i < n; ++i) {
+    z[i] = 0;
+    if (active[i]) index[k++] = i;
+  }
+  for (int j = 0; j < k; ++j)
+    for (int i = 0; i < k; ++i) U[i + j * k] = A[index[i] + index[j] * n];
+  pivot = mg_lu(k, U, swap);
+  for (int pass = 0; pass < 2 && pivot > 0; ++pass) {
+    for (int i = 0; i < k; ++i) residual[i] = -b[index[i]];
+    for (int j = 0; j < k; ++j)
+      for (int i = 0; i < k; ++i) residual[i] -= A[index[i] + index[j] * n] * z[index[j]];
+    mg_lu_solve(k, U, swap, residual);
+    for (int i = 0; i < k; ++i) z[index[i]] += residual[i];
+  }
+  return pivot;
+}

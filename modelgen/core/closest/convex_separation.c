@@ -1,0 +1,136 @@
+/* Closest points of two convex shapes: the maximum of their separation function over the sphere of normals, by
+   Newton's method in a trust region (Nocedal and Wright, Numerical Optimization, 2006, algorithm 4.1). */
+#include "closest/closest.h"
+#include "base/base.h"
+
+#define MG_LOOKS 200 /* evaluations before a climb is given up */
+
+#define MG_CLIMBS 6
+
+static void mg_look(const mg_couple *p, mg_view *v) {
+  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->bend, v->tangents,
+                  v->eta);
+}
+
+static void mg_tilt(const mg_view *from, const mg_real *delta, mg_view *to) {
+  const mg_real *t = from->tangents;
+  for (int k = 0; k < 3; k++) to->normal[k] = from->normal[k] + delta[0] * t[k] + delta[1] * t[3 + k];
+  mg_unit(to->normal);
+}
+
+/* Newton's step, where it leads to a maximum within the radius; returns its gain, or -1. */
+static mg_real mg_newton_step(const mg_view *v, mg_real radius, mg_real *delta) {
+  const mg_real a = v->bend[0], b = v->bend[1], c = v->bend[2], g = v->slope[0], h = v->slope[1];
+  const mg_real scale = 1 / (a * c - b * b);
+  delta[0] = (c * g - b * h) * scale, delta[1] = (a * h - b * g) * scale;
+  const int inside = delta[0] * delta[0] + delta[1] * delta[1] <= radius * radius;
+  return inside && a > 0 && scale > 0 ? (delta[0] * g + delta[1] * h) / 2 : -1;
+}
+
+/* Straight uphill, where bend is not finite. */
+static mg_real mg_steepest_step(const mg_view *v, mg_real radius, mg_real *delta) {
+  const mg_real g = v->slope[0], h = v->slope[1], steep = sqrt(g * g + h * h);
+  delta[0] = radius * g / steep, delta[1] = radius * h / steep;
+  return radius * steep / 2;
+}
+
+/* Best step along one axis of the model, of curvature w: no longer than the radius, uphill where w <= 0. */
+static mg_real mg_axis_step(mg_real slope, mg_real w, mg_real radius) {
+  if (fabs(slope) <= w * radius) return w > 0 ? slope / w : 0;
+  return slope > 0 ? radius : -radius;
+}
+
+/* The step that is best in the quadratic model, within the radius along each axis of bend; returns its gain. */
+static mg_real mg_axes_step(const mg_view *v, mg_real radius, mg_real *delta) {
+  const mg_real a = v->bend[0], b = v->bend[1], c = v->bend[2], half = (a - c) / 2, mean = (a + c) / 2;
+  const mg_real root = mean < 0 ? -sqrt(half * half + b * b) : sqrt(half * half + b * b), large = mean + root;
+  if (!(fabs(large) <= MG_MAX)) return mg_steepest_step(v, radius, delta);
+  const mg_real small = fabs(large) > 0 ? (a * c - b * b) / large : 0;
+  const int first = (half < 0) == (root < 0);
+  mg_real x = first ? half + root : b, y = first ? b : root - half;
+  const mg_real length = sqrt(x * x + y * y);
+  x = length > 0 ? x / length : 1, y = length > 0 ? y / length : 0;
+  const mg_real g = x * v->slope[0] + y * v->slope[1], h = x * v->slope[1] - y * v->slope[0];
+  const mg_real s = mg_axis_step(g, large, radius), t = mg_axis_step(h, small, radius);
+  delta[0] = x * s - y * t, delta[1] = y * s + x * t;
+  return s * (g - large * s / 2) + t * (h - small * t / 2);
+}
+
+/* What rounding may make of d: the size of the numbers that it is the difference of. */
+static mg_real mg_noise(const mg_couple *p, const mg_view *v) {
+  mg_real size = 0;
+  for (int k = 0; k < 3; k++)
+    size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]) + fabs(v->eta[k]) + fabs(v->eta[3 + k]);
+  return 4 * MG_EPS * size;
+}
+
+/* Quadratic convergence makes the step after these two, of lengths `before` and `length`, smaller than rounding. */
+static int mg_last(mg_real before, mg_real length) {
+  return length <= sqrt(MG_EPS) / 20 || length * length * length <= before * before * (MG_EPS / 16);
+}
+
+/* Climbs from v->normal until rounding stops it; returns 1 if v then is a maximum. Below the noise of d what
+   is gained cannot be seen: there every step of Newton's counts, as long as the next is much smaller. */
+static int mg_climb(const mg_couple *p, mg_view *v) {
+  mg_view other, *at = v, *next = &other;
+  mg_real radius = (mg_real)0.5, last = MG_MAX, before = 0, noise, delta[2];
+  int found = 0;
+  mg_look(p, at);
+  noise = mg_noise(p, at);
+  for (int looks = 1; looks < MG_LOOKS && !found; looks++) {
+    mg_real gain = mg_newton_step(at, radius, delta);
+    if (!(gain >= 0)) gain = mg_axes_step(at, radius, delta);
+    const mg_real length = sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
+    const int blind = gain <= noise;
+    if (!(gain >= 0 && length <= 4)) break;
+    if ((found = blind && gain > last / 4)) break;
+    last = blind ? gain : MG_MAX;
+    mg_tilt(at, delta, next);
+    mg_look(p, next);
+    const mg_real ratio = blind ? 1 : (next->d - at->d) / gain;
+    if (!(ratio >= (mg_real)0.25)) radius = length / 4;
+    if (ratio > (mg_real)0.75 && radius < 1) radius *= 2;
+    if (!(ratio > (mg_real)0.05)) continue;
+    mg_view *const swap = at;
+    at = next, next = swap;
+    found = mg_last(before, length), before = length;
+  }
+  if (at != v) *v = *at;
+  return found;
+}
+
+/* A direction well away from all n of `peaks`; returns 0 when none is found. The maximum of a concave function
+   that is positive somewhere lies on the far side of every peak at which it is negative. */
+static int mg_away(const mg_real *peaks, int n, mg_real *direction) {
+  for (int k = 0; k < 3; k++) direction[k] = 0;
+  for (int turn = -n; turn < 100; turn++) {
+    mg_real most = -(mg_real)0.01;
+    int worst = turn < 0 ? -1 - turn : -1;
+    for (int i = 0; i < n && turn >= 0; i++) {
+      const mg_real *peak = peaks + 3 * i;
+      const mg_real along = peak[0] * direction[0] + peak[1] * direction[1] + peak[2] * direction[2];
+      if (along > most) most = along, worst = i;
+    }
+    if (worst < 0) return 1;
+    for (int k = 0; k < 3; k++) direction[k] -= (turn < 0 ? 1 : most + (mg_real)0.1) * peaks[3 * worst + k];
+    if (turn >= -1 && !mg_unit(direction)) return 0;
+  }
+  return 0;
+}
+
+/* Climbs from v->normal, and where that ends below `floor`, from other sides too. v then is the first maximum
+   above it; else the highest one, or the first if `keep`. Returns 0 where rounding left it blunt. */
+MG_INTERNAL int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v) {
+  mg_real peaks[3 * MG_CLIMBS];
+  mg_view best = *v;
+  int sharp = 0;
+  for (int i = 0; i < MG_CLIMBS; i++) {
+    const int found = mg_climb(p, v);
+    if (i == 0 || v->d > floor || (!keep && v->d > best.d)) best = *v, sharp = found;
+    if (best.d > floor) break;
+    for (int k = 0; k < 3; k++) peaks[3 * i + k] = v->normal[k];
+    if (!mg_away(peaks, i + 1, v->normal)) break;
+  }
+  *v = best;
+  return sharp;
+}

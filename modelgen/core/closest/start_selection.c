@@ -1,0 +1,216 @@
+/* Where to start the search of closest points on a link: the likeliest pairs of samples. */
+#include "closest/closest.h"
+#include "base/base.h"
+#include "model/model.h"
+
+typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the centre and the radius, else 0 */
+  mg_sample base;
+  mg_real centre[3], radius;
+} mg_ground;
+
+/* How far the directions are from opposed normals, or from tangent and normal at right angles; 0..2. */
+static inline mg_real mg_skew(const mg_sample *o, const mg_sample *f, int curves) {
+  if (curves == 2) return 0;
+  const mg_real cosine = mg_dot3(o->direction, f->direction);
+  return curves == 0 ? 1 + cosine : fabs(cosine);
+}
+
+static inline mg_real mg_between(const mg_sample *a, const mg_sample *b) {
+  const mg_real span[3] = {b->point[0] - a->point[0], b->point[1] - a->point[1], b->point[2] - a->point[2]};
+  return sqrt(mg_dot3(span, span));
+}
+
+/* |P_f - P_o| + size skew. */
+static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
+  return mg_between(o, f) + size * mg_skew(o, f, curves);
+}
+
+/* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
+static int mg_has_foot(const mg_context *c, int link, int side) {
+  const int carrier = mg_carrier(c, link, side);
+  return c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
+}
+
+static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) {
+  const mg_real zero[2] = {0, 0};
+  mg_real arm[3], turned[3];
+  mg_sample_at(c, link, side, zero, &ground->base);
+  ground->radius = 0;
+  if (c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) return;
+  ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
+  mg_out(mg_side(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
+  mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
+  for (int k = 0; k < 3; k++) ground->centre[k] = ground->base.point[k] - turned[k];
+}
+
+/* The foot of a point; its coordinates in the shape's axes are left out. */
+static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *foot) {
+  const mg_sample *base = &ground->base;
+  mg_real span[3];
+  *foot = *base;
+  if (ground->radius > 0) {
+    for (int k = 0; k < 3; k++) span[k] = base->point[k] - ground->centre[k];
+    const mg_real sign = mg_dot3(span, base->direction) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) span[k] = point[k] - ground->centre[k];
+    const mg_real distance = sqrt(mg_dot3(span, span));
+    for (int k = 0; k < 3 && distance > 0; k++)
+      foot->direction[k] = sign * span[k] / distance, foot->point[k] = ground->centre[k] + ground->radius * span[k] / distance;
+  } else {
+    for (int k = 0; k < 3; k++) span[k] = point[k] - base->point[k];
+    const mg_real height = mg_dot3(span, base->direction);
+    for (int k = 0; k < 3; k++) foot->point[k] = point[k] - height * base->direction[k];
+  }
+}
+
+/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is tried
+   first; as many of the others are passed over as lie too far away, no two in a row being farther apart than `widest`. */
+static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
+  const mg_sample *other = c->sample + MG_SAMPLES;
+  mg_real widest = 0;
+  int mate = 0;
+  for (int j = 1; j < others; j++) {
+    const mg_real wide = mg_between(other + j - 1, other + j);
+    if (!(wide <= widest)) widest = wide;
+  }
+  for (int i = 0; i < n; i++) {
+    const mg_sample *own = c->sample + i;
+    mg_real best = mg_merit(own, other + mate, curves, size);
+    if (!(best <= MG_MAX)) best = MG_MAX;
+    for (int j = 0; j < others; j++) {
+      const mg_real apart = mg_between(own, other + j), passed = (apart - best) / widest;
+      if (passed >= others) break;
+      if (passed >= 1) j += (int)passed - 1;
+      if (passed >= 0) continue;
+      const mg_real merit = apart + size * mg_skew(own, other + j, curves);
+      if (merit < best) best = merit, mate = j;
+    }
+    c->merit[i] = best, c->mate[i] = mate;
+  }
+}
+
+/* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
+static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, mg_real size) {
+  mg_ground ground;
+  mg_lay_ground(c, link, side, &ground);
+  const mg_real width = 2 * ground.radius;
+  if (width > 0 && (width < size || !(size > 0))) size = width;
+  for (int i = 0; i < n; i++) {
+    mg_foot(&ground, c->sample[i].point, c->sample + MG_SAMPLES + i);
+    c->mate[i] = i, c->merit[i] = mg_merit(c->sample + i, c->sample + MG_SAMPLES + i, curves, size);
+    if (!(c->merit[i] <= MG_MAX)) c->merit[i] = MG_MAX;
+  }
+}
+
+/* True if no neighbour of sample i on the grid of rows has a smaller merit. */
+static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
+  const int row = i / across, column = i % across, rows = n / across;
+  for (int a = -1; a <= 1; a++)
+    for (int b = -1; b <= 1; b++) {
+      const int p = row + a, q = column + b;
+      if (p < 0 || q < 0 || p >= rows || q >= across) continue;
+      if (c->merit[p * across + q] < c->merit[i]) return 0;
+    }
+  return 1;
+}
+
+MG_INTERNAL void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
+  for (int side = 0; side < 2; side++) {
+    const mg_sample *at = side ? f : o;
+    switch (mg_carrier(c, link, side)) {
+      case MG_LOCAL: for (int k = 0; k < 3; k++) *eta++ = at->local[k]; break;
+      case MG_CHART: *eta++ = at->uv[0], *eta++ = at->uv[1]; break;
+      case MG_CURVE: *eta++ = at->uv[0]; break;
+      case MG_SIGNED_CURVE: *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1; break;
+      case MG_SIGN: *eta++ = 1; break;
+      default: break;
+    }
+  }
+}
+
+static mg_real mg_extent_of(const mg_context *c, int from, int n) {
+  mg_real low[3], high[3], extent = 0;
+  for (int k = 0; k < 3; k++) low[k] = MG_MAX, high[k] = -MG_MAX;
+  for (int i = from; i < from + n; i++)
+    for (int k = 0; k < 3; k++) {
+      const mg_real x = c->sample[i].point[k];
+      if (x < low[k]) low[k] = x;
+      if (x > high[k]) high[k] = x;
+    }
+  for (int k = 0; k < 3; k++)
+    if (high[k] - low[k] > extent) extent = high[k] - low[k];
+  return extent;
+}
+
+/* Inserts into the MG_STARTS starts kept in order of merit. */
+static void mg_keep_start(mg_starts *kept, mg_real merit, const mg_real *eta) {
+  int at = kept->count < MG_STARTS ? kept->count++ : MG_STARTS;
+  for (; at > 0 && kept->merit[at - 1] > merit; at--)
+    if (at < MG_STARTS) {
+      kept->merit[at] = kept->merit[at - 1];
+      for (int k = 0; k < 6; k++) kept->eta[at][k] = kept->eta[at - 1][k];
+    }
+  if (at == MG_STARTS) return;
+  kept->merit[at] = merit;
+  for (int k = 0; k < 6; k++) kept->eta[at][k] = eta[k];
+}
+
+/* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
+static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_real window[2][4]) {
+  const int curves = (mg_dimension(c, link, 0) < 2) + (mg_dimension(c, link, 1) < 2);
+  const int rows = mg_sample_side(c, link, row, window[row], n, c->sample);
+  const mg_real own = mg_extent_of(c, 0, rows);
+  if (feet) {
+    mg_match_feet(c, link, 1 - row, rows, curves, own);
+    return rows;
+  }
+  const int others = mg_sample_side(c, link, 1 - row, window[1 - row], n, c->sample + MG_SAMPLES);
+  const mg_real size = mg_extent_of(c, MG_SAMPLES, others);
+  mg_match(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
+  return rows;
+}
+
+/* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
+static int mg_is_dense(const mg_context *c, int link, int feet) {
+  return feet || (mg_dimension(c, link, 0) < 2 && mg_dimension(c, link, 1) < 2);
+}
+
+/* A contact of the pair is on the link already, with its points next to sample i of the rows and its mate. */
+static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, int across) {
+  const int pair = c->sys->link_pair[link], beside = i + across < rows ? i + across : i - across;
+  const mg_sample *own = c->sample + i, *mate = c->sample + MG_SAMPLES + c->mate[i];
+  const mg_real near = beside >= 0 ? mg_between(own, c->sample + beside) : 0;
+  mg_real next[6];
+  for (int k = mg_first_contact(c, pair); k < mg_first_contact(c, pair + 1); k++) {
+    if (!mg_present(c, k) || c->run->link[k] != link) continue;
+    mg_place(c, k, mg_eta_of(c, c->run->x, k), next);
+    const mg_real *points[2] = {c->place + 8, c->place + 11}, *p = points[row], *q = points[1 - row];
+    const mg_real a[3] = {own->point[0] - p[0], own->point[1] - p[1], own->point[2] - p[2]};
+    const mg_real b[3] = {mate->point[0] - q[0], mate->point[1] - q[1], mate->point[2] - q[2]};
+    if (mg_dot3(a, a) <= near * near && mg_dot3(b, b) <= 4 * near * near) return 1;
+  }
+  return 0;
+}
+
+/* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
+MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
+  const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
+  const int across = mg_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
+  mg_real window[2][4], eta[6] = {0};
+  kept->count = 0;
+  for (int side = 0; side < 2; side++) mg_window(c, link, side, mg_reach_of(c, link), window[side]);
+  for (int level = 0; level <= zooms; level++) {
+    const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
+    int best = 0;
+    for (int i = 0; i < rows; i++) {
+      mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];
+      if (c->merit[i] < c->merit[best]) best = i;
+      if (!mg_is_lowest(c, i, rows, across)) continue;
+      if (feet) mg_point_in(c, link, 1 - row, other->point, other->local);
+      mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
+      mg_keep_start(kept, c->merit[i], eta);
+    }
+    if (mg_is_dense(c, link, feet) && mg_is_known_start(c, link, row, best, rows, across)) return;
+    mg_zoom(window[row], c->sample[best].uv);
+    mg_zoom(window[1 - row], c->sample[MG_SAMPLES + c->mate[best]].uv);
+  }
+}

@@ -1,0 +1,290 @@
+/* Which event functions have fired at a state, and when the first of them fires within a step. */
+#include "events/events.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+
+#define MG_CORRECTIONS 8 /* of the time of an event at most */
+
+#define MG_NEARLY 1e-6   /* of a step: an event alone is found so near before its zero is sought */
+
+typedef struct { /* an event: its function and the rate of that where it was seen; the time of a step to try first */
+  int contact, cause;
+  mg_real value, slope, start;
+} mg_crossing;
+
+static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
+
+static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
+
+/* Whether the contact leaves its link at the state x (MG_WALKS), or passes a watched border (MG_TIPS); which
+   condition says so is in c->way. */
+MG_INTERNAL int mg_leaves(mg_context *c, int contact, mg_real *x) {
+  const int link = c->run->link[contact];
+  if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link) || mg_is_flat_far(c, contact)) return 0;
+  const mg_real *eta = mg_eta_of(c, x, contact);
+  mg_place(c, contact, eta, c->place + 32);
+  if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
+  const int touching = !c->run->closed[contact] && c->d[contact] < c->set->start_gap * c->sys->length;
+  if (!c->upright[contact] || touching) return 0;
+  return mg_least_condition(c, link, eta, 1, c->way + contact) < -c->set->border ? MG_TIPS : 0;
+}
+
+/* The least of the watched conditions of a contact at a state, and which it is; needs the poses there. */
+static mg_real mg_watched(mg_context *c, int contact, mg_real *x, int *which) {
+  const mg_real *eta = mg_eta_of(c, x, contact);
+  mg_place(c, contact, eta, c->place + 32);
+  return mg_least_condition(c, c->run->link[contact], eta, 1, which);
+}
+
+/* A contact on a watched border comes back from it in a moment. Needs the slope in K[0]. */
+static int mg_comes_back(mg_context *c, int contact, mg_real now) {
+  int which;
+  mg_look_ahead(c);
+  const mg_real then = mg_watched(c, contact, c->x_stage, &which);
+  mg_poses(c, c->run->t, c->run->x);
+  return then > now;
+}
+
+/* Notes which contacts, closed or nearly, have not passed a watched border; beyond it other contacts may begin at any time.
+   Needs the poses of run->x. */
+MG_INTERNAL void mg_mark_upright(mg_context *c) {
+  int which;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->set->search * c->sys->length;
+    const int tipped = c->upright[i] == MG_TIPS;
+    c->upright[i] = 0;
+    if (link < 0 || !near || mg_is_endless(c, link)) continue;
+    const mg_real value = mg_watched(c, i, c->run->x, &which);
+    if (which < 0) continue;
+    const int there = tipped && (value < 0 || !c->run->closed[i]);
+    c->upright[i] = value >= -c->set->border && (!there || mg_comes_back(c, i, value));
+    if (!c->upright[i]) c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+  }
+}
+
+/* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
+   turns to pulling, a gap held without force that accelerates. */
+MG_INTERNAL int mg_fired(mg_context *c, mg_real *x) {
+  const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
+  int count = mg_patches_fired(c);
+  for (int i = 0; i < c->first_pad; i++) {
+    if (mg_held(c, i))
+      c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
+    else if (c->run->closed[i])
+      c->fired[i] = c->force[i] < -mg_slack(c) * c->sys->mass;
+    else
+      c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
+    const int leaves = mg_leaves(c, i, x);
+    if (leaves == MG_WALKS || (leaves && (c->run->closed[i] || !c->fired[i]))) c->fired[i] = leaves;
+    count += c->fired[i] != 0;
+  }
+  return c->sys->n_grip ? count + mg_grips_fired(c) : count;
+}
+
+MG_INTERNAL int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
+  mg_interpolate(c, c->run->x, theta, c->x_stage);
+  mg_normalise(c, c->x_stage);
+  mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
+  mg_gap_rates(c);
+  return mg_fired(c, c->x_stage);
+}
+
+static int mg_first_fired(const mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->fired[i]) return i;
+  return -1;
+}
+
+/* Events are told by contact; those of grips follow. */
+static int mg_first_event(const mg_context *c) {
+  const int first = mg_first_fired(c), grip = first < 0 && c->sys->n_grip ? mg_first_slipped(c) : -1;
+  return grip < 0 ? first : c->sys->n_contact + grip;
+}
+
+static int mg_is_grip(const mg_context *c, int event) { return event >= c->sys->n_contact; }
+
+/* The condition that a walking contact passed, with eta of the state x on the extremum. */
+static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
+  mg_real next[6], beyond[6];
+  mg_place(c, contact, x + (mg_eta_of(c, c->run->x, contact) - c->run->x), next);
+  mg_place(c, contact, next, beyond);
+  return mg_condition(c, c->run->link[contact], c->way[contact], next);
+}
+
+/* The function whose zero is the event; `cause` as in c->fired where the contact leaves its link, or a patch ends. */
+static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
+  const int grip = contact - c->sys->n_contact;
+  if (grip >= 0) return mg_grip_value(c, mg_contact_of(c, grip), grip);
+  if (mg_is_pad(c, contact)) return mg_patch_value(c, contact, cause);
+  if (cause) return mg_border_value(c, contact, x);
+  return c->run->closed[contact] ? c->force[contact] : c->d[contact];
+}
+
+/* The first of what has fired at theta, its function there and the rate of that; 0 if nothing has. Needs the state there, and
+   leaves another. */
+static int mg_tell_event(mg_context *c, mg_real h, mg_real theta, mg_crossing *event) {
+  const int contact = mg_first_event(c), grip = mg_is_grip(c, contact);
+  if (contact < 0) return 0;
+  const int way = grip ? 0 : c->way[contact], cause = !grip && c->fired[contact] >= MG_WALKS ? c->fired[contact] : 0;
+  event->contact = contact, event->cause = cause, event->slope = 0;
+  if (!grip && mg_held(c, contact) && !cause) return 1;
+  event->value = mg_event_value(c, contact, cause, c->x_stage), event->slope = grip ? 0 : c->d_dot[contact];
+  if (!grip && !c->run->closed[contact] && !cause) return 1;
+  const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
+  mg_fired_at(c, h, theta - step);
+  if (!grip) c->way[contact] = way;
+  event->slope = (event->value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
+  return 1;
+}
+
+/* The state at the end of a step h within the one that was tried: by its polynomial, or by a step of its own. */
+static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
+  c->suspect = 1;
+  if (collocated) mg_interpolate(c, c->run->x, h / tried, c->x_next);
+  else mg_take_step(c, c->run->t, c->run->x, h);
+  mg_finish_step(c, c->run->t, h);
+}
+
+/* The event found on the interpolant, its time corrected by the slope of the event function, which is that of the last two
+   steps once they differ. Where rounding hides the zero it is taken before it: bounces lose energy. Where corrections do not
+   shrink, fast beyond what the interpolant may err, as at a jump of the loads, the event is where it was found. */
+static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, int collocated) {
+  const mg_real close = c->set->event * c->sys->time, reach = tried * c->set->polish, noise = tried * (mg_real)MG_NEARLY;
+  mg_real h = event.start, moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
+  for (int round = 1;; round++) {
+    mg_go_to(c, h, tried, collocated);
+    const mg_real value = mg_event_value(c, event.contact, event.cause, c->x_next), before = fabs(change);
+    if (round > 1 && fabs(value) < fabs(old) / 2) event.slope = (value - old) / change;
+    change = event.slope != 0 ? -value / event.slope : 0, old = value, moved += change;
+    if (round == 1) first = fabs(change);
+    else if (fabs(change) > (fabs(moved) > reach ? before / 4 : first > noise ? first : noise)) break;
+    if (fabs(change) <= close || round == MG_CORRECTIONS) return h;
+    if (h + change <= 0 || h + change > tried) return h;
+    const int hidden = round > 2 && fabs(change) > before / 2;
+    if (hidden && change > 0) return h;
+    h += change;
+    if (!hidden && (round == 1 || fabs(change) * (fabs(change) / before) > close)) continue;
+    mg_go_to(c, h, tried, collocated);
+    return h;
+  }
+  mg_go_to(c, event.start, tried, collocated);
+  return event.start;
+}
+
+/* An open contact passes a watched border: there its pair is searched, beyond it, and no more happens. */
+static int mg_only_looks(const mg_context *c, const mg_crossing *event) {
+  return event->cause == MG_TIPS && !c->run->closed[event->contact];
+}
+
+/* Steps again to an event. */
+static mg_real mg_polish(mg_context *c, const mg_crossing *event, mg_real tried) {
+  const int collocated = mg_is_collocated(c);
+  const int looks = mg_only_looks(c, event);
+  const mg_real h = looks ? event->start : mg_event_step(c, *event, tried, collocated);
+  if (looks) mg_go_to(c, h, tried, collocated);
+  if (collocated) mg_end_earlier(c, c->run->x, h / tried);
+  return h;
+}
+
+/* Where within a part of the step h a gap that shrinks and grows again is low enough for an event of its own; 0 when it
+   nowhere is. */
+static mg_real mg_dip(mg_context *c, int contact, mg_real h, mg_real low, mg_real high) {
+  for (int j = 0; j < 50; j++) {
+    const mg_real middle = (low + high) / 2;
+    mg_fired_at(c, h, middle);
+    if (c->fired[contact]) return middle;
+    if (c->d[contact] > fabs(c->d_dot[contact]) * (high - low) * h) return 0;
+    if (c->d_dot[contact] < 0) low = middle;
+    else high = middle;
+  }
+  return 0;
+}
+
+/* The first of the marked dips within a part of the step h; 0 when there is none. */
+static mg_real mg_first_dip(mg_context *c, mg_real h, mg_real low, mg_real high) {
+  mg_real first = 0;
+  for (int i = 0; i < c->first_pad; i++) {
+    const mg_real dip = c->dips[i] ? mg_dip(c, i, h, low, first > 0 ? first : high) : 0;
+    if (dip > 0) first = dip;
+  }
+  return first;
+}
+
+/* The first of the parts of the step h at whose end an event has fired, or within which a gap dips, or what is left before an
+   event: from *low to where that is, which is returned; 0 when there is none. Needs the gaps and what is left noted at the start
+   of the step. */
+static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
+  const mg_real part = (mg_real)1 / c->set->scan;
+  for (int j = 1; j <= c->set->scan; j++) {
+    const mg_real at = (mg_real)j / c->set->scan;
+    const int fired = mg_fired_at(c, h, at), dips = mg_mark_dips(c, part * h);
+    mg_note_gaps(c);
+    mg_take_strain(c, j % MG_STRAINS);
+    const mg_real strain = j > 1 ? mg_first_strain(c, h, j - 1, j + 1, part, low) : 0;
+    if (strain > 0) return strain;
+    *low = at - part;
+    const mg_real dip = dips ? mg_first_dip(c, h, *low, at) : 0;
+    if (dip > 0) return dip;
+    if (fired) return at;
+  }
+  return mg_first_strain(c, h, c->set->scan, c->set->scan + 1, part, low);
+}
+
+/* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many
+   have there. Forces that are found by iteration may tell otherwise when asked again near a zero: then, as far as they do not. */
+static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_real width) {
+  const mg_real last = *high;
+  for (int j = 0; j < 60 && *high - *low > width; j++) {
+    const mg_real middle = (*low + *high) / 2;
+    if (mg_fired_at(c, h, middle)) *high = middle;
+    else *low = middle;
+  }
+  int count = mg_fired_at(c, h, *high);
+  for (mg_real back = *high - *low; !count && *high < last; back *= 2) {
+    *low = *high, *high = fmin(*high + back, last);
+    count = mg_fired_at(c, h, *high);
+  }
+  return count;
+}
+
+/* What fires at theta, or, if nothing does when asked again, what did. */
+static void mg_fire_again(mg_context *c, mg_real h, mg_real theta, const mg_crossing *event) {
+  if (!mg_fired_at(c, h, theta) && !mg_is_grip(c, event->contact)) c->fired[event->contact] = event->cause ? event->cause : 1;
+}
+
+/* An event alone, whose function is nearly straight from `low` to `high`: its zero needs no further halving. That of a
+   bounce which is over within them is not. */
+static int mg_is_plain(mg_context *c, mg_crossing *event, int count, mg_real h, mg_real low, mg_real high) {
+  const mg_real back = event->slope != 0 ? event->value / event->slope : MG_MAX;
+  event->start = high * h;
+  if (count > 1 || !(back >= 0 && back <= 4 * (mg_real)MG_NEARLY * h && back < event->start)) return 0;
+  const int way = c->way[event->contact];
+  mg_fired_at(c, h, low);
+  c->way[event->contact] = way;
+  const mg_real before = mg_event_value(c, event->contact, event->cause, c->x_stage);
+  const mg_real straight = (event->value - before) / ((high - low) * h * event->slope);
+  if (!(straight > (mg_real)0.75 && straight < (mg_real)1.5)) return 0;
+  event->start -= back;
+  return 1;
+}
+
+/* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
+   c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
+   interpolant, and the dips of the step marked. */
+MG_INTERNAL mg_real mg_locate(mg_context *c, mg_real h, int passed) {
+  mg_real low = 0, high = passed ? mg_scan(c, h, &low) : mg_first_dip(c, h, 0, 1);
+  if (high == 0) return 0;
+  const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;
+  mg_crossing event, finer;
+  const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
+  if (!mg_tell_event(c, h, high, &event)) return 0;
+  if (mg_only_looks(c, &event) || !mg_is_plain(c, &event, count, h, low, high)) {
+    mg_narrow(c, h, &low, &high, width);
+    if (mg_tell_event(c, h, high, &finer)) event = finer;
+    event.start = high * h;
+  }
+  mg_fire_again(c, h, high, &event);
+  return mg_polish(c, &event, h);
+}

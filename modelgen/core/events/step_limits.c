@@ -1,0 +1,46 @@
+/* Gaps that close and open again within one step: the step is kept from jumping over a body, and the lowest gap is
+   looked at. */
+#include "events/events.h"
+#include "forces/forces.h"
+
+/* The longest step after which no open gap, accelerating as now, is deeper below zero than the characteristic
+   length. */
+MG_INTERNAL mg_real mg_reach(const mg_context *c) {
+  const mg_system *s = c->sys;
+  mg_real reach = MG_MAX;
+  for (int i = 0; i < c->first_pad; i++) {
+    const mg_real way = c->d[i] + s->length;
+    if (c->run->closed[i] || way <= 0) continue;
+    const mg_real speed = -c->d_dot[i], away = mg_separation(c, i), pull = away < 0 ? -away : 0;
+    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
+    if (mean * reach > way) reach = way / mean;
+  }
+  return reach;
+}
+
+/* Notes the open gaps and their rates where a part of a step begins. */
+MG_INTERNAL void mg_note_gaps(mg_context *c) {
+  for (int i = 0; i < c->first_pad; i++) c->gap[2 * i] = c->d[i], c->gap[2 * i + 1] = c->d_dot[i];
+}
+
+/* Whether an open gap may have been closed since it was noted, h ago: MG_DIPS where it shrank then and grows now, MG_WAVES
+   where it does both or neither, and the cubic through both ends is not far from turning twice. A tangent reaches zero. */
+static int mg_may_dip(const mg_context *c, int contact, mg_real h) {
+  const mg_real before = c->gap[2 * contact], first = c->gap[2 * contact + 1] * h;
+  const mg_real now = c->d[contact], last = c->d_dot[contact] * h, rest = c->set->rest_speed * c->sys->length / c->sys->time * h;
+  if (c->run->closed[contact] || !((first < -rest && before <= -first) || (last > rest && now <= last))) return 0;
+  const int falls = first < -rest, rises = last > 0;
+  if (falls && rises) return MG_DIPS;
+  const mg_real thrice = 3 * (now - before), ends = first + last;
+  return (rises && thrice < ends) || (falls && thrice > ends) ? MG_WAVES : 0;
+}
+
+/* Marks the gaps that may have been closed since they were noted, h ago; returns the larger of what they do. */
+MG_INTERNAL int mg_mark_dips(mg_context *c, mg_real h) {
+  int most = 0;
+  for (int i = 0; i < c->first_pad; i++) {
+    c->dips[i] = mg_may_dip(c, i, h);
+    if (c->dips[i] > most) most = c->dips[i];
+  }
+  return most;
+}

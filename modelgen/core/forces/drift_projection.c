@@ -1,0 +1,109 @@
+/* Drift off d = 0 and d_dot = 0 is removed along M^-1 J^T: the least change in the kinetic metric. */
+#include "forces/forces.h"
+#include "model/model.h"
+
+MG_INTERNAL mg_real mg_largest(const mg_context *c, const mg_real *value) {
+  mg_real largest = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
+  for (int i = c->bilateral; i < c->n_rows; i++)
+    if (fabs(value[i]) > largest) largest = fabs(value[i]);
+  const int n = c->sys->n_grip ? mg_list_stuck(c, c->list, 0) : 0;
+  for (int r = 0; r < n; r++)
+    if (fabs(value[c->list[r]]) > largest) largest = fabs(value[c->list[r]]);
+  return largest;
+}
+
+static void mg_clear(mg_context *c) {
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+}
+
+/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how many
+   rows that are, in c->list; their z are in c->amount. */
+MG_INTERNAL int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
+  const int n = mg_hold(c, marked, value, c->amount);
+  mg_clear(c);
+  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
+  return n;
+}
+
+MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle) {
+  const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
+  const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
+  e[0] = q0 - q1 * x - q2 * y - q3 * z;
+  e[1] = q1 + q0 * x + q2 * z - q3 * y;
+  e[2] = q2 + q0 * y + q3 * x - q1 * z;
+  e[3] = q3 + q0 * z + q1 * y - q2 * x;
+}
+
+MG_INTERNAL void mg_move(mg_context *c) {
+  const mg_system *s = c->sys;
+  for (int b = 0; b < s->n_body; b++) {
+    if (!mg_moves(c, b)) continue;
+    mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
+    for (int k = 0; k < 3; k++) q[k] += change[k];
+    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_turn(q + 3, change + 3);
+  }
+  mg_normalise(c, c->run->x);
+  mg_clear(c);
+}
+
+MG_INTERNAL void mg_push(mg_context *c) {
+  const mg_system *s = c->sys;
+  for (int b = 0; b < s->n_body; b++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
+      c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
+  mg_clear(c);
+}
+
+/* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
+MG_INTERNAL int mg_project(mg_context *c) {
+  const mg_real drift = c->set->drift * c->sys->length;
+  if (mg_largest(c, c->d) > drift) {
+    mg_correction(c, c->run->closed, c->d);
+    mg_move(c);
+    if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
+    mg_refresh(c);
+  }
+  if (mg_largest(c, c->d_dot) > drift / c->sys->time) {
+    mg_correction(c, c->run->closed, c->d_dot);
+    mg_push(c);
+    mg_refresh(c);
+  }
+  return 1;
+}
+
+/* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
+MG_INTERNAL int mg_project_start(mg_context *c) {
+  for (int round = 0; round < 5; round++) {
+    if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
+    mg_correction(c, c->run->closed, c->d);
+    mg_move(c);
+    for (int extra = 0; extra < 3; extra++)
+      if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
+    mg_refresh(c);
+  }
+  return 1;
+}
+
+/* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
+static void mg_join_velocities(mg_context *c) {
+  for (int i = 0; i < c->sys->n_contact; i++) c->dips[i] = 0;
+  mg_correction(c, c->dips, c->d_dot);
+  mg_push(c);
+  mg_refresh(c);
+}
+
+/* Needs the rows at run->x. Notes how well the joints fit, and brings the given start onto them; returns 0 where they
+   do not fit. */
+MG_INTERNAL int mg_start_joints(mg_context *c) {
+  mg_run *run = c->run;
+  if (!c->sys->n_row) return 1;
+  run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);
+  if (!(run->joint_error_max <= c->set->start_joint * c->sys->length)) return 0;
+  run->failed_joint = mg_worst_joint(c, c->d_dot, &run->joint_speed);
+  mg_join_velocities(c);
+  if (!mg_project_start(c)) return 0;
+  mg_join_velocities(c);
+  return 1;
+}

@@ -1,0 +1,162 @@
+/* Forces and accelerations at one state: the active set of normal forces, friction and its modes, planar contacts with
+   pressure, elimination of joints, projection of drift. May use: base, solve, region, model, closest. */
+#ifndef MG_FORCES_H
+#define MG_FORCES_H
+
+#include "model/context.h"
+#include "region/region.h"
+#include "solve/friction/solvers.h"
+#include "solve/lcp/solvers.h"
+
+enum { MG_STRAINS = 7 }; /* samples of a step */
+
+enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
+
+enum { MG_RUB_ROWS = 3 }; /* below the first pad's normal row: slip of its point along t1, t2, spin about N */
+
+struct mg_rub_state { /* a patch with friction in a slot */
+  int leans;                 /* it slips */
+  int known, cut, clipped;   /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
+  mg_real centre[2], extent; /* of pressure, axes of the hull; m, of what is pressed about it */
+  mg_real spread, spread_at[2]; /* m, mean distance of the pressure from that centre, its own; 0: not known */
+  mg_real lean[MG_RUB_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
+  int fired, before, stopped; /* its event has fired; its mode before; slip has died */
+  mg_real over;              /* s, slip that was stopped had left */
+  mg_real steer[2];          /* while slip begins: its direction is the course and so much of each across it */
+};
+
+typedef struct { /* rows and axes of a hull: t1, t2 and the pads in it, N along its z or against */
+  mg_real pose[12], t[2][2], pad[3][2], sign;
+} mg_rub_frame;
+
+typedef struct { mg_real theta; mg_strain left; } mg_strained; /* theta < 0 or > 1: no sample */
+
+/* smooth_dynamics.c */
+MG_INTERNAL int mg_a_path_ends(const mg_context *c);
+MG_INTERNAL mg_real mg_driven_power(const mg_context *c);
+MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+MG_INTERNAL mg_real mg_separation(const mg_context *c, int contact);
+MG_INTERNAL int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
+MG_INTERNAL void mg_refresh(mg_context *c);
+
+/* joint_elimination.c */
+MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n);
+MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
+MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
+MG_INTERNAL void mg_watch_joints(mg_context *c);
+
+/* patch_elimination.c */
+MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report);
+MG_INTERNAL int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor);
+MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
+MG_INTERNAL int mg_oblique_rank(mg_context *c, const int *list, int n);
+MG_INTERNAL void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z);
+
+/* sliding_friction.c */
+MG_INTERNAL int mg_contact_of(const mg_context *c, int grip);
+MG_INTERNAL int mg_grip_rows(const mg_context *c, int grip);
+MG_INTERNAL int mg_list_stuck(const mg_context *c, int *list, int n);
+MG_INTERNAL mg_real mg_slip_scale(const mg_context *c, int grip);
+MG_INTERNAL mg_real mg_slip_rest(const mg_context *c, int grip);
+MG_INTERNAL mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip);
+MG_INTERNAL void mg_slip_lean(mg_context *c, int contact, int grip);
+MG_INTERNAL void mg_lean_all(mg_context *c);
+MG_INTERNAL mg_real mg_product(const mg_context *c, int row, int column);
+MG_INTERNAL int mg_rows_below(const mg_context *c, int row);
+MG_INTERNAL void mg_lean_columns(mg_context *c, const int *list, int n);
+MG_INTERNAL void mg_hold_leaning(mg_context *c, int n, mg_real *amount);
+MG_INTERNAL void mg_add_slipping(mg_context *c);
+MG_INTERNAL mg_real mg_slipping_power(const mg_context *c);
+MG_INTERNAL void mg_steered(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along);
+
+/* patch_pressure.c */
+MG_INTERNAL void mg_pad_point(const mg_context *c, int pad, mg_real *world);
+MG_INTERNAL mg_real mg_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+MG_INTERNAL int mg_most_arcs(const mg_system *s);
+MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
+MG_INTERNAL int mg_lay_patch(mg_context *c, int patch);
+MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
+MG_INTERNAL mg_real mg_weight_scale(const mg_context *c);
+MG_INTERNAL int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
+MG_INTERNAL mg_strain *mg_strain_of_slot(const mg_context *c, int slot);
+MG_INTERNAL int mg_slot_ends(mg_context *c, int slot);
+MG_INTERNAL int mg_patches_fired(mg_context *c);
+MG_INTERNAL int mg_any_patch_ends(mg_context *c);
+MG_INTERNAL mg_real mg_patch_value(mg_context *c, int pad, int cause);
+
+/* patch_friction.c */
+MG_INTERNAL int mg_has_rubbing(const mg_context *c, int patch);
+MG_INTERNAL int mg_rubs(const mg_context *c, int slot);
+MG_INTERNAL int mg_rub_row(const mg_context *c, int slot);
+MG_INTERNAL int mg_rub_leans(const mg_context *c, int row);
+MG_INTERNAL mg_real mg_rub_radius(const mg_context *c, int slot);
+MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at);
+MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot);
+MG_INTERNAL void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist);
+MG_INTERNAL void mg_across(const mg_real *e, mg_real across[2][3]);
+MG_INTERNAL void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]);
+MG_INTERNAL void mg_press_rub(mg_context *c, int slot);
+MG_INTERNAL void mg_begin_rubs(mg_context *c);
+MG_INTERNAL int mg_rubs_unsettled(mg_context *c);
+MG_INTERNAL void mg_lean_pads(mg_context *c, const int *list, int n);
+MG_INTERNAL void mg_add_rubs(mg_context *c);
+MG_INTERNAL int mg_list_stuck_rubs(const mg_context *c, int *list, int n);
+
+/* friction_cones.c */
+MG_INTERNAL void mg_bound_all(mg_context *c);
+MG_INTERNAL int mg_cone_at(int aspect);
+MG_INTERNAL void mg_put_bound(const mg_context *c, int grip, const mg_real *mu, mg_real part, mg_real *cone);
+MG_INTERNAL void mg_put_cone(const mg_context *c, int contact, mg_real part, mg_real *cone);
+MG_INTERNAL int mg_put_contact(mg_context *c, int contact, int k, int size);
+
+/* contact_modes.c */
+MG_INTERNAL mg_real mg_slack(const mg_context *c);
+MG_INTERNAL int mg_activate_pads(mg_context *c);
+MG_INTERNAL int mg_choose_active(mg_context *c, const int *skip);
+
+/* friction_modes.c */
+MG_INTERNAL int mg_loosen_giving(mg_context *c);
+MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip);
+MG_INTERNAL void mg_report_grips(mg_context *c, mg_events *events);
+MG_INTERNAL mg_real mg_grip_value(const mg_context *c, int contact, int grip);
+MG_INTERNAL mg_real mg_grip_strain(const mg_context *c, int contact, int grip);
+MG_INTERNAL int mg_grips_fired(mg_context *c);
+MG_INTERNAL int mg_grips_suspect(const mg_context *c);
+MG_INTERNAL int mg_first_slipped(const mg_context *c);
+MG_INTERNAL void mg_aim_all(mg_context *c);
+
+/* patch_friction_modes.c */
+MG_INTERNAL mg_real mg_rub_value(mg_context *c, int slot, int cause);
+MG_INTERNAL int mg_rub_fires(mg_context *c, int slot);
+MG_INTERNAL void mg_aim_rubs(mg_context *c);
+MG_INTERNAL void mg_forget_rubs(mg_context *c);
+MG_INTERNAL int mg_choose_rubs(mg_context *c, const int *skip);
+MG_INTERNAL void mg_report_rubs(mg_context *c, mg_events *events);
+
+/* drift_projection.c */
+MG_INTERNAL mg_real mg_largest(const mg_context *c, const mg_real *value);
+MG_INTERNAL int mg_correction(mg_context *c, const int *marked, const mg_real *value);
+MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle);
+MG_INTERNAL void mg_move(mg_context *c);
+MG_INTERNAL void mg_push(mg_context *c);
+MG_INTERNAL int mg_project(mg_context *c);
+MG_INTERNAL int mg_project_start(mg_context *c);
+MG_INTERNAL int mg_start_joints(mg_context *c);
+
+/* event_margins.c */
+MG_INTERNAL int mg_count_strains(const mg_system *s);
+MG_INTERNAL long mg_strain_size(const mg_system *s);
+MG_INTERNAL mg_strain *mg_strain_at(const mg_context *c, int sample);
+MG_INTERNAL void mg_take_strain(mg_context *c, int sample);
+MG_INTERNAL void mg_begin_strain(mg_context *c);
+MG_INTERNAL void mg_strain_stage(mg_context *c, int stage);
+MG_INTERNAL mg_real mg_least_left(const mg_strained *p, mg_real *theta);
+MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, mg_real part, mg_strained *p);
+MG_INTERNAL int mg_varies_little(const mg_context *c, int which);
+
+/* diagnostics.c */
+MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic);
+MG_INTERNAL void mg_ledger(mg_context *c);
+MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events);
+
+#endif

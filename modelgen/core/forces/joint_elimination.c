@@ -1,0 +1,172 @@
+/* Complementarity problems of the contacts where joints hold as well: the forces of the joints are eliminated,
+   S = A_cc - A_cj A_jj^+ A_jc, which stays symmetric and positive semidefinite. */
+/* Which rows of the joints are independent: closed loops may hold a direction twice, and lose one at a dead centre. */
+#include "forces/forces.h"
+#include "base/base.h"
+#include "solve/lcp/solvers.h"
+#include "model/model.h"
+
+/* y = -A_jj^+ (right side) over the joints, of minimum norm; the first n entries are 0. */
+static void mg_hold_joints(mg_context *c, int size, const mg_real *right) {
+  mg_active_above(size, c->A, right, c->bound, c->set->singular, c->y, c->lcp, c->lcp_i);
+}
+
+static mg_real mg_through_joints(const mg_context *c, int row, int n, int size) {
+  mg_real sum = 0;
+  for (int k = n; k < size; k++) sum += c->A[row + size * k] * c->y[k];
+  return sum;
+}
+
+static void mg_reduce(mg_context *c, int n, int size) {
+  for (int j = 0; j < n; j++) {
+    mg_hold_joints(c, size, c->A + (long)size * j);
+    for (int i = 0; i < n; i++) c->S[i + n * j] = c->A[i + size * j] + mg_through_joints(c, i, n, size);
+  }
+  mg_hold_joints(c, size, c->b);
+  for (int i = 0; i < n; i++) c->s[i] = c->b[i] + mg_through_joints(c, i, n, size);
+}
+
+/* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
+MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n) {
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && !mg_is_edged(c, i)) list[n++] = i;
+  return mg_list_joints(c, list, n);
+}
+
+/* Contacts whose gaps the pads' and the joints' rows hold already take no part: what is left of their rows is rounding. */
+static void mg_pass_held(mg_context *c, int n, int size) {
+  mg_real most = 0;
+  for (int r = 0; r < size; r++)
+    if (fabs(c->b[r]) > most) most = fabs(c->b[r]);
+  for (int j = 0; j < n; j++) {
+    const int held = c->S[j + n * j] <= c->set->dependent * c->A[j + size * j];
+    if (!held || fabs(c->s[j]) > c->set->dependent * most) continue;
+    for (int k = 0; k < n; k++) c->S[j + n * k] = c->S[k + n * j] = 0;
+    c->s[j] = 0, c->mask[j] = 0;
+  }
+}
+
+/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the pads' and the joints' rows held at
+   zero. Starts from the active set in c->mask and leaves that of the answer there. Appends pads and joints to c->list;
+   z of all is in c->z. Returns the solver's outcome. */
+MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
+  const int size = mg_list_bilateral(c, c->list, n), limit = c->set->lcp_iterations;
+  c->run->lcp_solves++;
+  mg_assemble(c, c->list, size);
+  for (int r = 0; r < size; r++) c->b[r] = value[c->list[r]], c->bound[r] = r >= n;
+  if (size == n) {
+    mg_qp(n, c->A, c->b, limit, c->z, c->mask, report, c->lcp, c->lcp_i);
+    return report->outcome;
+  }
+  mg_reduce(c, n, size);
+  mg_pass_held(c, n, size);
+  mg_qp(n, c->S, c->s, limit, c->z, c->mask, report, c->lcp, c->lcp_i);
+  for (int j = 0; j < n; j++)
+    for (int r = n; r < size; r++) c->b[r] += c->A[r + size * j] * c->z[j];
+  mg_hold_joints(c, size, c->b);
+  for (int r = n; r < size; r++) c->z[r] = c->y[r];
+  return report->outcome;
+}
+
+/* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
+   less than `singular` is passed over. Writes into c->part how much of its own each row has, 0..1, and the independent
+   rows of each joint into `rank` unless it is 0. Returns the rank. */
+MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
+  const int n = mg_list_joints(c, c->list, 0);
+  int total = 0;
+  mg_assemble(c, c->list, n);
+  for (int r = 0; r < n; r++) {
+    const mg_real own = c->A[r + n * r];
+    mg_real left = own;
+    for (int k = 0; k < r; k++) {
+      if (!c->bound[k]) continue;
+      mg_real entry = c->A[r + n * k];
+      for (int j = 0; j < k; j++)
+        if (c->bound[j]) entry -= c->A[r + n * j] * c->A[k + n * j];
+      c->A[r + n * k] = entry / c->A[k + n * k];
+      left -= c->A[r + n * k] * c->A[r + n * k];
+    }
+    c->part[r] = own > 0 && left > 0 ? left / own : 0;
+    c->bound[r] = c->part[r] > c->set->singular;
+    total += c->bound[r];
+    if (rank) rank[mg_joint_of(c, c->list[r])] += c->bound[r];
+    if (c->bound[r]) c->A[r + n * r] = sqrt(left);
+  }
+  return total;
+}
+
+/* J_row M^-1 J_column^T, of the rows now with those of the step before. */
+static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
+  const mg_real *J = c->J + 12 * row, *MJ = c->MJ_before + 12 * (column - c->bilateral);
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++)
+    for (int other = 0; other < 2; other++)
+      if ((side ? c->f : c->o)[row] == (other ? c->f : c->o)[column]) sum += mg_dot6(J + 6 * side, MJ + 6 * other);
+  return sum;
+}
+
+/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is negative.
+   No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at once do not
+   make up for each other. */
+static int mg_has_turned(mg_real *A, int n) {
+  for (int k = 0; k < n; k++) {
+    if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
+    for (int i = k + 1; i < n; i++) {
+      const mg_real factor = A[i + n * k] / A[k + n * k];
+      for (int j = k + 1; j < n; j++) A[i + n * j] -= factor * A[k + n * j];
+    }
+  }
+  return 0;
+}
+
+/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for the
+   next step. */
+static int mg_passed_dead_centre(mg_context *c) {
+  const int n = c->sys->n_row, first = c->run->rank_min < 0;
+  int same = !first, independent = 0, lost = 0;
+  for (int r = 0; r < n; r++) same &= c->bound[r] == c->kept[r], lost += c->kept[r] - c->bound[r];
+  for (int r = 0; r < n && same; r++)
+    if (c->bound[r]) c->list[independent++] = c->bilateral + r;
+  for (int j = 0; j < independent; j++)
+    for (int i = 0; i < independent; i++)
+      c->A[i + independent * j] = mg_product_with_before(c, c->list[i], c->list[j]);
+  for (int r = 0; r < n; r++) c->kept[r] = c->bound[r];
+  for (int k = 0; k < 12 * n; k++) c->MJ_before[k] = c->MJ[12 * c->bilateral + k];
+  return same ? mg_has_turned(c->A, independent) : !first && lost > 0;
+}
+
+/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway. */
+static mg_real mg_left_of(const mg_context *c, int joint) {
+  const int first = c->sys->joint_row[joint];
+  mg_real product = 1;
+  for (int r = first; r < first + c->kernels->joint_kinds[c->sys->joint_kind[joint]].n_rows; r++)
+    if (c->free[r]) product *= c->part[r];
+  return product;
+}
+
+/* The joint of which the joints before it leave least, against the most that they have left since the start. */
+static int mg_faintest(mg_context *c, mg_real *least) {
+  int faintest = -1;
+  *least = 1;
+  for (int r = 0; r < c->sys->n_row; r++) c->free[r] = c->bound[r] || (c->run->rank_min >= 0 && c->free[r]);
+  for (int j = 0; j < c->sys->n_joint; j++) {
+    const mg_real left = mg_left_of(c, j);
+    if (c->run->rank_min < 0 || left > c->most[j]) c->most[j] = left;
+    if (left < *least * c->most[j]) *least = left / c->most[j], faintest = j;
+  }
+  return faintest;
+}
+
+/* Needs the rows at run->x. */
+MG_INTERNAL void mg_watch_joints(mg_context *c) {
+  mg_run *run = c->run;
+  mg_real off, least;
+  const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);
+  if (mg_passed_dead_centre(c) && !run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = faintest;
+  mg_worst_joint(c, c->d, &off);
+  if (off > run->joint_error_max) run->joint_error_max = off;
+  if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
+  if (rank > run->rank_max) run->rank_max = rank;
+  if (!(least < run->joint_margin_min)) return;
+  run->joint_margin_min = least, run->joint_margin = faintest, run->joint_margin_t = run->t;
+}

@@ -1,0 +1,148 @@
+/* Problems of friction with patches that slip, whose columns lean: pads and what else holds both ways are eliminated first,
+   which the solver does for symmetric rows only. */
+/* Linear systems that need be neither symmetric nor regular: A P = Q R by Householder's reflections (Golub and Van Loan,
+   Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2), least norm where the rank is less than full. */
+#include "forces/forces.h"
+#include "base/base.h"
+#include "solve/lcp/solvers.h"
+#include "solve/friction/solvers.h"
+
+static int mg_any_rub_leans(const mg_context *c) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++)
+    if (c->rub[slot].leans) return 1;
+  return 0;
+}
+
+/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp on. */
+static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y, mg_real *x) {
+  const int k = p->n - m;
+  mg_real *R = c->lcp, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
+  for (int i = 0; i < k; i++) {
+    const int row = c->list[m + i];
+    d[i] = 1 / mg_diagonal_scale(mg_product(c, row, row)), b[i] = -y[i] * d[i];
+  }
+  for (int j = 0; j < k; j++)
+    for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
+  const int rank = mg_triangle(k, R, b, c->lcp_i, MG_LCP_RANK(k));
+  mg_solve_triangle(k, rank, R, b, scaled, beta);
+  for (int i = 0; i < k; i++) x[c->lcp_i[i]] = scaled[i] * d[c->lcp_i[i]];
+}
+
+/* As mg_friction; needs the rows in c->list, those of contacts first. */
+MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report) {
+  int m = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  if (!mg_any_rub_leans(c) || m == p->n) return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i);
+  const int k = p->n - m;
+  mg_real *A = c->reduced, *b = A + m * m, *x = b + m;
+  for (int j = 0; j <= m; j++) {
+    const mg_real *column = j < m ? p->A + p->n * j : p->b;
+    mg_real *out = j < m ? A + m * j : b;
+    mg_hold_both_ways(c, p, m, column + m, x);
+    for (int i = 0; i < m; i++) {
+      out[i] = column[i];
+      for (int r = 0; r < k; r++) out[i] += p->A[i + p->n * (m + r)] * x[r];
+    }
+  }
+  mg_friction_problem own = *p;
+  own.n = m, own.A = A, own.b = b;
+  const int outcome = mg_friction(&own, z, c->marks, report, c->coulomb, c->coulomb_i);
+  for (int r = 0; r < k; r++) {
+    b[r] = p->b[m + r];
+    for (int j = 0; j < m; j++) b[r] += p->A[m + r + p->n * j] * z[j];
+  }
+  mg_hold_both_ways(c, p, m, b, z + m);
+  return outcome;
+}
+
+/* The reflection 1 - beta (1, v)(1, v)' that takes (head, tail) to its head alone; leaves v in the tail. */
+static mg_real mg_reflector(mg_real *head, int n, mg_real *tail, int step) {
+  mg_real sum = 0;
+  for (int i = 0; i < n; i++) sum += tail[i * step] * tail[i * step];
+  if (sum == 0) return 0;
+  const mg_real size = sqrt(*head * *head + sum), first = *head > 0 ? -size : size, v = *head - first;
+  for (int i = 0; i < n; i++) tail[i * step] /= v;
+  *head = first;
+  return -v / first;
+}
+
+static void mg_reflect(mg_real beta, int n, const mg_real *v, int step, mg_real *head, mg_real *tail, int stride) {
+  mg_real sum = *head;
+  for (int i = 0; i < n; i++) sum += v[i * step] * tail[i * stride];
+  sum *= beta;
+  *head -= sum;
+  for (int i = 0; i < n; i++) tail[i * stride] -= sum * v[i * step];
+}
+
+static void mg_swap_columns(int n, mg_real *A, int *order, int a, int b) {
+  const int kept = order[a];
+  order[a] = order[b], order[b] = kept;
+  for (int i = 0; i < n; i++) {
+    const mg_real value = A[i + n * a];
+    A[i + n * a] = A[i + n * b], A[i + n * b] = value;
+  }
+}
+
+/* The column from j on that is largest below row j; its size. */
+static int mg_largest_column(int n, const mg_real *A, int j, mg_real *size) {
+  int best = j;
+  *size = -1;
+  for (int k = j; k < n; k++) {
+    mg_real sum = 0;
+    for (int i = j; i < n; i++) sum += A[i + n * k] * A[i + n * k];
+    if (sqrt(sum) > *size) *size = sqrt(sum), best = k;
+  }
+  return best;
+}
+
+/* A becomes R in its upper triangle, y becomes Q'y, `order` holds P. Returns the rank: pivots above `floor`. */
+MG_INTERNAL int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
+  for (int j = 0; j < n; j++) order[j] = j;
+  for (int j = 0; j < n; j++) {
+    mg_real size, *pivot = A + j + n * j;
+    const int best = mg_largest_column(n, A, j, &size);
+    if (!(size > floor)) return j;
+    mg_swap_columns(n, A, order, j, best);
+    const int below = n - j - 1;
+    const mg_real beta = mg_reflector(pivot, below, pivot + 1, 1);
+    for (int k = j + 1; k < n; k++) mg_reflect(beta, below, pivot + 1, 1, A + j + n * k, A + j + 1 + n * k, 1);
+    mg_reflect(beta, below, pivot + 1, 1, y + j, y + j + 1, 1);
+  }
+  return n;
+}
+
+/* z of least norm with R z = y, R of `rank` rows; beta is scratch. */
+MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
+  const int wide = n - rank;
+  mg_real *beyond = R + n * rank;
+  for (int i = rank - 1; i >= 0; i--) {
+    beta[i] = mg_reflector(R + i + n * i, wide, beyond + i, n);
+    for (int k = 0; k < i; k++) mg_reflect(beta[i], wide, beyond + i, n, R + k + n * i, beyond + k, n);
+  }
+  for (int i = 0; i < n; i++) z[i] = i < rank ? y[i] : 0;
+  for (int i = rank - 1; i >= 0; i--) {
+    for (int k = i + 1; k < rank; k++) z[i] -= R[i + n * k] * z[k];
+    z[i] /= R[i + n * i];
+  }
+  for (int i = 0; i < rank; i++) mg_reflect(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
+}
+
+/* The triangle of c->A and c->b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
+static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
+  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_product(c, list[i], list[i])), y[i] = -c->b[i] * d[i];
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) R[i + n * j] = c->A[i + n * j] * d[i] * d[j];
+  return mg_triangle(n, R, y, c->lcp_i, MG_LCP_RANK(n));
+}
+
+MG_INTERNAL int mg_oblique_rank(mg_context *c, const int *list, int n) {
+  return mg_scaled_triangle(c, list, n, c->lcp, c->lcp + n * n, c->lcp + n * n + n);
+}
+
+/* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
+MG_INTERNAL void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
+  mg_real *R = c->lcp, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+  const int rank = mg_scaled_triangle(c, list, n, R, y, d);
+  mg_solve_triangle(n, rank, R, y, x, beta);
+  for (int i = 0; i < n; i++) z[c->lcp_i[i]] = x[i] * d[c->lcp_i[i]];
+}

@@ -1,0 +1,38 @@
+/* Impacts: simultaneous and sequential, without and with friction. May use: patch and the rooms below it. */
+#ifndef MG_IMPACT_H
+#define MG_IMPACT_H
+
+#include "model/context.h"
+
+typedef struct {
+  mg_real G[9];     /* J M^-1 J^T of N, t1, t2, joints held, row after row */
+  mg_real mu[2];    /* along t1 and t2; zeros: no friction */
+  mg_real u[6];     /* rates along N, t1, t2; impulses along t1, t2; work of the normal impulse */
+  mg_real p;        /* the normal impulse so far */
+  mg_real share[2]; /* tangential over normal impulse, once slip has ended or kept its direction */
+  mg_real swift;    /* the speed that it began with */
+  int straight;     /* slip keeps its direction, until it ends */
+  int ended;        /* slip has ended, or begun anew in a direction that it keeps */
+} mg_blow;
+
+/* impulse_path.c */
+MG_INTERNAL int mg_blow_by(mg_blow *b, int law, mg_real e);
+
+/* newton_impact.c */
+MG_INTERNAL int mg_approaching(const mg_context *c, int contact);
+MG_INTERNAL mg_real mg_rebound(const mg_context *c, int contact);
+MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
+MG_INTERNAL mg_real mg_bounces_left(mg_context *c, int contact);
+MG_INTERNAL void mg_rate_pads(mg_context *c);
+MG_INTERNAL int mg_impact(mg_context *c, mg_events *events);
+
+/* frictional_impact.c */
+MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c);
+MG_INTERNAL void mg_note_gain(mg_context *c, int n);
+MG_INTERNAL void mg_forget_slip(mg_context *c);
+
+/* sequential_impact.c */
+MG_INTERNAL int mg_takes_turns(const mg_context *c);
+MG_INTERNAL int mg_strike_in_turn(mg_context *c, mg_events *events);
+
+#endif

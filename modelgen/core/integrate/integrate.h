@@ -1,0 +1,79 @@
+/* One step of an integrator, its interpolant and samples: RK4, DOP853, Radau IIA for starts of rolling and slip.
+   May use: base, solve, model, closest, forces. */
+#ifndef MG_INTEGRATE_H
+#define MG_INTEGRATE_H
+
+#include "model/context.h"
+
+/* rk4.c */
+MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* dop853.c */
+MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* radau_collocation.c */
+MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage);
+MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage);
+MG_INTERNAL mg_real mg_stage_time(int stage);
+MG_INTERNAL mg_real mg_stage_weight(int row, int column);
+MG_INTERNAL mg_real mg_twice(int row, int column);
+MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage);
+MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x);
+MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share);
+MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share);
+MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
+
+/* tilt_kinematics.c */
+MG_INTERNAL int mg_is_lost(const mg_context *c, mg_real tilt);
+MG_INTERNAL int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
+MG_INTERNAL mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
+MG_INTERNAL void mg_note_rate(mg_context *c, int contact, int stage);
+MG_INTERNAL void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+MG_INTERNAL void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
+MG_INTERNAL mg_real mg_misses(const mg_lean *at, mg_real tilt);
+MG_INTERNAL void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate,
+                                 mg_real *x);
+MG_INTERNAL mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
+MG_INTERNAL int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x);
+
+/* rolling_start.c */
+MG_INTERNAL int mg_starts_rolling(const mg_context *c);
+MG_INTERNAL int mg_settle_fully(mg_context *c, int contact, mg_real *eta);
+MG_INTERNAL void mg_grow_up(mg_context *c);
+MG_INTERNAL mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
+MG_INTERNAL mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
+
+/* slip_start.c */
+MG_INTERNAL int mg_starts_slipping(const mg_context *c);
+MG_INTERNAL void mg_slip_on(mg_context *c);
+MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* step.c */
+MG_INTERNAL int mg_is_collocated(const mg_context *c);
+MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
+MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h);
+MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
+MG_INTERNAL void mg_watch(mg_context *c);
+MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most);
+MG_INTERNAL mg_real mg_first_step(const mg_context *c);
+
+/* samples.c */
+MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x);
+MG_INTERNAL int mg_due(const mg_record *record, mg_real t);
+MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
+MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
+
+/* time_dependence.c */
+MG_INTERNAL int mg_count_timed(const mg_system *s);
+MG_INTERNAL int mg_count_felt(const mg_system *s, int timed);
+MG_INTERNAL long mg_instant_size(const mg_system *s);
+MG_INTERNAL mg_real mg_seen_in_time(mg_context *c, mg_real h);
+MG_INTERNAL int mg_hides_on_way(mg_context *c, mg_real h);
+
+#endif

@@ -1,0 +1,131 @@
+/* Samples of a run at the times that the caller asked for. */
+#include "integrate/integrate.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "forces/forces.h"
+
+static void mg_copy(mg_real *to, const mg_real *from, int n) {
+  for (int i = 0; i < n; i++) to[i] = from[i];
+}
+
+static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
+  const long k = (long)row * c->sys->n_contact + contact;
+  record->link[k] = c->run->link[contact];
+  if (mg_present(c, contact)) mg_place(c, contact, eta, c->place + 32);
+  else
+    for (int j = 0; j < 14; j++) c->place[j] = (mg_real)NAN;
+  record->force[k] = c->force[contact];
+  record->gap[k] = c->place[0];
+  mg_copy(record->normal + 3 * k, c->place + 5, 3);
+  mg_copy(record->point_o + 3 * k, c->place + 8, 3);
+  mg_copy(record->point_f + 3 * k, c->place + 11, 3);
+}
+
+/* What the rows below make of c->force or c->d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
+static void mg_below_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
+  const mg_real *t = c->tangents + 6 * contact, *N = c->normal + 3 * contact;
+  const mg_real *rows = value + c->below + c->sys->contact_below[contact];
+  for (int k = 0; k < 3; k++)
+    out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
+}
+
+static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
+  const long k = 3 * ((long)row * c->sys->n_contact + contact);
+  const int rows = mg_present(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
+  for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
+  if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
+  if (rows > 3) mg_below_vector(c, contact, c->force, 1, record->torque + k);
+  if (rows > 1 && c->run->closed[contact]) mg_below_vector(c, contact, c->d_dot, 0, record->slip + k);
+}
+
+/* What a joint does to its second body, and where it stands. */
+static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
+  const mg_system *s = c->sys;
+  const long k = (long)row * s->n_joint + joint;
+  const int kind = s->joint_kind[joint], first = c->bilateral + s->joint_row[joint];
+  mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
+  for (int j = 0; j < 6; j++) wrench[j] = 0;
+  for (int i = first; i < first + c->kernels->joint_kinds[kind].n_rows; i++)
+    for (int j = 0; j < 6; j++) wrench[j] += c->force[i] * c->J[12 * i + 6 + j];
+  for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
+  if (!c->kernels->joint_kinds[kind].n_coordinates) return;
+  c->kernels->joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
+                       s->parameters + s->joint_parameters[joint], coordinate);
+}
+
+/* The friction of a slot's patch at a place of the world, and how f slips past o there. */
+static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
+  const int pad = mg_pad_of(c, slot);
+  const mg_real *t = c->tangents + 6 * pad, *N = c->normal + 3 * pad;
+  mg_real point[3], turn[3], moment[3];
+  for (int k = 0; k < 8; k++) out[k] = 0;
+  if (mg_patch_in(c, slot) < 0 || !mg_has_rubbing(c, mg_patch_in(c, slot))) return;
+  const mg_real *force = c->force + mg_rub_row(c, slot), *slip = c->d_dot + mg_rub_row(c, slot);
+  mg_pad_point(c, pad, point);
+  for (int k = 0; k < 3; k++) {
+    out[k] = force[0] * t[k] + force[1] * t[3 + k], out[4 + k] = slip[0] * t[k] + slip[1] * t[3 + k];
+    turn[k] = slip[2] * N[k], point[k] = at[k] - point[k];
+  }
+  mg_cross(point, out, moment);
+  out[3] = force[2] - mg_dot3(moment, N), out[7] = slip[2];
+  mg_cross(turn, point, moment);
+  for (int k = 0; k < 3; k++) out[4 + k] += moment[k];
+}
+
+/* What presses the faces of a slot's patch together, and where. */
+static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
+  const long k = (long)row * c->sys->n_slot + slot;
+  mg_real *pressure = record->pressure + 4 * k;
+  record->patch[k] = mg_patch_in(c, slot);
+  for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
+  if (record->patch[k] >= 0) pressure[0] = mg_resultant(c, slot, c->force, pressure + 1);
+  mg_record_rub(c, slot, pressure + 1, record->rub + 8 * k);
+}
+
+static mg_real mg_energy_of(mg_context *c, mg_real *x) {
+  mg_real *kept = c->run->x, kinetic;
+  c->run->x = x;
+  const mg_real energy = mg_energy(c, &kinetic);
+  c->run->x = kept;
+  return energy;
+}
+
+/* One sample of the state x; needs its poses, twists and forces fresh. */
+MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
+  const mg_system *s = c->sys;
+  const long row = record->count++;
+  const mg_real *eta = x + s->n_q + s->n_u;
+  mg_copy(record->pose + row * 12 * s->n_body, c->pose, 12 * s->n_body);
+  mg_copy(record->twist + row * 6 * s->n_body, c->twist, 6 * s->n_body);
+  mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
+  for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
+  for (int i = 0; i < s->n_contact; i++) mg_record_grips(c, record, (int)row, i);
+  for (int i = 0; i < s->n_slot; i++) mg_record_patch(c, record, (int)row, i);
+  for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
+  record->energy[row] = mg_energy_of(c, x);
+  record->work[row] = x[c->work_index];
+}
+
+MG_INTERNAL int mg_due(const mg_record *record, mg_real t) {
+  return record->count < record->capacity && record->t[record->count] <= t;
+}
+
+/* Samples within the step h from run->x to c->x_next. */
+MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
+  const mg_real t = c->run->t;
+  if (!mg_due(record, t + h)) return;
+  mg_finish_step(c, t, h);
+  mg_make_dense(c, t, c->run->x, h);
+  while (mg_due(record, t + h)) {
+    const mg_real theta = (record->t[record->count] - t) / h;
+    mg_interpolate(c, c->run->x, theta, c->x_stage);
+    mg_normalise(c, c->x_stage);
+    mg_rhs(c, t + theta * h, c->x_stage, c->K + 16 * c->n_x);
+    mg_record_row(c, record, c->x_stage);
+  }
+}
+
+/* Samples that are due at run->t itself; needs its rows fresh. */
+MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
+  while (mg_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
+}

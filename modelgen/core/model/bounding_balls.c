@@ -1,0 +1,69 @@
+/* How far apart shapes are at least, and how fast they come near each other at most, by balls around them. */
+#include "model/model.h"
+#include "base/base.h"
+
+/* Between two balls, their centres in the axes of their bodies. */
+static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
+                                const mg_real *centre_f, mg_real radius_f) {
+  mg_real a[3], b[3];
+  mg_out(c->pose + 12 * o, centre_o, 1, a);
+  mg_out(c->pose + 12 * f, centre_f, 1, b);
+  const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  return sqrt(mg_dot3(span, span)) - radius_o - radius_f;
+}
+
+/* Between the shapes of a link; 0 where one has no bound. */
+static mg_real mg_clearance(const mg_context *c, int link) {
+  const mg_real *o = mg_side(c, link, 0), *f = mg_side(c, link, 1);
+  mg_real centre_o[3], centre_f[3];
+  if (o[MG_BOUND] >= MG_MAX / 2 || f[MG_BOUND] >= MG_MAX / 2) return 0;
+  mg_out(o + MG_PLACEMENT, o + MG_CENTRE, 1, centre_o);
+  mg_out(f + MG_PLACEMENT, f + MG_CENTRE, 1, centre_f);
+  return mg_between_balls(c, mg_side_body(c, link, 0), centre_o, o[MG_BOUND], mg_side_body(c, link, 1), centre_f, f[MG_BOUND]);
+}
+
+MG_INTERNAL int mg_is_far(const mg_context *c, int link) {
+  return mg_clearance(c, link) > c->set->reach * c->sys->length;
+}
+
+/* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
+MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
+  const mg_real *ball = c->sys->pair_ball + 8 * pair;
+  const int first = c->sys->pair_link[pair];
+  mg_real clear = MG_MAX, whole = 0;
+  if (ball[3] >= 0 && ball[7] >= 0)
+    whole = mg_between_balls(c, mg_side_body(c, first, 0), ball, ball[3], mg_side_body(c, first, 1), ball + 4, ball[7]);
+  for (int link = first; link < c->sys->pair_link[pair + 1]; link++) clear = fmin(clear, mg_clearance(c, link));
+  return fmax(fmax(clear, whole), 0);
+}
+
+/* How far the shape of a body of a pair (0: o, 1: f) extends from the centre of mass; < 0: without end. */
+static mg_real mg_extent(const mg_context *c, int pair, int body) {
+  const mg_real *ball = c->sys->pair_ball + 8 * pair + 4 * body;
+  return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
+}
+
+/* Of a body that extends so far from its centre of mass, as another body sees it. */
+static mg_motion mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
+  const mg_real *pose = c->pose + 12 * from, *of = c->pose + 12 * seen;
+  const mg_real *a = c->twist + 6 * from, *b = c->twist + 6 * seen, *da = c->accel + 6 * from, *db = c->accel + 6 * seen;
+  mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
+  for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
+  mg_out(pose, a + 3, 0, own), mg_out(pose, da + 3, 0, down), mg_out(of, b + 3, 0, w), mg_out(of, db + 3, 0, dw);
+  mg_cross(own, arm, swept), mg_cross(down, arm, swung), mg_cross(own, v, turned);
+  for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
+  const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
+  const mg_motion motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
+  return motion;
+}
+
+/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without end the
+   parts no farther than the characteristic length count. */
+MG_INTERNAL mg_motion mg_pair_motion(const mg_context *c, int pair) {
+  const int first = c->sys->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
+  const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
+  const mg_motion of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->sys->length : extent_f);
+  if (extent_o < 0) return of_f;
+  const mg_motion of_o = mg_seen_from(c, o, f, extent_o);
+  return extent_f < 0 || of_o.speed < of_f.speed ? of_o : of_f;
+}

@@ -1,0 +1,117 @@
+/* The scene as the solver sees it at one state: bodies, feature pairs, rows of contacts and joints, planar contacts, and what
+   becomes of a contact at an event. May use: base, region. */
+#ifndef MG_MODEL_H
+#define MG_MODEL_H
+
+#include "model/context.h"
+
+static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
+
+enum { MG_STRIKES, MG_MISSES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
+       MG_ENDS_RUN, MG_RESTS, MG_TURNS_OVER };
+
+enum { MG_EDGED = 2, MG_TORN = 3 }; /* marks in c->trying: the slot's pads stand on points of the edge; and had rested flat */
+
+/* bodies.c */
+MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
+MG_INTERNAL int mg_moves(const mg_context *c, int body);
+MG_INTERNAL void mg_copy_u(const mg_context *c, int body, const mg_real *from, mg_real *to);
+MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x);
+MG_INTERNAL void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+MG_INTERNAL void mg_normalise(const mg_context *c, mg_real *x);
+MG_INTERNAL int mg_moving_side(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_free(const mg_context *c, int body);
+MG_INTERNAL int mg_is_driven(const mg_system *s, int body);
+
+/* feature_pairs.c */
+MG_INTERNAL int mg_present(const mg_context *c, int contact);
+MG_INTERNAL mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
+MG_INTERNAL const mg_real *mg_parameters_of(mg_context *c, int contact);
+MG_INTERNAL void mg_stand(mg_context *c, int contact, int link);
+MG_INTERNAL int mg_is_endless(const mg_context *c, int link);
+MG_INTERNAL int mg_first_contact(const mg_context *c, int pair);
+MG_INTERNAL int mg_has_own_links(const mg_context *c, int pair);
+MG_INTERNAL void mg_eta_scale(const mg_context *c, int link, mg_real *scale);
+MG_INTERNAL void mg_take_link(mg_context *c, int contact);
+MG_INTERNAL void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
+MG_INTERNAL const mg_real *mg_side(const mg_context *c, int link, int side);
+MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side);
+MG_INTERNAL int mg_carrier(const mg_context *c, int link, int side);
+MG_INTERNAL void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
+MG_INTERNAL mg_real mg_sine(const mg_real *a, const mg_real *b);
+MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
+MG_INTERNAL mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
+MG_INTERNAL mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
+MG_INTERNAL int mg_has_signs(const mg_context *c, int link);
+MG_INTERNAL int mg_is_bare(const mg_context *c, int link);
+
+/* contact_rows.c */
+MG_INTERNAL void mg_rates(mg_context *c, const mg_real *x);
+MG_INTERNAL mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body);
+MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact);
+MG_INTERNAL void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body);
+MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n);
+MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact);
+MG_INTERNAL void mg_gap_rates(mg_context *c);
+MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip);
+MG_INTERNAL void mg_take_rows(mg_context *c, int contact);
+MG_INTERNAL void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
+MG_INTERNAL void mg_slip_rates(mg_context *c);
+
+/* joint_rows.c */
+MG_INTERNAL void mg_open_joints(mg_context *c);
+MG_INTERNAL void mg_joint_rates(mg_context *c, mg_real t);
+MG_INTERNAL int mg_list_joints(const mg_context *c, int *list, int n);
+MG_INTERNAL int mg_joint_of(const mg_context *c, int row);
+MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
+
+/* contact_points.c */
+MG_INTERNAL int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
+MG_INTERNAL mg_real mg_margin_of(const mg_context *c);
+MG_INTERNAL int mg_place_all(mg_context *c, mg_real t, mg_real *x);
+MG_INTERNAL int mg_settle_in(mg_context *c, int contact, mg_real *eta);
+MG_INTERNAL int mg_is_flat_yet(const mg_context *c, int contact);
+
+/* bounding_balls.c */
+MG_INTERNAL int mg_is_far(const mg_context *c, int link);
+MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
+MG_INTERNAL mg_motion mg_pair_motion(const mg_context *c, int pair);
+
+/* planar_contacts.c */
+MG_INTERNAL int mg_is_pad(const mg_context *c, int contact);
+MG_INTERNAL int mg_pad_of(const mg_context *c, int slot);
+MG_INTERNAL int mg_patch_in(const mg_context *c, int slot);
+MG_INTERNAL int mg_slot_of(const mg_context *c, int patch);
+MG_INTERNAL int mg_free_slot(const mg_context *c, int patch);
+MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link);
+MG_INTERNAL int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean);
+MG_INTERNAL int mg_is_for_flat(const mg_context *c, int link);
+MG_INTERNAL int mg_is_for_leaning(const mg_context *c, int link);
+MG_INTERNAL int mg_is_flat_far(const mg_context *c, int contact);
+MG_INTERNAL int mg_patch_starts(const mg_context *c, int patch);
+MG_INTERNAL int mg_pair_unfolds(const mg_context *c, int pair);
+MG_INTERNAL mg_real mg_unfolding(const mg_context *c);
+MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_covered(const mg_context *c, int link);
+MG_INTERNAL int mg_patch_concerns(const mg_context *c, int patch, int pair);
+MG_INTERNAL int mg_pair_rests(const mg_context *c, int pair);
+MG_INTERNAL void mg_search_around(mg_context *c, int patch);
+MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
+MG_INTERNAL const mg_real *mg_point_of_link(const mg_context *c, int link);
+MG_INTERNAL void mg_hold_patch(mg_context *c, int slot, int patch);
+MG_INTERNAL void mg_drop_patch(mg_context *c, int slot);
+MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
+MG_INTERNAL int mg_is_edged(const mg_context *c, int contact);
+MG_INTERNAL int mg_pivots(const mg_context *c, int slot);
+MG_INTERNAL int mg_is_hinged(const mg_context *c, int slot);
+MG_INTERNAL int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+MG_INTERNAL mg_real mg_edge_value(const mg_context *c, int slot, int cause);
+
+/* transitions.c */
+MG_INTERNAL void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
+MG_INTERNAL void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
+MG_INTERNAL void mg_forget_events(mg_context *c);
+MG_INTERNAL void mg_pass_time(mg_run *run, mg_real h);
+
+#endif

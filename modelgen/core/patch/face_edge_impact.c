@@ -1,0 +1,187 @@
+/* Blows that would press a flat face outside its hull, where the hull is curved: the face is struck at points of its edge.
+   Newton's law holds for every point of the edge, but two or three alone are struck. They are sought by exchange (Remez): the
+   pads of the slot stand, pushing, on points of the edge; where the others leave one that approaches, a pad moves there. */
+#include "patch/patch.h"
+#include "base/base.h"
+#include "region/region.h"
+#include "model/model.h"
+#include "forces/forces.h"
+
+/* Of velocities, 6 numbers a body: that of f's face along N against o's at the origin of the hull, and its slopes there. */
+static void mg_field(const mg_context *c, int patch, const mg_real *per_body, mg_real *field) {
+  mg_real hull[12], o[12], at[3];
+  mg_hull_pose(c, patch, hull);
+  mg_face_pose(c, patch, 0, o);
+  for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < 3; i++) at[i] = hull[i] + (k ? hull[3 * k + i] : 0);
+    field[k] = mg_speed_along(c, per_body, mg_patch_body(c, patch, 1), at, o + 9) -
+               mg_speed_along(c, per_body, mg_patch_body(c, patch, 0), at, o + 9);
+  }
+  field[1] -= field[0], field[2] -= field[0];
+}
+
+static mg_real mg_in_field(const mg_real *field, const mg_real *point) { return field[0] + mg_dot2(field + 1, point); }
+
+static int mg_has_curve(const mg_hull *h) {
+  for (int i = 0; i < h->n_edge; i++)
+    if (h->edge[i].way) return 1;
+  return 0;
+}
+
+/* The least of a field over the hull of a patch, and the extreme point where it is. */
+static mg_real mg_lowest(mg_context *c, int patch, const mg_real *field, mg_support *at) {
+  mg_real least = MG_MAX;
+  mg_lay_patch(c, patch);
+  const mg_hull *h = &c->hull;
+  for (int i = 0; i < h->n_edge; i++) {
+    const mg_edge *e = h->edge + i;
+    const mg_real here = mg_in_field(field, h->spot[e->u].point);
+    if (here < least) least = here, mg_support_at(h, e->u, at);
+    if (!e->way) continue;
+    const mg_spot *a = h->spot + (e->way > 0 ? e->u : e->v), *b = h->spot + a->next;
+    if (!(mg_dot2(field + 1, a->tangent) < 0 && mg_dot2(field + 1, b->tangent) > 0)) continue;
+    mg_real p[2], T[2];
+    const mg_real t = mg_zero_along(h->track + a->track, MG_LEVEL, field + 1, a->t, a->t_end);
+    mg_on(h->track + a->track, t, p, T);
+    if (!(mg_in_field(field, p) < least)) continue;
+    least = mg_in_field(field, p);
+    const mg_support found = {h->track[a->track].side, a->track, -1, t, 0, {p[0], p[1]}};
+    *at = found;
+  }
+  return least;
+}
+
+/* A pad that does not push takes a place on the edge; returns 0 where all push. */
+static int mg_stand_on_edge(mg_context *c, int slot, const mg_support *at) {
+  const int first = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
+  mg_real hull[12], world[3];
+  int pad = first;
+  while (pad < first + 3 && c->run->closed[pad]) pad++;
+  if (pad == first + 3) return 0;
+  mg_hull_pose(c, patch, hull);
+  mg_at_brink(hull, at, world);
+  mg_into(c->pose + 12 * c->f[pad], world, c->run->point + 3 * pad);
+  c->run->closed[pad] = 1;
+  return 1;
+}
+
+/* Puts the slot's pads on the edge, one where the face approaches fastest. Returns 0 where the hull has no curve, the face
+   rolls on it already, or it approaches so slowly that it would be flat again before it leans by as much as stands on three
+   points. */
+MG_INTERNAL int mg_go_to_edge(mg_context *c, int slot) {
+  const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
+  mg_real before[3];
+  mg_support at;
+  if (c->sys->n_grip || mg_pivots(c, slot) || mg_patch_starts(c, patch)) return 0;
+  if (mg_lay_patch(c, patch) < 3 || !mg_has_curve(&c->hull)) return 0;
+  mg_field(c, patch, c->twist, before);
+  const mg_real fastest = mg_lowest(c, patch, before, &at) * c->sys->time / c->sys->length;
+  if (c->trying[slot] && fastest < -c->set->rest_speed && fastest * fastest < c->set->flat) return 0;
+  for (int k = 0; k < 3; k++) c->run->closed[pad + k] = c->run->active[pad + k] = 0;
+  c->trying[slot] = c->trying[slot] ? MG_EDGED : MG_TORN;
+  mg_stand_on_edge(c, slot, &at);
+  mg_refresh(c);
+  return 1;
+}
+
+/* What the impulses in c->z of the rows in c->list change of the velocities, into c->wrench. */
+static void mg_change_by(mg_context *c, int size) {
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  for (int r = 0; r < size; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+}
+
+/* The point of the edge at which Newton's law is missed most, and by how much. The law: what approached rebounds, nothing
+   approaches. */
+static mg_real mg_most_missed(mg_context *c, int slot, mg_support *at) {
+  const int patch = mg_patch_in(c, slot);
+  const mg_real e = c->sys->restitution[mg_pad_of(c, slot)], rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  mg_real before[3], after[3], rebound[3];
+  mg_support other;
+  mg_field(c, patch, c->twist, before);
+  mg_field(c, patch, c->wrench, after);
+  for (int k = 0; k < 3; k++) after[k] += before[k], rebound[k] = after[k] + e * before[k];
+  const mg_real least = mg_lowest(c, patch, after, at), bounced = mg_lowest(c, patch, rebound, &other);
+  if (!(bounced < least) || !(-e * mg_in_field(before, other.point) > rest)) return least;
+  *at = other;
+  return bounced;
+}
+
+/* After the impulses in c->z, of which the first n of c->list are rows that push: pads that do not push are free, and one of
+   each slot on an edge moves to where the law is missed. Returns how many did. */
+MG_INTERNAL int mg_exchange(mg_context *c, int n) {
+  const mg_real missed = -c->set->border * c->sys->length / c->sys->time;
+  int count = 0;
+  mg_change_by(c, mg_list_bilateral(c, c->list, n));
+  for (int r = 0; r < n; r++)
+    if (mg_is_edged(c, c->list[r]) && !(c->z[r] > 0)) c->run->closed[c->list[r]] = 0;
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    mg_support at;
+    if (c->trying[slot] >= MG_EDGED && mg_most_missed(c, slot, &at) < missed) count += mg_stand_on_edge(c, slot, &at);
+  }
+  if (count) mg_refresh(c);
+  return count;
+}
+
+/* Rows of pads on edges, appended to a list of rows that push. */
+MG_INTERNAL int mg_list_edged(const mg_context *c, int *list, int n) {
+  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+    if (c->run->closed[i] && mg_is_edged(c, i)) list[n++] = i;
+  return n;
+}
+
+/* After the blow, at the velocities it left: where the face stays, at a point or both ends of a side, and turns; returns at how
+   many points, 0 where it parts or stays flat. */
+static int mg_stays_at(mg_context *c, int patch, mg_brink *brink) {
+  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  mg_real field[3];
+  mg_field(c, patch, c->twist, field);
+  const mg_real least = mg_lowest(c, patch, field, brink->at), steep = sqrt(mg_dot2(field + 1, field + 1));
+  if (least > rest || !(steep * c->sys->length > rest)) return brink->n = 0;
+  brink->margin = 0, brink->normal[0] = -field[1] / steep, brink->normal[1] = -field[2] / steep;
+  for (int i = 0; i < c->hull.n_edge; i++) {
+    const mg_edge *e = c->hull.edge + i;
+    const mg_real u = mg_in_field(field, c->hull.spot[e->u].point), v = mg_in_field(field, c->hull.spot[e->v].point);
+    if (e->way || u > rest || v > rest || e->length <= MG_SHORT * c->hull.regions->shared) continue;
+    mg_support_at(&c->hull, e->u, brink->at), mg_support_at(&c->hull, e->v, brink->at + 1);
+    return brink->n = 2;
+  }
+  return brink->n = 1;
+}
+
+/* What a face covers that is struck at its edge has been struck with it, and is not told of by itself. */
+static void mg_open_quietly(mg_context *c, int slot) {
+  const int patch = mg_patch_in(c, slot);
+  for (int i = 0; i < c->first_pad; i++)
+    if (c->run->closed[i] && mg_patch_covers(c, patch, c->run->link[i]) && mg_row(c, i, c->twist) > 0)
+      c->run->closed[i] = c->run->active[i] = c->fired[i] = 0;
+}
+
+/* Lets the struck faces part, or go on from where they stay on their edges. */
+MG_INTERNAL void mg_leave_edges(mg_context *c, mg_events *events) {
+  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+    const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), torn = c->trying[slot] == MG_TORN;
+    mg_brink brink;
+    mg_real speed = 0;
+    int struck = torn;
+    if (c->trying[slot] < MG_EDGED) continue;
+    for (int k = 0; k < 3; k++) {
+      if (c->run->closed[pad + k] && -c->d_dot[pad + k] > speed) speed = -c->d_dot[pad + k];
+      struck |= c->run->closed[pad + k];
+    }
+    if (!struck) continue;
+    mg_open_quietly(c, slot);
+    mg_search_around(c, patch);
+    const int stays = mg_stays_at(c, patch, &brink);
+    if (torn) mg_befalls(c, events, pad, stays ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
+    else mg_befalls(c, events, pad, stays ? MG_IS_CAUGHT : MG_REBOUNDS, c->run->t, speed);
+    if (!stays) continue;
+    mg_give_way(c);
+    c->trying[slot] = 0;
+    mg_turn_at(c, slot, &brink);
+  }
+}
+
+/* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
+MG_INTERNAL int mg_nearing(const mg_context *c, int contact) {
+  return c->d_dot[contact] < -c->set->drift * c->sys->length / c->sys->time;
+}

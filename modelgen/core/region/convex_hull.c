@@ -1,0 +1,226 @@
+/* The convex hull of the kept pieces: of points on them first; then points are added where a curve passes over a
+   straight side, until none does, which also brings the ends of straight sides to their points of tangency. */
+#include "region/region.h"
+#include "base/base.h"
+
+#define MG_HULL_PASSES 60
+
+static int mg_add_spot(mg_hull *h, int track, int cut, mg_real t) {
+  if (h->n_spot == h->spot_room) {
+    h->overflow = 1;
+    return -1;
+  }
+  mg_spot *s = h->spot + h->n_spot;
+  s->track = track, s->cut = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_spot;
+  mg_on(h->track + track, t, s->point, s->tangent);
+  return h->n_spot++;
+}
+
+/* The ends of a piece and, of a curve, the ends of the spans between. */
+static void mg_spot_piece(mg_hull *h, const mg_piece *piece) {
+  const mg_track *k = h->track + piece->track;
+  int last = mg_add_spot(h, piece->track, piece->cut[0], piece->t[0]);
+  for (int i = k->span; i < k->span + k->n_span && last >= 0; i++) {
+    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->span[i].b, piece->t[1]) : piece->t[1];
+    if (t <= piece->t[0] || h->span[i].a >= piece->t[1]) continue;
+    const int end = t == piece->t[1], spot = mg_add_spot(h, piece->track, end ? piece->cut[1] : -1, t);
+    if (!k->straight) h->spot[last].next = spot, h->spot[last].t_end = t;
+    last = spot;
+  }
+}
+
+static void mg_spot_all(mg_hull *h) {
+  h->n_spot = 0;
+  for (int i = 0; i < h->n_piece; i++) mg_spot_piece(h, h->piece + i);
+  for (int i = 0; i < h->n_cut; i++) {
+    const mg_cut *cut = h->cut + i;
+    const int spot = mg_add_spot(h, cut->track[1], i, cut->t[1]);
+    if (spot >= 0) h->spot[spot].point[0] = cut->point[0], h->spot[spot].point[1] = cut->point[1];
+  }
+}
+
+static int mg_is_before(const mg_hull *h, int a, int b) {
+  const mg_real *p = h->spot[a].point, *q = h->spot[b].point;
+  return p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]);
+}
+
+/* Shell's sort: the spots from left to right. */
+static void mg_sort_spots(mg_hull *h, int n) {
+  int gap = 1;
+  while (gap < n / 3) gap = 3 * gap + 1;
+  for (; gap; gap /= 3)
+    for (int i = gap; i < n; i++) {
+      const int moved = h->order[i];
+      int j = i;
+      for (; j >= gap && mg_is_before(h, moved, h->order[j - gap]); j -= gap) h->order[j] = h->order[j - gap];
+      h->order[j] = moved;
+    }
+}
+
+/* Spots that are one with one further left are left out and noted as its twins, in a ring. */
+static int mg_join_twins(mg_hull *h, int n) {
+  const mg_real near = 2 * MG_SHARES * h->regions->shared;
+  int kept = 0;
+  for (int i = 0; i < n; i++) {
+    const int spot = h->order[i];
+    int same = -1;
+    for (int j = kept - 1; j >= 0 && same < 0; j--) {
+      const mg_spot *other = h->spot + h->order[j];
+      if (h->spot[spot].point[0] - other->point[0] > near) break;
+      if (mg_apart2(other->point, h->spot[spot].point) <= near) same = h->order[j];
+    }
+    if (same < 0) {
+      h->order[kept++] = spot;
+      continue;
+    }
+    const int next = h->spot[same].twin;
+    h->spot[same].twin = h->spot[spot].twin, h->spot[spot].twin = next;
+  }
+  return kept;
+}
+
+/* Whether p, q, r do not turn left at q. */
+static int mg_turns_right(const mg_hull *h, int p, int q, int r) {
+  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, whole[2] = {c[0] - a[0], c[1] - a[1]};
+  return mg_cross2(part, whole) <= 0;
+}
+
+/* Whether q is a point of a straight side from p to r. */
+static int mg_is_flat(const mg_hull *h, int p, int q, int r) {
+  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, rest[2] = {c[0] - b[0], c[1] - b[1]};
+  const mg_real whole[2] = {c[0] - a[0], c[1] - a[1]}, length = sqrt(mg_dot2(whole, whole));
+  if (!h->track[h->spot[q].track].straight || mg_dot2(part, rest) <= 0) return 0;
+  return mg_cross2(part, whole) <= h->regions->shared * length;
+}
+
+/* Andrew's monotone chain (Inf. Proc. Letters 9, 1979); returns the number of corners, left behind the order. */
+static int mg_hull_chain(const mg_hull *h, int n, int *corner) {
+  int count = 0;
+  for (int way = 0; way < 2; way++) {
+    const int floor = way ? count + 1 : 2;
+    for (int i = way; i < n; i++) {
+      const int spot = h->order[way ? n - 1 - i : i];
+      while (count >= floor && mg_turns_right(h, corner[count - 2], corner[count - 1], spot)) count--;
+      corner[count++] = spot;
+    }
+  }
+  return count > 1 ? count - 1 : count;
+}
+
+static int mg_drop_flat(const mg_hull *h, int count, int *corner) {
+  int i = 0;
+  while (i < count && count > 2) {
+    if (!mg_is_flat(h, corner[(i + count - 1) % count], corner[i], corner[(i + 1) % count])) {
+      i++;
+      continue;
+    }
+    count--;
+    for (int j = i; j < count; j++) corner[j] = corner[j + 1];
+  }
+  return count;
+}
+
+/* Of two corners' twins, those that one span of a curve joins: 1 from u on to v, -1 from v back to u, else 0. */
+static int mg_joined(const mg_hull *h, int *u, int *v) {
+  int a = *u;
+  do {
+    int b = *v;
+    do {
+      const int way = (h->spot[a].next == b) - (h->spot[b].next == a);
+      if (way) {
+        *u = a, *v = b;
+        return way;
+      }
+      b = h->spot[b].twin;
+    } while (b != *v);
+    a = h->spot[a].twin;
+  } while (a != *u);
+  return 0;
+}
+
+static void mg_make_edge(const mg_hull *h, mg_edge *e, int u, int v) {
+  e->u = u, e->v = v;
+  e->way = mg_joined(h, &e->u, &e->v);
+  const mg_spot *a = h->spot + e->u, *b = h->spot + e->v;
+  const mg_real chord[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
+  e->length = sqrt(mg_dot2(chord, chord));
+  e->normal[0] = e->length > 0 ? chord[1] / e->length : 0, e->normal[1] = e->length > 0 ? -chord[0] / e->length : 0;
+  const mg_real rise = e->way * mg_dot2(e->normal, a->tangent), fall = e->way * mg_dot2(e->normal, b->tangent);
+  if (!(rise > 0 && fall < 0)) e->way = 0;
+  e->sag = e->way ? e->length * rise / sqrt(mg_dot2(a->tangent, a->tangent)) : 0;
+}
+
+static void mg_make_edges(mg_hull *h) {
+  for (int i = 0; i < h->n_spot; i++) h->order[i] = h->spot[i].twin = i;
+  mg_sort_spots(h, h->n_spot);
+  const int n = mg_join_twins(h, h->n_spot);
+  int *corner = h->order + h->spot_room;
+  const int count = mg_drop_flat(h, mg_hull_chain(h, n, corner), corner);
+  for (int i = 0; i < count; i++) mg_make_edge(h, h->edge + i, corner[i], corner[(i + 1) % count]);
+  h->n_edge = count;
+}
+
+/* Where a span from one spot to the next is farthest along n; 0: at an end. */
+static int mg_find_top(const mg_hull *h, int spot, const mg_real *n, mg_real *t) {
+  const mg_spot *s = h->spot + spot, *to = h->spot + s->next;
+  if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
+  *t = mg_zero_along(h->track + s->track, MG_LEVEL, n, s->t, s->t_end);
+  return *t != s->t && *t != s->t_end;
+}
+
+/* Adds the point of a curve that is farthest beyond a straight side; returns whether there is one. */
+static int mg_raise_side(mg_hull *h, const mg_edge *e, int n) {
+  const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->spot[e->u].point);
+  mg_real best = 2 * MG_EPS * h->size, best_t = 0;
+  int from = -1;
+  for (int i = 0; i < n; i++) {
+    mg_real t, p[2], T[2];
+    if (h->spot[i].next < 0 || !mg_find_top(h, i, n_, &t)) continue;
+    mg_on(h->track + h->spot[i].track, t, p, T);
+    if (mg_dot2(n_, p) - floor > best) best = mg_dot2(n_, p) - floor, best_t = t, from = i;
+  }
+  if (from < 0) return 0;
+  const int added = mg_add_spot(h, h->spot[from].track, -1, best_t);
+  if (added < 0) return 0;
+  h->spot[added].next = h->spot[from].next, h->spot[added].t_end = h->spot[from].t_end;
+  h->spot[from].next = added, h->spot[from].t_end = best_t;
+  return 1;
+}
+
+/* Brings an end of a straight side that lies within a curve to the point of tangency. */
+static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
+  mg_spot *s = h->spot + spot;
+  int before = -1;
+  for (int i = 0; i < h->n_spot && before < 0; i++)
+    if (h->spot[i].next == spot) before = i;
+  if (before < 0 || s->next < 0) return;
+  mg_real t;
+  if (!mg_find_top(h, before, n, &t) && !mg_find_top(h, spot, n, &t)) return;
+  s->t = h->spot[before].t_end = t;
+  mg_on(h->track + s->track, t, s->point, s->tangent);
+}
+
+static void mg_settle_tangents(mg_hull *h) {
+  for (int i = 0; i < h->n_edge; i++) {
+    mg_edge *e = h->edge + i;
+    if (e->way || e->length <= MG_SHORT * h->regions->shared) continue;
+    mg_settle_tangent(h, e->u, e->normal), mg_settle_tangent(h, e->v, e->normal);
+  }
+  for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edge + i, h->edge[i].u, h->edge[i].v);
+}
+
+MG_INTERNAL void mg_make_hull(mg_hull *h) {
+  mg_spot_all(h);
+  mg_make_edges(h);
+  for (int pass = 0; pass < MG_HULL_PASSES; pass++) {
+    const int n = h->n_spot;
+    int raised = 0;
+    for (int i = 0; i < h->n_edge; i++)
+      if (!h->edge[i].way && h->edge[i].length > 0) raised += mg_raise_side(h, h->edge + i, h->n_spot);
+    if (!raised || h->n_spot == n) break;
+    mg_make_edges(h);
+  }
+  mg_settle_tangents(h);
+}

@@ -1,0 +1,235 @@
+/* Coulomb friction summed over what is pressed (rubbing.h), from integrals along its boundary.
+
+   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the integral
+   along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is smooth on
+   curves but near the centre, towards which these are divided. Where the centre is far, the direction is smooth all over the
+   region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few nodes. */
+/* How much of what friction can hold a force and torque take: the least that a twist rubs of all on which they work
+   alike. A smooth convex function of two unknowns, by the method of Broyden, Fletcher, Goldfarb and Shanno (Nocedal and
+   Wright, Numerical Optimization, 2006, chapter 6). */
+#include "region/region.h"
+#include "base/base.h"
+
+#define MG_AWAY 3       /* extents: from there on the centre of rotation is far */
+
+#define MG_FAR_AWAY 40
+
+typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
+  mg_real centre[2], e[2], ed[3], r, rd[2];
+} mg_ring;
+
+#define MG_TWIST_STEPS 80
+
+typedef struct {
+  const mg_press *press;
+  mg_real radius, from[3], across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
+} mg_search_plane;
+
+/* Adds a piece of boundary at d with weight d cross dx. */
+static void mg_add_ring(mg_ring *g, mg_real weight, const mg_real *d) {
+  const mg_real r = sqrt(mg_dot2(d, d));
+  if (!(r > 0)) return;
+  const mg_real x = d[0] / r, y = d[1] / r;
+  g->e[0] += weight * x / 2, g->e[1] += weight * y / 2;
+  g->ed[0] += weight * x * d[0] / 3, g->ed[1] += weight * x * d[1] / 3, g->ed[2] += weight * y * d[1] / 3;
+  g->r += weight * r / 3, g->rd[0] += weight * r * d[0] / 4, g->rd[1] += weight * r * d[1] / 4;
+}
+
+/* Adds a straight piece of boundary from P to Q. */
+static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
+  const mg_real length = mg_apart2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
+  if (!(length > 0)) return;
+  const mg_real t[2] = {(Q[0] - P[0]) / length, (Q[1] - P[1]) / length}, h = mg_cross2(p, t);
+  if (h == 0) return;
+  const mg_real a = mg_dot2(p, t), b = a + length, f[2] = {h * t[1], -h * t[0]};
+  const mg_real ra = sqrt(a * a + h * h), rb = sqrt(b * b + h * h);
+  const mg_real k0 = asinh(b / fabs(h)) - asinh(a / fabs(h)), k1 = (b + a) * length / (rb + ra);
+  const mg_real k2 = (b * rb - a * ra - h * h * k0) / 2, r0 = (b * rb - a * ra + h * h * k0) / 2;
+  const mg_real r1 = (rb * rb * rb - ra * ra * ra) / 3;
+  for (int i = 0; i < 2; i++)
+    g->e[i] += h / 2 * (f[i] * k0 + t[i] * k1), g->rd[i] += h / 4 * (f[i] * r0 + t[i] * r1);
+  g->ed[0] += h / 3 * (f[0] * f[0] * k0 + 2 * f[0] * t[0] * k1 + t[0] * t[0] * k2);
+  g->ed[1] += h / 3 * (f[0] * f[1] * k0 + (f[0] * t[1] + f[1] * t[0]) * k1 + t[0] * t[1] * k2);
+  g->ed[2] += h / 3 * (f[1] * f[1] * k0 + 2 * f[1] * t[1] * k1 + t[1] * t[1] * k2);
+  g->r += h / 3 * r0;
+}
+
+/* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
+static void mg_add_curve(mg_ring *g, const mg_track *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q, mg_real least) {
+  const mg_real t = (t0 + t1) / 2, length = mg_apart2(P, Q);
+  mg_real x[2], T[2];
+  mg_on(k, t, x, T);
+  const mg_real near = fmin(fmin(mg_apart2(P, g->centre), mg_apart2(Q, g->centre)), mg_apart2(x, g->centre));
+  if (2 * length > near && length > least) {
+    mg_add_curve(g, k, t0, t, P, x, least), mg_add_curve(g, k, t, t1, x, Q, least);
+    return;
+  }
+  for (int j = 0; j < MG_NODES; j++) {
+    mg_on(k, t0 + mg_node[j] * (t1 - t0), x, T);
+    const mg_real d[2] = {x[0] - g->centre[0], x[1] - g->centre[1]};
+    mg_add_ring(g, mg_node_weight[j] * (t1 - t0) * mg_cross2(d, T), d);
+  }
+}
+
+/* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
+static void mg_go_round_ring(const mg_press *p, mg_ring *g) {
+  for (long i = 0; i < p->n; i++) {
+    const mg_strip *s = p->strip + i;
+    if (s->straight) mg_add_straight(g, s->P, s->Q);
+    else mg_add_curve(g, p->hull->track + s->track, s->t[0], s->t[1], s->P, s->Q, sqrt(MG_EPS) * p->extent);
+    if (s->ends[0]) mg_add_straight(g, p->foot, s->P);
+    if (s->ends[1]) mg_add_straight(g, s->Q, p->foot);
+  }
+}
+
+/* From the sums about the centre of rotation, q off the centre of pressure, to G about that. */
+static void mg_shift_ring(const mg_ring *g, const mg_real *q, int sign, mg_real G[3][3]) {
+  const mg_real ed[2][2] = {{g->ed[0], g->ed[1]}, {g->ed[1], g->ed[2]}};
+  for (int j = 0; j < 3; j++) {
+    const mg_real by = j ? q[j - 1] : 1;
+    const mg_real x = (j ? ed[0][j - 1] : 0) + by * g->e[0], y = (j ? ed[1][j - 1] : 0) + by * g->e[1];
+    G[0][j] = -sign * y, G[1][j] = sign * x;
+    G[2][j] = sign * ((j ? g->rd[j - 1] : 0) + by * g->r) + q[0] * G[1][j] - q[1] * G[0][j];
+  }
+}
+
+/* Adds a point of the region, d off the centre of pressure. */
+static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
+  const mg_real v[2] = {twist[0] - twist[2] * d[1], twist[1] + twist[2] * d[0]}, size = sqrt(mg_dot2(v, v));
+  if (!(size > 0)) return;
+  const mg_real by[3] = {weight, weight * d[0], weight * d[1]}, u[2] = {v[0] / size, v[1] / size}, arm = mg_cross2(d, u);
+  for (int j = 0; j < 3; j++) G[0][j] += u[0] * by[j], G[1][j] += u[1] * by[j], G[2][j] += arm * by[j];
+}
+
+/* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
+static void mg_add_ray(const mg_press *p, const mg_real *twist, int n, mg_real weight, const mg_real *x, mg_real G[3][3]) {
+  static const mg_real few[2][MG_FEW] = {
+      {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
+       (mg_real)0.930568155797026287611973},
+      {(mg_real)0.173927422568726928686532, (mg_real)0.326072577431273071313468, (mg_real)0.326072577431273071313468,
+       (mg_real)0.173927422568726928686532}};
+  const mg_real *node = n == MG_FEW ? few[0] : mg_node, *part = n == MG_FEW ? few[1] : mg_node_weight;
+  for (int j = 0; j < n; j++) {
+    mg_real d[2];
+    for (int k = 0; k < 2; k++) d[k] = p->foot[k] - p->centre[k] + node[j] * (x[k] - p->foot[k]);
+    mg_add_slip(twist, part[j] * node[j] * weight, d, G);
+  }
+}
+
+static void mg_rub_far(const mg_press *p, const mg_real *twist, int n, mg_real G[3][3]) {
+  for (long i = 0; i < p->n; i++) {
+    const mg_strip *s = p->strip + i;
+    for (int j = 0; j < MG_NODES; j++) {
+      mg_real x[2], T[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+      if (s->straight)
+        for (int k = 0; k < 2; k++) x[k] = s->P[k] + mg_node[j] * T[k];
+      else mg_on(p->hull->track + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      const mg_real arm[2] = {x[0] - p->foot[0], x[1] - p->foot[1]}, whole = s->straight ? 1 : s->t[1] - s->t[0];
+      mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
+    }
+  }
+}
+
+MG_INTERNAL void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
+  const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->extent;
+  for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
+  if (away >= MG_AWAY * turn) {
+    mg_rub_far(p, twist, away < MG_FAR_AWAY * turn ? MG_NODES : MG_FEW, G);
+    return;
+  }
+  const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
+  mg_ring ring = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
+  mg_go_round_ring(p, &ring);
+  mg_shift_ring(&ring, q, twist[2] > 0 ? 1 : -1, G);
+}
+
+static void mg_twist_of(const mg_search_plane *s, const mg_real *y, mg_real *twist) {
+  for (int k = 0; k < 3; k++) twist[k] = s->from[k] + y[0] * s->across[0][k] + y[1] * s->across[1][k];
+}
+
+/* What a twist rubs, and how that grows with y. */
+static mg_real mg_rubs_at(const mg_search_plane *s, const mg_real *y, mg_real *slope) {
+  mg_real twist[3], force[3], G[3][3], power = 0;
+  mg_twist_of(s, y, twist);
+  twist[2] /= s->radius;
+  mg_rub(s->press, twist, G);
+  const mg_real *level = s->press->level;
+  for (int k = 0; k < 3; k++) {
+    force[k] = G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2];
+    power += force[k] * twist[k];
+  }
+  force[2] /= s->radius;
+  for (int j = 0; j < 2; j++) {
+    slope[j] = 0;
+    for (int k = 0; k < 3; k++) slope[j] += force[k] * s->across[j][k];
+  }
+  return power;
+}
+
+/* The plane of twists on which the force, of size 1, works 1. */
+static void mg_open_plane(mg_search_plane *s, const mg_real *force) {
+  int least = 0;
+  mg_real size = 0;
+  for (int k = 1; k < 3; k++)
+    if (fabs(force[k]) < fabs(force[least])) least = k;
+  for (int k = 0; k < 3; k++) {
+    s->from[k] = force[k], s->across[0][k] = (k == least) - force[least] * force[k];
+    size += s->across[0][k] * s->across[0][k];
+  }
+  for (int k = 0; k < 3; k++) s->across[0][k] /= sqrt(size);
+  for (int k = 0; k < 3; k++) {
+    const int a = (k + 1) % 3, b = (k + 2) % 3;
+    s->across[1][k] = force[a] * s->across[0][b] - force[b] * s->across[0][a];
+  }
+}
+
+/* A shorter step until the power falls as it should (Armijo); the slope at its end. Returns the power there. */
+static mg_real mg_step_down(const mg_search_plane *s, mg_real power, const mg_real *slope, mg_real *y, mg_real *step,
+                            mg_real *slope_next) {
+  mg_real next[2], found = power;
+  const mg_real fall = slope[0] * step[0] + slope[1] * step[1];
+  for (mg_real part = 1; part > sqrt(MG_EPS); part /= 2) {
+    for (int k = 0; k < 2; k++) next[k] = y[k] + part * step[k];
+    found = mg_rubs_at(s, next, slope_next);
+    if (found > power + part * fall / 10000 + 4 * MG_EPS * power) continue;
+    for (int k = 0; k < 2; k++) step[k] *= part, y[k] = next[k];
+    return found;
+  }
+  step[0] = step[1] = 0;
+  return power;
+}
+
+/* The inverse of the Hessian that the step taken suggests; H: xx, xy, yy. */
+static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *grown) {
+  const mg_real curve = step[0] * grown[0] + step[1] * grown[1];
+  if (!(curve > 0)) return;
+  const mg_real Hg[2] = {H[0] * grown[0] + H[1] * grown[1], H[1] * grown[0] + H[2] * grown[1]};
+  const mg_real more = (1 + (grown[0] * Hg[0] + grown[1] * Hg[1]) / curve) / curve;
+  H[0] += more * step[0] * step[0] - 2 * Hg[0] * step[0] / curve;
+  H[1] += more * step[0] * step[1] - (Hg[0] * step[1] + Hg[1] * step[0]) / curve;
+  H[2] += more * step[1] * step[1] - 2 * Hg[1] * step[1] / curve;
+}
+
+MG_INTERNAL mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
+  const mg_real force[3] = {wrench[0], wrench[1], wrench[2] / radius};
+  const mg_real size = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
+  mg_search_plane s = {p, radius, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
+  mg_real y[2] = {0, 0}, slope[2], next[2];
+  twist[0] = 1, twist[1] = twist[2] = 0;
+  if (!(size > 0)) return 0;
+  const mg_real unit[3] = {force[0] / size, force[1] / size, force[2] / size};
+  mg_open_plane(&s, unit);
+  mg_real power = mg_rubs_at(&s, y, slope), H[3] = {1 / power, 0, 1 / power};
+  for (int i = 0; i < MG_TWIST_STEPS && fabs(slope[0]) + fabs(slope[1]) > 64 * MG_EPS * power; i++) {
+    mg_real step[2] = {-H[0] * slope[0] - H[1] * slope[1], -H[1] * slope[0] - H[2] * slope[1]};
+    power = mg_step_down(&s, power, slope, y, step, next);
+    if (step[0] == 0 && step[1] == 0) break;
+    const mg_real grown[2] = {next[0] - slope[0], next[1] - slope[1]};
+    mg_update_inverse(H, step, grown);
+    slope[0] = next[0], slope[1] = next[1];
+  }
+  mg_twist_of(&s, y, twist);
+  const mg_real length = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + twist[2] * twist[2]);
+  for (int k = 0; k < 3; k++) twist[k] /= length;
+  return size / power;
+}

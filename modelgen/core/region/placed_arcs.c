@@ -1,0 +1,226 @@
+/* Arcs placed in the plane, and divided into spans of little turn. */
+#include "region/region.h"
+#include "base/base.h"
+
+#define MG_TURN_MOST 0.3 /* rad, of a span */
+
+#define MG_FINEST 512    /* spans of an arc at most */
+
+#define MG_BENDS 8       /* parts of a span in which an inflection is sought */
+
+MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
+  const mg_real uv[2] = {t, 0};
+  const mg_real *a = k->axis;
+  mg_real x[3], d[3];
+  k->kernels->shape_point(k->shape, uv, k->parameters, x, d);
+  point[0] = k->at[0] + (a[0] * x[0] + a[2] * x[1] + a[4] * x[2]);
+  point[1] = k->at[1] + (a[1] * x[0] + a[3] * x[1] + a[5] * x[2]);
+  tangent[0] = a[0] * d[0] + a[2] * d[1] + a[4] * d[2];
+  tangent[1] = a[1] * d[0] + a[3] * d[1] + a[5] * d[2];
+}
+
+/* The unit tangent in place of one of any length. */
+static void mg_unit2(mg_real *d) {
+  const mg_real size = sqrt(mg_dot2(d, d));
+  if (size > 0) d[0] /= size, d[1] /= size;
+}
+
+static void mg_turn_of(mg_span *s) {
+  mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+  mg_unit2(chord);
+  const int back = mg_dot2(chord, s->S) < 0.5 || mg_dot2(chord, s->E) < 0.5;
+  s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
+}
+
+MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span) {
+  span->track = track, span->a = a, span->b = b;
+  mg_on(h->track + track, a, span->P, span->S), mg_on(h->track + track, b, span->Q, span->E);
+  mg_unit2(span->S), mg_unit2(span->E);
+  mg_turn_of(span);
+}
+
+/* Whether the arc is a straight line, to rounding. */
+static int mg_is_straight(const mg_track *k) {
+  static const mg_real parts[] = {0.23, 0.5, 0.81};
+  mg_real P[2], Q[2], T[2], E[2];
+  mg_on(k, k->t0, P, T), mg_on(k, k->t1, Q, E);
+  mg_real chord[2] = {Q[0] - P[0], Q[1] - P[1]};
+  const mg_real size = fabs(P[0]) + fabs(P[1]) + fabs(Q[0]) + fabs(Q[1]);
+  mg_unit2(chord), mg_unit2(T), mg_unit2(E);
+  int straight = mg_dot2(chord, T) > 0.5 && mg_dot2(chord, E) > 0.5;
+  for (int i = 0; i < 3 && straight; i++) {
+    mg_real x[2], D[2];
+    mg_on(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
+    const mg_real arm[2] = {x[0] - P[0], x[1] - P[1]};
+    mg_unit2(D);
+    straight = fabs(mg_cross2(chord, arm)) <= 4 * MG_EPS * size && fabs(mg_cross2(chord, D)) <= sqrt(MG_EPS);
+  }
+  return straight;
+}
+
+static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
+  mg_real x[2], T[2], E[2];
+  if (sought == MG_BEND) {
+    const mg_real step = (k->t1 - k->t0) / 4096;
+    mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
+    return mg_cross2(T, E);
+  }
+  mg_on(k, t, x, T);
+  const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
+  return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
+}
+
+/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
+MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
+  if (sought == MG_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
+  if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
+  const mg_real least = MG_EPS * (fabs(a) + fabs(b));
+  for (int i = 1; i < 100 && fabs(b - a) > least; i++) {
+    const int halve = i % 8 == 0;
+    t = halve ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
+    if (!halve && fabs(t - b) <= least / 2) return t;
+    const mg_real f = mg_sought(k, sought, v, t);
+    if (f == 0) return t;
+    if (f * fb < 0) {
+      a = b, fa = fb;
+    } else {
+      const mg_real kept = 1 - f / fb;
+      fa *= kept > 0 ? kept : (mg_real)0.5;
+    }
+    b = t, fb = f;
+  }
+  return t;
+}
+
+/* Ends a span at the first inflection within it, if there is one. */
+static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
+  const mg_track *k = h->track + s->track;
+  const mg_real part = (s->b - s->a) / MG_BENDS;
+  mg_real before = mg_sought(k, MG_BEND, s->P, s->a);
+  for (int i = 0; i < MG_BENDS; i++) {
+    const mg_real low = s->a + i * part, high = low + part, bend = mg_sought(k, MG_BEND, s->P, high);
+    const int changed = (before > 0) != (bend > 0);
+    before = bend;
+    if (!changed) continue;
+    const mg_real t = mg_zero_along(k, MG_BEND, s->P, low, high);
+    if (!(t > s->a + part / 64 && t < s->b - part / 64)) continue;
+    mg_span_between(h, s->track, s->a, t, s);
+    return;
+  }
+}
+
+/* At most `most` spans of an arc from its start on, each as long as its turn allows. */
+static void mg_divide(mg_hull *h, int track, int most) {
+  mg_track *k = h->track + track;
+  const mg_real whole = k->t1 - k->t0;
+  mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
+  k->span = h->n_span;
+  while (done < 1) {
+    const mg_real least = (1 - done) / (most - (h->n_span - k->span));
+    if (part < least) part = least;
+    const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
+    mg_span *s = h->span + h->n_span;
+    mg_span_between(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
+    if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && part / 2 > least) {
+      part /= 2;
+      continue;
+    }
+    if (!k->straight && k->kernels->shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
+    done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
+    if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
+    if (k->straight) s->turn = 0;
+  }
+  k->n_span = h->n_span - k->span;
+}
+
+/* The spans of all arcs; the curves share the room equally. */
+static void mg_divide_all(mg_hull *h) {
+  const int n = h->regions->n_arc;
+  int straight = 0, curved = 0;
+  for (int i = 0; i < n; i++) straight += h->track[i].straight, curved += !h->track[i].straight;
+  h->n_span = 0;
+  for (int i = 0; i < n; i++) {
+    if (h->track[i].straight) mg_divide(h, i, 1), straight--;
+    else mg_divide(h, i, (h->span_room - h->n_span - straight) / curved), curved--;
+  }
+}
+
+/* The arc that goes on where arc i ends. */
+static int mg_following(const mg_regions *r, int i) {
+  const int loop = r->arc[i].loop;
+  if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
+  while (i > 0 && i != r->n_o && r->arc[i - 1].loop == loop) i--;
+  return i;
+}
+
+/* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
+static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
+  const mg_real *place = h->regions->arc[i].place;
+  mg_track *k = h->track + i;
+  for (int row = 0; row < 2; row++) {
+    const mg_real *g = pose ? pose + row : 0;
+    k->at[row] = g ? g[0] + g[3] * place[0] + g[6] * place[1] + g[9] * place[2] : place[row];
+    for (int j = 0; j < 3; j++) {
+      const mg_real *column = place + 3 + 3 * j;
+      k->axis[2 * j + row] = g ? g[3] * column[0] + g[6] * column[1] + g[9] * column[2] : column[row];
+    }
+  }
+}
+
+/* Points that arcs of one loop share are the same point. */
+static void mg_close_loop(mg_hull *h, int i) {
+  const mg_track *k = h->track + i;
+  mg_span *last = h->span + k->span + k->n_span - 1;
+  for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[k->next].span].P[j];
+}
+
+static mg_real mg_reach_of_track(const mg_hull *h, int i) {
+  mg_real most = 0;
+  for (int j = h->track[i].span; j < h->track[i].span + h->track[i].n_span; j++)
+    most = fmax(most, fabs(h->span[j].P[0]) + fabs(h->span[j].P[1]));
+  return most;
+}
+
+/* Whether the region that an arc bounds lies on its right. */
+static int mg_has_right(const mg_hull *h, int i) {
+  const mg_track *k = h->track + i;
+  mg_real x[2], T[2];
+  mg_on(k, (k->t0 + k->t1) / 2, x, T);
+  mg_unit2(T);
+  const mg_real step = 8 * MG_SHARES * h->regions->shared, right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
+  return mg_is_inside(h, k->side, right) == 1;
+}
+
+MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
+  const mg_regions *r = h->regions;
+  for (int i = 0; i < r->n_arc; i++) {
+    mg_track *k = h->track + i;
+    k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
+    k->side = i >= r->n_o, k->next = mg_following(r, i);
+    mg_place_track(h, i, 0);
+    k->straight = mg_is_straight(k);
+  }
+  mg_divide_all(h);
+  for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
+  for (int i = 0; i < r->n_arc; i++) h->track[i].right = mg_has_right(h, i);
+}
+
+MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose) {
+  const mg_regions *r = h->regions;
+  h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
+  for (int i = r->n_o; i < r->n_arc; i++) {
+    const mg_track *k = h->track + i;
+    mg_place_track(h, i, pose);
+    for (int j = k->span; j < k->span + k->n_span; j++) {
+      mg_span *s = h->span + j;
+      mg_span_between(h, i, s->a, s->b, s);
+      if (k->straight) s->turn = 0;
+    }
+  }
+  h->size = 0;
+  for (int i = 0; i < r->n_arc; i++) {
+    mg_close_loop(h, i);
+    h->size = fmax(h->size, mg_reach_of_track(h, i));
+  }
+}

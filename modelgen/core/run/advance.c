@@ -1,0 +1,215 @@
+/* The loop: step, search for events, commit, project, change mode, keep the ledger. */
+#include "run/run.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+#include "features/features.h"
+#include "events/events.h"
+#include "timestep/timestep.h"
+
+/* Tries steps from *h down until one is accurate enough; *h is then its size, and run->h the next to try. */
+static int mg_accurate_step(mg_context *c, mg_real *h) {
+  mg_run *run = c->run;
+  mg_real most = 6;
+  c->tried = 0;
+  for (;;) {
+    const mg_real error = mg_try_step(c, run->t, run->x, *h);
+    const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
+    if (finite && error <= 1) {
+      const mg_real next = *h * mg_growth(error, most);
+      if (c->set->method == MG_RK4) return MG_DONE;
+      if (mg_starts_slipping(c)) run->h = c->pace;
+      else if (next > run->h || *h >= run->h || most < 6) run->h = next;
+      return MG_DONE;
+    }
+    run->rejected++;
+    if (c->set->method == MG_RK4) return MG_NOT_FINITE;
+    most = 1;
+    *h *= finite ? mg_growth(error, most) : MG_SHORTER;
+    run->h = *h;
+    if (*h < c->set->step_min * c->sys->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
+  }
+}
+
+/* The end of the step h with eta on the extremum, in c->settled. Returns 0 where a closed contact passed its
+   singularity, or lost it, and a shorter step can still come nearer. */
+static int mg_settle_end(mg_context *c, mg_real h) {
+  const mg_run *run = c->run;
+  for (int i = 0; i < c->n_x; i++) c->settled[i] = c->x_next[i];
+  mg_normalise(c, c->settled);
+  int sound = mg_place_all(c, run->t + h, c->settled);
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (mg_is_singular(c, i)) sound = 0;
+  return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
+}
+
+/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points have
+   leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
+static int mg_leaps(const mg_context *c, mg_real h) {
+  const mg_real least = c->sys->length / c->sys->time, part = c->set->leap * c->set->tolerance;
+  if (c->set->method == MG_RK4 || !c->set->project || !c->set->use_gamma) return 0;
+  if (mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
+  for (int i = 0; i < c->first_pad; i++) {
+    if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->d_dot[i]) > part * least)) continue;
+    if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->sys->contact_pair[i]).speed) return 1;
+  }
+  return 0;
+}
+
+static void mg_commit(mg_context *c, mg_real h) {
+  for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
+  mg_pass_time(c->run, h);
+  c->run->steps++;
+  mg_grow_up(c);
+  mg_slip_on(c);
+}
+
+static int mg_settle_drift(mg_context *c) {
+  if (!mg_finite(c->run->x, c->n_x)) return MG_NOT_FINITE;
+  mg_refresh(c);
+  if (!c->set->project || ++c->run->since_projection < c->set->project) return MG_DONE;
+  c->run->since_projection = 0;
+  return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
+}
+
+/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be one
+   alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
+static int mg_differs(const mg_context *c, mg_real h) {
+  return c->set->stride < 1 && c->run->t == c->run->t_event && h > c->set->event * c->sys->time;
+}
+
+static int mg_step_part(mg_context *c, mg_real *h) {
+  *h *= c->set->stride;
+  int outcome = MG_DONE;
+  if (mg_starts_rolling(c)) mg_end_earlier(c, c->run->x, c->set->stride);
+  else {
+    mg_refresh(c);
+    outcome = mg_accurate_step(c, h);
+  }
+  if (!outcome) mg_finish_step(c, c->run->t, *h);
+  return outcome;
+}
+
+/* The longest step in which nothing passes unseen. */
+static mg_real mg_longest(const mg_context *c) {
+  const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), unfolding = mg_unfolding(c);
+  const mg_real seen = sight < reach ? sight : reach;
+  return (mg_differs(c, MG_MAX) ? 1 : c->set->stride) * (seen < unfolding ? seen : unfolding);
+}
+
+/* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
+static mg_real mg_first_within(mg_context *c, mg_real h) {
+  const int dips = mg_mark_dips(c, h), fired = mg_fired(c, c->x_next), hidden = !fired && !c->suspect && mg_may_strain(c);
+  const int passed = fired || c->suspect || hidden || dips == MG_WAVES;
+  if (!passed && !dips) return 0;
+  mg_make_dense(c, c->run->t, c->run->x, h);
+  return mg_locate(c, h, passed);
+}
+
+/* A stage saw an event that is over before it could be located: what moves in time came and went. */
+static int mg_overlooks(const mg_context *c, mg_real h) {
+  return c->n_timed && c->suspect && h > c->set->look * c->sys->time;
+}
+
+/* Ends a step that was collocated beyond the time it may take. */
+static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
+  if (*h <= end) return 0;
+  mg_end_earlier(c, c->run->x, end / *h);
+  *h = end;
+  return 1;
+}
+
+/* Takes the step h that is settled, and what happens at its end. */
+static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
+  mg_record_until(c, record, h);
+  mg_commit(c, h);
+  int outcome = mg_settle_drift(c);
+  if (outcome) return outcome;
+  if (event) outcome = mg_change_mode(c, events);
+  else if (mg_unsettled(c)) {
+    mg_forget_events(c);
+    outcome = mg_solve_modes(c, events);
+  }
+  if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
+  mg_ledger(c);
+  if (!outcome) outcome = mg_vault_all(c, record, events);
+  if (!outcome) outcome = mg_check_margins(c, events);
+  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
+}
+
+/* No step now, and a shorter one next. */
+static int mg_shorten(mg_context *c, mg_real h) {
+  c->run->rejected++, c->run->h = h / 2;
+  mg_refresh(c);
+  return MG_DONE;
+}
+
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
+   begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
+static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  mg_run *run = c->run;
+  const mg_real end = h;
+  const mg_real longest = mg_longest(c);
+  if (mg_starts_rolling(c)) h = run->h;
+  if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
+  mg_real before, after;
+  const int jerks = mg_find_jerk(c, h, &before, &after);
+  if (jerks && before - run->t <= c->set->event * c->sys->time) return mg_take_jerk(c, after, events);
+  if (jerks) h = before - run->t;
+  c->left.count = 0;
+  mg_note_gaps(c);
+  mg_mark_upright(c);
+  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
+  mg_begin_strain(c);
+  int outcome = mg_accurate_step(c, &h);
+  if (outcome) return outcome;
+  mg_finish_step(c, run->t, h);
+  if (mg_hides_on_way(c, h)) return mg_shorten(c, h);
+  const mg_real shorter = mg_first_within(c, h);
+  int event = shorter > 0;
+  if (event) h = shorter;
+  else if (mg_overlooks(c, h)) return mg_shorten(c, h);
+  if (mg_differs(c, h)) {
+    outcome = mg_step_part(c, &h), event = 0;
+    if (outcome) return outcome;
+  }
+  event &= !mg_is_cut(c, &h, end);
+  if (mg_leaps(c, h) || !mg_settle_end(c, h)) return mg_shorten(c, h);
+  return mg_conclude(c, h, event, record, events);
+}
+
+/* A step of the method, or of time-stepping where it has to stand in for it. */
+static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  int outcome;
+  if (mg_steps_in_time(c)) {
+    outcome = mg_time_step(c, h, record, events);
+    if (!outcome) outcome = mg_take_up(c, events);
+  } else outcome = mg_step(c, h, record, events);
+  outcome = mg_verdict(c, outcome);
+  return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
+}
+
+MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
+                      long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  c.until = t_stop;
+  mg_refresh(&c);
+  if (!(run->h > 0)) run->h = mg_first_step(&c);
+  mg_preview(&c, record);
+  mg_record_now(&c, record);
+  for (long step = 0; run->t < t_stop; step++) {
+    if (step >= max_steps) return MG_CONTINUE;
+    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
+    const mg_real left = t_stop - run->t - run->t_rest;
+    const mg_real h = mg_next_step(&c);
+    const int last = h >= left * (1 - 8 * MG_EPS);
+    const int outcome = mg_step_on(&c, last ? left : h, record, events);
+    if (outcome) return outcome;
+    if (last && t_stop - run->t - run->t_rest <= 8 * MG_EPS * left) run->t = t_stop, run->t_rest = 0;
+    mg_record_now(&c, record);
+  }
+  return MG_DONE;
+}

@@ -1,0 +1,58 @@
+/* run/queries */
+#include "run/run.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+
+MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const mg_run *run, int contact, mg_real *eta,
+                     mg_real *d, mg_real *residual, mg_real *margin, mg_real *normal, mg_real *point_o,
+                     mg_real *point_f, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_run copy = *run;
+  mg_open(&c, system, settings, &copy, work, iwork);
+  mg_poses(&c, run->t, run->x);
+  const int steps = mg_settle_in(&c, contact, eta);
+  *d = c.place[0], residual[0] = c.place[1], residual[1] = c.place[2], margin[0] = c.place[3], margin[1] = c.place[4];
+  for (int k = 0; k < 3; k++)
+    normal[k] = c.place[5 + k], point_o[k] = c.place[8 + k], point_f[k] = c.place[11 + k];
+  return steps;
+}
+
+MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,
+                        int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_poses(&c, run->t, run->x);
+  for (int i = 0; i < 12 * system->n_body; i++) pose[i] = c.pose[i];
+}
+
+MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,
+                        const mg_real *x, mg_real *x_dot, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_rhs(&c, t, x, x_dot);
+  for (int i = 0; i < system->n_contact; i++) run->force[i] = c.force[i];
+}
+
+MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
+                           int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  mg_poses(&c, run->t, run->x);
+  mg_joint_rates(&c, run->t);
+  for (int j = 0; j < system->n_joint; j++) rank[j] = 0;
+  mg_rank_joints(&c, rank);
+}
+
+MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
+                      int *iwork) {
+  mg_context c;
+  mg_open(&c, system, settings, run, work, iwork);
+  for (long step = 0; step < n; step++) {
+    mg_rhs(&c, run->t, run->x, c.K);
+    mg_rk4(&c, run->t, run->x, settings->step);
+    for (int i = 0; i < c.n_x; i++) run->x[i] = c.x_next[i];
+    mg_pass_time(run, settings->step);
+  }
+  run->steps += n;
+}

@@ -1,0 +1,16 @@
+/* The public functions: memory, start, advance, batches, queries. May use: every room. */
+#ifndef MG_RUN_H
+#define MG_RUN_H
+
+#include "model/context.h"
+
+#define MG_BELOW 5 /* most rows of a contact below its normal one */
+
+/* workspace.c */
+MG_INTERNAL void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
+                         int *iwork);
+
+/* nonfinite_inputs.c */
+MG_INTERNAL int mg_verdict(mg_context *c, int outcome);
+
+#endif

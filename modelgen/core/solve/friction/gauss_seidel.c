@@ -1,0 +1,202 @@
+/* One contact while the others stay: exact for N and slip, then spin and rolling with N given. */
+/* Projected block Gauss-Seidel over the contacts. */
+#include "solve/friction/solvers.h"
+#include "base/base.h"
+
+enum { MG_LOCAL_ROOT = 40, MG_LOCAL_DOUBLINGS = 80 };
+
+typedef struct {           /* T f + c = -alpha f on a disc; N = base + slope.f */
+  int k;
+  mg_real T[4], c[2], slope[2], base;
+} mg_disc;
+
+enum { MG_ROWS_AT_MOST = 6 };
+
+/* f = -(T + alpha I)^-1 c. Returns 0 where that is singular. */
+static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f)
+{
+  mg_real a = d->T[0] + alpha, b = d->T[3] + alpha, determinant;
+  if (d->k == 1) {
+    if (!(a > MG_LCP_RANK(1))) return 0;
+    f[0] = -d->c[0] / a;
+    return 1;
+  }
+  determinant = a * b - d->T[1] * d->T[2];
+  if (!(a > 0 && b > 0 && determinant > MG_LCP_RANK(1) * a * b)) return 0;
+  f[0] = (d->T[2] * d->c[1] - b * d->c[0]) / determinant;
+  f[1] = (d->T[1] * d->c[0] - a * d->c[1]) / determinant;
+  return 1;
+}
+
+static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f)
+{
+  mg_real radius = d->base;
+  for (int i = 0; i < d->k; ++i) radius += d->slope[i] * f[i];
+  return radius;
+}
+
+/* N - |f|; far below 0 where the force is not defined. */
+static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f)
+{
+  if (!mg_disc_force(d, alpha, f)) return -MG_MAX;
+  return mg_disc_radius(d, f) - mg_friction_norm(d->k, f);
+}
+
+/* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
+static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f)
+{
+  int side = 0;
+  for (int i = 0; i < MG_LOCAL_ROOT; ++i) {
+    mg_real middle = (low + high) / 2, room;
+    if (room_low > -1 / MG_EPS) middle = high - room_high * (high - low) / (room_high - room_low);
+    if (!(middle > low && middle < high)) middle = (low + high) / 2;
+    room = mg_disc_room(d, middle, f);
+    if (fabs(room) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
+    if (room < 0) {
+      low = middle, room_low = room;
+      if (side == -1) room_high /= 2;
+      side = -1;
+    } else {
+      high = middle, room_high = room;
+      if (side == 1) room_low /= 2;
+      side = 1;
+    }
+  }
+}
+
+/* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
+static void mg_disc_solve(const mg_disc *d, mg_real *f)
+{
+  mg_real room = mg_disc_room(d, 0, f), low = 0, high, room_high = 0;
+  if (room >= 0) return;
+  high = (mg_real)fabs(d->T[0]) + (mg_real)fabs(d->T[3]);
+  if (!(high > 0)) high = 1;
+  for (int i = 0; i < MG_LOCAL_DOUBLINGS; ++i) {
+    room_high = mg_disc_room(d, high, f);
+    if (room_high >= 0) break;
+    low = high;
+    room = room_high;
+    high *= 4;
+  }
+  if (room_high > 0) mg_disc_root(d, low, room, high, room_high, f);
+}
+
+/* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */
+static mg_real mg_local_motion(const mg_frictional *s, int row, int from, int to, const mg_real *y)
+{
+  mg_real b = s->v[row];
+  for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
+  return b;
+}
+
+/* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
+static void mg_disc_set(const mg_frictional *s, int part, int from, int to, int held, mg_real *y, mg_disc *d)
+{
+  const int m = s->m, row = s->part_row[part];
+  const mg_real a = s->S[from + from * m];
+  mg_real b;
+  d->k = s->part_dim[part];
+  d->T[3] = 0;
+  for (int i = 0; i < d->k; ++i) y[row - from + i] = 0;
+  if (!held) y[0] = 0;
+  b = held ? 0 : mg_local_motion(s, from, from, to, y);
+  d->base = held ? y[0] : -b / a;
+  for (int i = 0; i < d->k; ++i) {
+    d->c[i] = mg_local_motion(s, row + i, from, to, y);
+    d->slope[i] = held ? 0 : -s->S[from + (row + i) * m] / a;
+  }
+  for (int i = 0; i < d->k; ++i) {
+    if (!held) d->c[i] += s->S[row + i + from * m] * d->base;
+    for (int j = 0; j < d->k; ++j) {
+      d->T[i + 2 * j] = s->S[row + i + (row + j) * m];
+      if (!held) d->T[i + 2 * j] += s->S[row + i + from * m] * d->slope[j];
+    }
+  }
+  if (d->k == 1) d->T[3] = d->T[0];
+}
+
+/* y: the contact's rows, from s->y on entry, solved on return. */
+static void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y)
+{
+  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+  int part = s->part[contact];
+  mg_disc d;
+  mg_real b;
+  y[0] = 0;
+  for (int p = part; p < s->part[contact + 1] && s->part_mark[p] == MG_SLIPS; ++p)
+    for (int i = 0; i < s->part_dim[p]; ++i) y[s->part_row[p] - from + i] = 0;
+  b = mg_local_motion(s, from, from, to, y);
+  if (b >= 0 || !(s->S[from + from * s->m] > MG_LCP_RANK(s->m))) {
+    for (int i = from; i < to; ++i) y[i - from] = 0;
+    return;
+  }
+  y[0] = -b / s->S[from + from * s->m];
+  if (part < s->part[contact + 1] && s->part_mark[part] == MG_SLIPS) {
+    mg_disc_set(s, part, from, to, 0, y, &d);
+    mg_disc_solve(&d, y + s->part_row[part] - from);
+    y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);
+    ++part;
+  }
+  for (; part < s->part[contact + 1]; ++part) {
+    mg_disc_set(s, part, from, to, 1, y, &d);
+    mg_disc_solve(&d, y + s->part_row[part] - from);
+  }
+}
+
+/* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
+static void mg_friction_project(const mg_frictional *s, int contact, mg_real *y)
+{
+  const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
+  mg_real N = y[0], size[3];
+  for (int p = 0; p < parts; ++p)
+    size[p] = mg_friction_norm(s->part_dim[first + p], y + s->part_row[first + p] - from);
+  for (int pass = 0; pass <= parts; ++pass) {
+    mg_real sum = y[0];
+    int count = 1;
+    for (int p = 0; p < parts; ++p)
+      if (size[p] > N) sum += size[p], ++count;
+    N = sum / (mg_real)count;
+  }
+  y[0] = N > 0 ? N : 0;
+  for (int p = 0; p < parts; ++p)
+    for (int i = 0; i < s->part_dim[first + p] && size[p] > y[0]; ++i)
+      y[s->part_row[first + p] - from + i] *= y[0] / size[p];
+}
+
+/* A projected gradient step of one contact: the convex program's own sweep. */
+static void mg_friction_descend(const mg_frictional *s, int contact, mg_real *y)
+{
+  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+  mg_real trace = 0;
+  for (int i = from; i < to; ++i) trace += s->S[i + i * s->m];
+  for (int i = from; i < to && trace > 0; ++i) y[i - from] -= s->v[i] / trace;
+  mg_friction_project(s, contact, y);
+}
+
+static void mg_friction_change(mg_frictional *s, int contact)
+{
+  const int m = s->m, from = s->normal[contact], to = mg_friction_end_of(s, contact);
+  mg_real y[MG_ROWS_AT_MOST];
+  for (int j = from; j < to; ++j) y[j - from] = s->y[j];
+  if (s->theta > 0) mg_friction_descend(s, contact, y);
+  else mg_friction_contact(s, contact, y);
+  for (int j = from; j < to; ++j) {
+    const mg_real *column = s->S + j * m, step = y[j - from] - s->y[j];
+    if (!(fabs(step) > 0)) continue;
+    for (int i = 0; i < m; ++i) s->v[i] += column[i] * step;
+    s->y[j] = y[j - from];
+  }
+}
+
+/* Sweeps forth and back from y. Returns whether that is a solution. */
+MG_INTERNAL int mg_friction_sweep(mg_frictional *s, int sweeps)
+{
+  mg_friction_motion(s);
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int c = 0; c < s->n; ++c) mg_friction_change(s, sweep % 2 ? s->n - 1 - c : c);
+    ++s->sweeps;
+    if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
+  }
+  mg_friction_motion(s);
+  return mg_friction_keep(s);
+}

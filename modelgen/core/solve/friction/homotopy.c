@@ -1,0 +1,131 @@
+/* Where to start when direct attempts fail. */
+#include "solve/friction/solvers.h"
+
+enum { MG_SHIFTS = 12, MG_SETTLING = 8, MG_PATH_STEPS = 60, MG_PATH_NEWTON = 12, MG_PATH_SWEEPS = 200 };
+
+/* MG_PATH_LEAST  the shortest step along a path, 0..1.
+   MG_PATH_SOFT   S + delta: delta goes from 1 to this, then to 0. */
+#define MG_PATH_LEAST ((mg_real)1e-4)
+
+#define MG_PATH_SOFT (MG_EPS * 1000)
+
+#define MG_PATH_GAP (MG_EPS * 1000)
+
+typedef struct {
+  mg_frictional *s;
+  mg_real *diagonal, *weight, *anchor, *c; /* of S; of the softness; where it pulls to; c of the problem */
+  mg_real *last;
+} mg_path;
+
+/* A fixed sequence in 0..1, so that answers repeat. */
+static mg_real mg_path_scatter(int i)
+{
+  const mg_real x = (mg_real)(i + 1) * (mg_real)0.6180339887498949;
+  return x - (mg_real)(int)x;
+}
+
+static void mg_path_restore(mg_frictional *s, const mg_real *from)
+{
+  for (int i = 0; i < s->m; ++i) s->y[i] = from[i];
+}
+
+/* Newton of both kinds from the point `from`; returns whether that gave a solution. */
+static int mg_path_polish(mg_frictional *s, const mg_real *from, int limit)
+{
+  for (int augmented = 0; augmented <= 1; ++augmented) {
+    mg_path_restore(s, from);
+    if (mg_friction_newton(s, limit, augmented)) return 1;
+  }
+  return 0;
+}
+
+/* Coulomb's law is the convex program with w_n shifted by |mu w_t|, if that is the |mu w_t| that comes out: a
+   fixed point, iterated with damping from shifts that are all `from` (Acary, Cadoux, Lemarechal, Malick). */
+static int mg_friction_shift(mg_frictional *s, mg_real from, int scatter)
+{
+  const int relaxed = s->given->law == MG_RELAXED;
+  mg_real *shift = s->spare, *start = shift + s->m;
+  for (int c = 0; c < s->n; ++c) shift[c] = relaxed ? 0 : scatter ? 4 * from * mg_path_scatter(c + 5 * scatter) : from;
+  for (int k = 0; k < (relaxed ? 1 : MG_SHIFTS); ++k) {
+    const mg_real blend = k < MG_SETTLING ? (mg_real)0.7 : (mg_real)0.3;
+    mg_friction_interior(s, shift, MG_PATH_GAP);
+    mg_friction_motion(s);
+    for (int i = 0; i < s->m; ++i) start[i] = s->y[i];
+    for (int c = 0; c < s->n; ++c) {
+      mg_real moves = 0;
+      for (int p = s->part[c]; p < s->part[c + 1]; ++p) moves += mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
+      shift[c] += blend * (moves - shift[c]);
+    }
+    if (mg_path_polish(s, start, 2 * MG_PATH_NEWTON)) return 1;
+    mg_path_restore(s, start);
+    if (!relaxed && (mg_friction_sweep(s, MG_PATH_NEWTON) || mg_friction_newton(s, 2 * MG_PATH_NEWTON, 1))) return 1;
+  }
+  return 0;
+}
+
+static void mg_path_open(mg_path *p, mg_frictional *s, int which)
+{
+  const int m = s->m;
+  p->s = s;
+  p->last = s->spare;
+  p->diagonal = p->last + m;
+  p->weight = p->diagonal + m;
+  p->anchor = p->weight + m;
+  p->c = p->anchor + m;
+  for (int i = 0; i < m; ++i) {
+    p->diagonal[i] = s->S[i + i * m];
+    p->c[i] = s->c[i];
+    p->weight[i] = which > 0 ? (mg_real)0.1 + 3 * mg_path_scatter(i + 7 * which) : (mg_real)1;
+    p->anchor[i] = s->y[i] = 0;
+  }
+  for (int c = 0; c < s->n && which > 0; ++c) p->anchor[s->normal[c]] = 2 * mg_path_scatter(c + 11 * which);
+}
+
+/* The problem at `along`, 0..1: at 1 the given one. */
+static void mg_path_set(mg_path *p, mg_real along)
+{
+  mg_frictional *s = p->s;
+  const mg_real delta = along >= 1 ? 0 : (mg_real)pow(MG_PATH_SOFT, along);
+  s->residual = MG_MAX;
+  for (int i = 0; i < s->m; ++i) {
+    s->S[i + i * s->m] = p->diagonal[i] + delta * p->weight[i];
+    s->c[i] = p->c[i] - delta * p->weight[i] * p->anchor[i];
+  }
+}
+
+static int mg_path_advance(mg_path *p, mg_real along)
+{
+  mg_path_set(p, along);
+  if (!mg_path_polish(p->s, p->last, MG_PATH_NEWTON)) return 0;
+  for (int i = 0; i < p->s->m; ++i) p->last[i] = p->s->best[i];
+  return 1;
+}
+
+/* From S + delta I, delta = 1 (which = 0), or from another definite matrix and offset, to S. */
+static int mg_friction_soften(mg_frictional *s, int which)
+{
+  mg_path p;
+  mg_real along = 0, step = (mg_real)0.1;
+  mg_path_open(&p, s, which);
+  mg_path_set(&p, 0);
+  if (!mg_friction_sweep(s, MG_PATH_SWEEPS)) mg_friction_newton(s, MG_PATH_SWEEPS, 0);
+  for (int i = 0; i < s->m; ++i) p.last[i] = s->best[i];
+  for (int tries = 0; tries < MG_PATH_STEPS && along < 1 && step > MG_PATH_LEAST; ++tries) {
+    const mg_real next = along + step < 1 ? along + step : 1;
+    const int went = mg_path_advance(&p, next);
+    if (went) along = next;
+    step = went ? 2 * step : step / 3;
+  }
+  mg_path_set(&p, 1);
+  mg_path_restore(s, p.last);
+  mg_friction_motion(s);
+  return mg_friction_keep(s) || mg_path_polish(s, p.last, 2 * MG_PATH_NEWTON);
+}
+
+/* Start number `which`, from the likeliest to the rest. */
+MG_INTERNAL int mg_friction_follow(mg_frictional *s, int which)
+{
+  if (which < 2) return mg_friction_shift(s, (mg_real)(1 - which), 0);
+  if (which % 2) return mg_friction_shift(s, 1, which);
+  return mg_friction_soften(s, which / 2 - 1);
+}

@@ -1,0 +1,248 @@
+/* Which rows carry force, and where everything lies in the scratch. */
+/* From the problem to its scaled form without bilateral rows, and back. */
+#include "solve/friction/solvers.h"
+#include "base/base.h"
+#include "solve/lcp/solvers.h"
+
+enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
+
+MG_API int mg_friction_work_size(int n, int n_contact)
+{
+  return MG_FRICTION_SQUARES * n * n + MG_FRICTION_VECTORS * (n + 1) + 3 * n_contact + mg_lcp_work_size(n);
+}
+
+MG_API int mg_friction_iwork_size(int n, int n_contact)
+{
+  return MG_FRICTION_INTS * (n + n_contact + 1) + mg_lcp_iwork_size(n);
+}
+
+static void mg_friction_partition(mg_frictional *s, mg_real *work, int *iwork)
+{
+  const int n = s->given->n, k = s->given->n_contact, square = n * n;
+  mg_real **vectors[] = {&s->e, &s->c, &s->y, &s->v, &s->best, &s->e_b};
+  int **ints[] = {&s->row, &s->bilateral, &s->order};
+  s->S = work;
+  s->L = s->S + square;
+  s->X = s->L + square;
+  work = s->X + square + n;
+  for (int i = 0; i < 6; ++i, work += n) *vectors[i] = work;
+  s->rho = work;
+  s->spare = work + 3 * k;
+  s->work = s->spare + 5 * n;
+  for (int i = 0; i < 3; ++i, iwork += n) *ints[i] = iwork;
+  s->normal = iwork;
+  s->part = s->normal + k;
+  s->part_row = s->part + k + 1;
+  s->part_dim = s->part_row + 3 * k;
+  s->part_mark = s->part_dim + 3 * k;
+  s->iwork = s->part_mark + 3 * k;
+}
+
+MG_INTERNAL int mg_friction_end_of(const mg_frictional *s, int contact)
+{
+  return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
+}
+
+/* A disc over the rows row.. of the problem with a positive coefficient; e holds the coefficients for now. */
+static void mg_friction_add_part(mg_frictional *s, int row, int count, const mg_real *mu, int mark)
+{
+  const int part = s->n_part;
+  s->part_row[part] = s->m;
+  s->part_mark[part] = mark;
+  for (int i = 0; i < count; ++i)
+    if (mu[i] > 0) {
+      s->row[s->m] = row + i;
+      s->e[s->m++] = mu[i];
+    }
+  s->part_dim[part] = s->m - s->part_row[part];
+  s->n_part += s->part_dim[part] > 0;
+}
+
+static void mg_friction_add_contact(mg_frictional *s, int contact)
+{
+  const int row = s->given->first[contact], rows = s->given->rows[contact];
+  const mg_real *cone = s->given->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
+  s->normal[contact] = s->m;
+  s->row[s->m] = row;
+  s->e[s->m++] = 1;
+  if (rows >= 3) mg_friction_add_part(s, row + 1, 2, cone, MG_SLIPS);
+  if (rows >= 6) mg_friction_add_part(s, row + 3, 1, cone + 2, MG_SPINS);
+  if (rows >= 6) mg_friction_add_part(s, row + 4, 2, rolling, MG_ROLLS);
+  s->part[contact + 1] = s->n_part;
+}
+
+/* Returns 0 if the data are not finite, or a coefficient is negative. */
+MG_INTERNAL int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork)
+{
+  const int n = problem->n;
+  int *owned = iwork + MG_FRICTION_INTS * (n + problem->n_contact) - n;
+  s->given = problem;
+  s->n = problem->n_contact;
+  s->m = s->n_part = s->n_bilateral = s->rank = s->sweeps = s->newton = 0;
+  s->theta = problem->law == MG_RELAXED;
+  s->residual = MG_MAX;
+  mg_friction_partition(s, work, iwork);
+  if (!mg_all_finite(n * n, problem->A) || !mg_all_finite(n, problem->b)) return 0;
+  for (int i = 0; i < n; ++i) owned[i] = 0;
+  s->part[0] = 0;
+  for (int c = 0; c < s->n; ++c) {
+    const int rows = problem->rows[c], used = rows >= 6 ? 4 : rows >= 3 ? 2 : 0;
+    for (int i = 0; i < used; ++i)
+      if (!(problem->cone[MG_CONE * c + i] >= 0 && problem->cone[MG_CONE * c + i] <= MG_MAX)) return 0;
+    for (int i = 0; i < rows; ++i) owned[problem->first[c] + i] = 1;
+    mg_friction_add_contact(s, c);
+  }
+  for (int i = 0; i < n; ++i)
+    if (!owned[i]) s->bilateral[s->n_bilateral++] = i;
+  return 1;
+}
+
+static mg_real mg_friction_entry(const mg_frictional *s, int i, int j) { return s->given->A[i + j * s->given->n]; }
+
+static mg_real mg_friction_diagonal(const mg_frictional *s, int i)
+{
+  return mg_diagonal_scale((mg_real)fabs(mg_friction_entry(s, i, i)));
+}
+
+/* x becomes (L L')^-1 x on the pivoted rows. */
+static void mg_friction_back(const mg_frictional *s, mg_real *x)
+{
+  const int k = s->n_bilateral, r = s->rank;
+  for (int j = 0; j < r; ++j) {
+    x[j] /= s->L[j + j * k];
+    for (int i = j + 1; i < r; ++i) x[i] -= s->L[i + j * k] * x[j];
+  }
+  for (int j = r - 1; j >= 0; --j) {
+    for (int i = j + 1; i < r; ++i) x[j] -= s->L[i + j * k] * x[i];
+    x[j] /= s->L[j + j * k];
+  }
+}
+
+/* Of dependent bilateral rows those pivoted first stand for all. */
+static void mg_friction_factor(mg_frictional *s)
+{
+  const int k = s->n_bilateral;
+  for (int i = 0; i < k; ++i) s->e_b[i] = 1 / mg_friction_diagonal(s, s->bilateral[i]);
+  for (int j = 0; j < k; ++j)
+    for (int i = 0; i < k; ++i)
+      s->L[i + j * k] = mg_friction_entry(s, s->bilateral[i], s->bilateral[j]) * s->e_b[i] * s->e_b[j];
+  s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k));
+}
+
+/* What is left of row and column i is rounding: the bilateral rows hold it. */
+static void mg_friction_clear(mg_frictional *s, int i)
+{
+  for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
+}
+
+/* S and c less what the bilateral rows take: S_cc - S_cb S_bb^-1 S_bc. */
+static void mg_friction_eliminate(mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real *before = s->y;
+  for (int i = 0; i < m; ++i) before[i] = (mg_real)fabs(s->S[i + i * m]);
+  mg_friction_factor(s);
+  for (int j = 0; j <= m; ++j) {
+    mg_real *x = s->X + j * s->n_bilateral, *target = j < m ? s->S + j * m : s->c;
+    for (int i = 0; i < s->rank; ++i) {
+      const int b = s->order[i], row = s->bilateral[b];
+      x[i] = s->e_b[b] * (j < m ? mg_friction_entry(s, row, s->row[j]) * s->e[j] : s->given->b[row]);
+    }
+    mg_friction_back(s, x);
+    for (int k = 0; k < s->rank; ++k) {
+      const int b = s->order[k];
+      for (int i = 0; i < m; ++i)
+        target[i] -= s->e[i] * mg_friction_entry(s, s->row[i], s->bilateral[b]) * s->e_b[b] * x[k];
+    }
+  }
+  for (int i = 0; i < m; ++i)
+    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear(s, i);
+}
+
+static void mg_friction_means(mg_frictional *s)
+{
+  for (int p = 0; p < s->n_part; ++p) {
+    mg_real sum = 0;
+    for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) sum += (mg_real)fabs(s->S[i + i * s->m]);
+    s->rho[p] = sum > 0 ? sum / (mg_real)s->part_dim[p] : (mg_real)1;
+  }
+}
+
+/* The largest motion without contact forces, in the units of the certificate. */
+static mg_real mg_friction_size(const mg_frictional *s)
+{
+  mg_real largest = 0;
+  for (int c = 0; c < s->n; ++c)
+    if (fabs(s->c[s->normal[c]]) > largest) largest = (mg_real)fabs(s->c[s->normal[c]]);
+  for (int p = 0; p < s->n_part; ++p) {
+    mg_real size = mg_friction_norm(s->part_dim[p], s->c + s->part_row[p]) / (mg_real)sqrt(s->rho[p]);
+    if (size > largest) largest = size;
+  }
+  return largest;
+}
+
+/* Brings S_nn to 1: before the bilateral rows are eliminated, and after. */
+static void mg_friction_normalise(mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real *factor = s->y;
+  for (int c = 0; c < s->n; ++c) {
+    const int normal = s->normal[c], end = mg_friction_end_of(s, c);
+    const mg_real size = (mg_real)fabs(s->S[normal + normal * m]);
+    for (int i = normal; i < end; ++i) factor[i] = size > MG_LCP_RANK(m) ? 1 / (mg_real)sqrt(size) : (mg_real)1;
+  }
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) s->S[i + j * m] *= factor[i] * factor[j];
+  for (int i = 0; i < m; ++i) {
+    s->c[i] *= factor[i];
+    s->e[i] *= factor[i];
+  }
+}
+
+/* Returns 0 when the scaled data leave the range of the reals. */
+MG_INTERNAL int mg_friction_scale(mg_frictional *s)
+{
+  const int m = s->m;
+  for (int c = 0; c < s->n; ++c) {
+    const mg_real e = 1 / mg_friction_diagonal(s, s->row[s->normal[c]]);
+    const int end = mg_friction_end_of(s, c);
+    for (int i = s->normal[c]; i < end; ++i) s->e[i] *= e;
+  }
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) s->S[i + j * m] = mg_friction_entry(s, s->row[i], s->row[j]) * s->e[i] * s->e[j];
+  for (int i = 0; i < m; ++i) s->c[i] = s->given->b[s->row[i]] * s->e[i];
+  if (s->n_bilateral > 0) {
+    mg_friction_eliminate(s);
+    mg_friction_normalise(s);
+  }
+  mg_friction_means(s);
+  s->scale = mg_friction_size(s);
+  if (!mg_all_finite(m * m, s->S) || !mg_all_finite(m, s->c)) return 0;
+  if (!(s->scale > 0)) s->scale = 1;
+  for (int i = 0; i < m; ++i) s->c[i] /= s->scale;
+  return 1;
+}
+
+MG_INTERNAL void mg_friction_take(mg_frictional *s, const mg_real *z)
+{
+  for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
+}
+
+/* z of the whole problem; the bilateral forces are of minimum norm. */
+MG_INTERNAL void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z)
+{
+  const mg_friction_problem *p = s->given;
+  const int k = s->n_bilateral;
+  mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k;
+  for (int i = 0; i < p->n; ++i) z[i] = 0;
+  for (int i = 0; i < s->m; ++i) z[s->row[i]] = y[i] * s->e[i] * s->scale;
+  for (int i = 0; i < k; ++i) {
+    const int row = s->bilateral[i];
+    r[i] = p->b[row];
+    for (int j = 0; j < s->m; ++j) r[i] += mg_friction_entry(s, row, s->row[j]) * z[s->row[j]];
+    r[i] *= s->e_b[i];
+    for (int j = 0; j < k; ++j) B[i + j * k] = mg_friction_entry(s, row, s->bilateral[j]) * s->e_b[i] * s->e_b[j];
+  }
+  if (k > 0) mg_minimum_norm(k, B, r, MG_LCP_RANK(k), x, rest, s->iwork);
+  for (int i = 0; i < k; ++i) z[s->bilateral[i]] = x[i] * s->e_b[i];
+}

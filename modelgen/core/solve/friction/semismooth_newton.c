@@ -1,0 +1,230 @@
+/* Semismooth Newton steps on the natural map of the contacts that press; those that do not are set to zero force.
+   The matrix is that of S + shift I, which leaves the forces that rank deficiency frees near where they are; the
+   residual is that of S. A step that the line search refuses is replaced by one of regularised least squares. */
+#include "solve/friction/solvers.h"
+#include "base/base.h"
+
+enum { MG_BLOCK = 6, MG_HALVINGS = 10, MG_MEMORY = 4 };
+
+typedef struct {
+  mg_frictional *s;
+  int k, augmented;        /* rows in play; the radius of slip is y_n - slack instead of y_n */
+  int *index, *swap, *place; /* rows in play; pivots; per row its place among them or -1 */
+  mg_real *J, *normal;     /* k by k; J'J + damping */
+  mg_real *phi, *right, *step, *image, *y, *v;
+  mg_real gy[MG_BLOCK * MG_BLOCK], gv[MG_BLOCK * MG_BLOCK]; /* of one contact, row by row */
+  mg_real before[MG_MEMORY];
+} mg_semismooth;
+
+static void mg_semismooth_open(mg_semismooth *n, mg_frictional *s)
+{
+  const int m = s->m;
+  mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
+  n->s = s;
+  n->J = s->work;
+  n->normal = n->J + m * m;
+  for (int i = 0; i < 6; ++i) *vectors[i] = n->normal + m * m + i * m;
+  n->index = s->iwork;
+  n->swap = n->index + m;
+  n->place = n->swap + m;
+}
+
+/* phi of one part that presses, and its rows of gy and gv. */
+static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius)
+{
+  const mg_frictional *s = n->s;
+  const int k = s->part_dim[part], row = s->part_row[part], at = row - s->normal[contact];
+  const mg_real rho = s->rho[part], root = (mg_real)sqrt(rho);
+  mg_real q[2] = {0, 0}, size, ratio;
+  for (int i = 0; i < k; ++i) q[i] = s->y[row + i] - s->v[row + i] / rho;
+  size = mg_friction_norm(k, q);
+  if (size <= radius) {
+    for (int i = 0; i < k; ++i) {
+      n->phi[row + i] = s->v[row + i] / root;
+      n->gv[(at + i) * MG_BLOCK + at + i] = 1 / root;
+    }
+    return;
+  }
+  ratio = radius / size;
+  for (int i = 0; i < k; ++i) {
+    mg_real *gy = n->gy + (at + i) * MG_BLOCK, *gv = n->gv + (at + i) * MG_BLOCK;
+    n->phi[row + i] = root * (s->y[row + i] - ratio * q[i]);
+    for (int j = 0; j < k; ++j) {
+      const mg_real across = ratio * ((mg_real)(i == j) - q[i] * q[j] / (size * size));
+      gy[at + j] = root * ((mg_real)(i == j) - across);
+      gv[at + j] = across / root;
+    }
+    if (radius > 0) gy[0] = -root * q[i] / size;
+    for (int j = 0; n->augmented && j < MG_BLOCK; ++j) gv[j] += root * q[i] / size * n->gv[j];
+  }
+}
+
+/* phi of a contact; gy and gv if it presses (returns 1), else nothing. Row 0 of gv is the change of the slack. */
+static int mg_semismooth_contact(mg_semismooth *n, int contact)
+{
+  const mg_frictional *s = n->s;
+  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+  const mg_real slack = mg_friction_slack(s, contact), force = s->y[from];
+  if (!(force - slack > 0)) {
+    n->phi[from] = s->y[from];
+    for (int p = s->part[contact]; p < s->part[contact + 1]; ++p)
+      for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i)
+        n->phi[i] = s->y[i] * (mg_real)sqrt(s->rho[p]);
+    return 0;
+  }
+  for (int i = 0; i < (to - from) * MG_BLOCK; ++i) n->gy[i] = n->gv[i] = 0;
+  n->phi[from] = slack;
+  n->gv[0] = 1;
+  for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p) {
+    const mg_real *v = s->v + s->part_row[p], size = mg_friction_norm(s->part_dim[p], v);
+    for (int i = 0; i < s->part_dim[p]; ++i)
+      n->gv[s->part_row[p] - from + i] = size > 0 ? -s->theta * v[i] / size : 0;
+  }
+  for (int p = s->part[contact]; p < s->part[contact + 1]; ++p)
+    mg_semismooth_part(n, contact, p, n->augmented ? force - slack : force > 0 ? force : 0);
+  return 1;
+}
+
+static mg_real mg_semismooth_merit(mg_semismooth *n)
+{
+  mg_real sum = 0;
+  for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
+  for (int i = 0; i < n->s->m; ++i) sum += n->phi[i] * n->phi[i];
+  return sum;
+}
+
+/* The contact's rows of J, and of the right-hand side what the rows out of play add by going to zero. */
+static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift)
+{
+  const mg_frictional *s = n->s;
+  const int m = s->m, from = s->normal[contact], width = mg_friction_end_of(s, contact) - from;
+  for (int i = 0; i < width; ++i) {
+    const mg_real *gv = n->gv + i * MG_BLOCK, *gy = n->gy + i * MG_BLOCK;
+    const int row = n->place[from + i];
+    n->right[row] = -n->phi[from + i];
+    for (int j = 0; j < m; ++j) {
+      const mg_real *column = s->S + from + j * m;
+      mg_real sum = 0;
+      for (int l = 0; l < width; ++l) sum += gv[l] * column[l];
+      if (n->place[j] >= 0) n->J[row + n->place[j] * n->k] = sum;
+      else n->right[row] += sum * s->y[j];
+    }
+    for (int l = 0; l < width; ++l) n->J[row + (row - i + l) * n->k] += gy[l] + shift * gv[l];
+  }
+}
+
+static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift)
+{
+  const mg_frictional *s = n->s;
+  n->k = 0;
+  for (int c = 0; c < s->n; ++c) {
+    const int presses = mg_semismooth_contact(n, c);
+    for (int i = s->normal[c]; i < mg_friction_end_of(s, c); ++i) {
+      n->place[i] = presses ? n->k : -1;
+      if (presses) n->index[n->k++] = i;
+    }
+  }
+  for (int c = 0; c < s->n; ++c)
+    if (mg_semismooth_contact(n, c)) mg_semismooth_rows(n, c, shift);
+}
+
+/* The step of all rows from that of the rows in play. */
+static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x)
+{
+  const mg_frictional *s = n->s;
+  const int m = s->m;
+  for (int i = 0; i < m; ++i) {
+    n->step[i] = n->place[i] >= 0 ? x[n->place[i]] : -s->y[i];
+    n->image[i] = 0;
+  }
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) n->image[i] += s->S[i + j * m] * n->step[j];
+}
+
+/* Least squares: (J'J + damping) x = J' right. */
+static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x)
+{
+  const int k = n->k;
+  for (int j = 0; j < k; ++j) {
+    x[j] = 0;
+    for (int r = 0; r < k; ++r) x[j] += n->J[r + j * k] * n->right[r];
+    for (int i = j; i < k; ++i) {
+      mg_real sum = i == j ? damping : 0;
+      for (int r = 0; r < k; ++r) sum += n->J[r + i * k] * n->J[r + j * k];
+      n->normal[i + j * k] = sum;
+    }
+  }
+  mg_cholesky(k, n->normal);
+  mg_cholesky_solve(k, n->normal, x);
+}
+
+static int mg_semismooth_straight(mg_semismooth *n, mg_real *x)
+{
+  const int k = n->k;
+  for (int i = 0; i < k * k; ++i) n->normal[i] = n->J[i];
+  if (!(mg_lu(k, n->normal, n->swap) > 0)) return 0;
+  for (int i = 0; i < k; ++i) x[i] = n->right[i];
+  mg_lu_solve(k, n->normal, n->swap, x);
+  return 1;
+}
+
+/* Goes along the step until the merit falls below the worst of the last few. Returns 0 if it does not. */
+static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings)
+{
+  mg_frictional *s = n->s;
+  mg_real worst = 0, length = 1;
+  for (int i = 0; i < MG_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
+  for (int i = 0; i < s->m; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
+  for (int half = 0; half < halvings; ++half, length /= 2) {
+    mg_real merit;
+    for (int i = 0; i < s->m; ++i) {
+      s->y[i] = n->y[i] + length * n->step[i];
+      s->v[i] = n->v[i] + length * n->image[i];
+    }
+    merit = mg_semismooth_merit(n);
+    if (merit <= (1 - (mg_real)1e-4 * length) * worst) {
+      n->before[(iteration + 1) % MG_MEMORY] = merit;
+      return 1;
+    }
+  }
+  for (int i = 0; i < s->m; ++i) s->y[i] = n->y[i], s->v[i] = n->v[i];
+  return 0;
+}
+
+static int mg_semismooth_step(mg_semismooth *n, int iteration)
+{
+  mg_real *x = n->y;
+  mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
+  if (mg_semismooth_straight(n, x)) {
+    mg_semismooth_spread(n, x);
+    if (mg_semismooth_search(n, iteration, MG_HALVINGS)) return 1;
+    mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
+  }
+  for (mg_real damping = (mg_real)1e-6; damping < 10; damping *= 100) {
+    mg_semismooth_damped(n, damping, x);
+    mg_semismooth_spread(n, x);
+    if (mg_semismooth_search(n, iteration, 3)) return 1;
+    mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
+  }
+  return 0;
+}
+
+/* From s->y for at most `limit` steps. Returns whether a solution was found. */
+MG_INTERNAL int mg_friction_newton(mg_frictional *s, int limit, int augmented)
+{
+  mg_semismooth n = {0};
+  mg_semismooth_open(&n, s);
+  n.augmented = augmented;
+  mg_friction_motion(s);
+  n.before[0] = mg_semismooth_merit(&n);
+  for (int iteration = 0; iteration < limit; ++iteration) {
+    ++s->newton;
+    if (!mg_semismooth_step(&n, iteration)) return mg_friction_keep(s);
+    if (iteration % MG_MEMORY == MG_MEMORY - 1) mg_friction_motion(s);
+    if (mg_friction_keep(s)) {
+      mg_friction_motion(s);
+      return mg_friction_keep(s);
+    }
+  }
+  return mg_friction_keep(s);
+}

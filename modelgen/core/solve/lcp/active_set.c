@@ -1,0 +1,66 @@
+/* The forces on a known active set: minimum norm where the active contacts are redundant. */
+#include "solve/lcp/solvers.h"
+#include "base/base.h"
+
+/* Reals and ints that the largest user, mg_enumerate with mg_qp inside it, takes. */
+MG_API int mg_lcp_work_size(int n) { return 8 * n * n + 24 * n + 16; }
+
+MG_API int mg_lcp_iwork_size(int n) { return 8 * n + 8; }
+
+static int mg_active_one(mg_real a, mg_real b, mg_real *z)
+{
+  *z = a > 0 ? -b / a : (mg_real)0;
+  return a > 0;
+}
+
+static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z)
+{
+  mg_real d0 = (mg_real)sqrt(A[0]), d1 = (mg_real)sqrt(A[3]), c[2];
+  int rank;
+  c[0] = b[0] / d0;
+  c[1] = b[1] / d1;
+  rank = mg_minimum_norm_two(A[1] / d0 / d1, c, z);
+  z[0] /= d0;
+  z[1] /= d1;
+  return rank;
+}
+
+static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
+                            mg_real *z, mg_real *work, int *order)
+{
+  mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;
+  int rank;
+  for (int i = 0; i < k; ++i) {
+    reciprocal[i] = 1 / mg_diagonal_scale(A[index[i] + index[i] * n]);
+    c[i] = b[index[i]] * reciprocal[i];
+  }
+  for (int j = 0; j < k; ++j) {
+    const mg_real *column = A + index[j] * n;
+    for (int i = 0; i < k; ++i) S[i + j * k] = column[index[i]] * reciprocal[i] * reciprocal[j];
+    if (A[index[j] + index[j] * n] > 0) S[j + j * k] = 1;
+  }
+  rank = mg_minimum_norm(k, S, c, floor, y, y + k, order);
+  for (int i = 0; i < k; ++i) z[index[i]] = y[i] * reciprocal[i];
+  return rank;
+}
+
+MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
+                           mg_real *work, int *iwork)
+{
+  int k = 0;
+  if (n == 1 && active[0]) return mg_active_one(A[0], b[0], z);
+  if (n == 2 && active[0] && active[1] && A[0] > 0 && A[3] > 0) return mg_active_two(A, b, z);
+  for (int i = 0; i < n; ++i) {
+    z[i] = 0;
+    if (active[i]) iwork[k++] = i;
+  }
+  if (k == 0) return 0;
+  if (k == 1) return mg_active_one(A[iwork[0] + iwork[0] * n], b[iwork[0]], z + iwork[0]);
+  return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n);
+}
+
+MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
+                           mg_real *work, int *iwork)
+{
+  return mg_active_above(n, A, b, active, 0, z, work, iwork);
+}

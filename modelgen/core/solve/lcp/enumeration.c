@@ -1,0 +1,115 @@
+/* Every complementary cone in turn: is -b a nonnegative combination of the columns A_j (j in B), -e_j (else)?
+   A regular basis answers by its one solution. A singular one answers by the nearest point of its cone, a
+   convex QP whose remainder r either is 0 or separates -b from the cone: r'b > 0 and C'r >= 0. INFEASIBLE
+   is returned only when each of the 2^n cones was excluded so, beyond rounding; RAY when one was left in
+   doubt. It is a proof in this arithmetic: a problem that a change of the data by rounding would make
+   solvable can be called infeasible. */
+#include "solve/lcp/solvers.h"
+#include "base/base.h"
+
+enum { MG_ENUMERATE_MAX = 20, MG_CONE_OUT = 0, MG_CONE_IN = 1, MG_CONE_DOUBT = 2 };
+
+typedef struct {
+  int n;
+  mg_real *S, *c, *column;        /* the equilibrated problem */
+  mg_real *G, *h, *x, *remainder; /* normal equations of a cone, and the nearest point */
+  mg_real *work;
+  int *active, *support, *iwork;
+  mg_real distance;               /* a cone is out when -c is farther from it than this */
+} mg_cones;
+
+static mg_real mg_cone_entry(const mg_cones *e, int i, int j)
+{
+  if (e->active[j]) return e->S[i + j * e->n];
+  return i == j ? (mg_real)-1 : (mg_real)0;
+}
+
+static void mg_cone_normal_equations(mg_cones *e)
+{
+  int n = e->n;
+  for (int j = 0; j < n; ++j) {
+    e->h[j] = 0;
+    for (int i = 0; i < n; ++i) e->h[j] += mg_cone_entry(e, i, j) * e->c[i];
+    for (int i = 0; i <= j; ++i) {
+      mg_real sum = 0;
+      for (int m = 0; m < n; ++m) sum += mg_cone_entry(e, m, i) * mg_cone_entry(e, m, j);
+      e->G[i + j * n] = e->G[j + i * n] = sum;
+    }
+  }
+}
+
+static int mg_singular_cone(mg_cones *e)
+{
+  int n = e->n;
+  mg_lcp_report nearest;
+  mg_real distance;
+  mg_cone_normal_equations(e);
+  for (int i = 0; i < n; ++i) e->support[i] = 0;
+  mg_qp(n, e->G, e->h, 10 * n + 50, e->x, e->support, &nearest, e->work, e->iwork);
+  if (nearest.outcome != MG_LCP_SOLVED) return MG_CONE_DOUBT;
+  for (int i = 0; i < n; ++i) {
+    e->remainder[i] = e->c[i];
+    for (int j = 0; j < n; ++j) e->remainder[i] += mg_cone_entry(e, i, j) * e->x[j];
+  }
+  distance = mg_max_abs(n, e->remainder);
+  for (int i = 0; i < n; ++i)
+    if (!e->active[i]) e->x[i] = 0;
+  return distance > e->distance ? MG_CONE_OUT : MG_CONE_IN;
+}
+
+/* Leaves the candidate in x, z scaled, nonnegative. */
+static int mg_cone(mg_cones *e)
+{
+  int n = e->n;
+  mg_real pivot = mg_basis_solve(n, e->S, e->c, e->active, e->x, e->work, e->iwork), y;
+  if (pivot <= (mg_real)sqrt(MG_EPS)) return mg_singular_cone(e);
+  y = mg_max_abs(n, e->x);
+  for (int i = 0; i < n; ++i) {
+    mg_real slack = e->active[i] ? e->x[i] : e->c[i];
+    for (int j = 0; j < n && !e->active[i]; ++j) slack += e->S[i + j * n] * e->x[j];
+    if (slack < -e->distance * (y > 1 ? y : 1) / pivot) return MG_CONE_OUT;
+  }
+  for (int i = 0; i < n; ++i) e->x[i] = e->x[i] > 0 ? e->x[i] : 0;
+  return MG_CONE_IN;
+}
+
+static void mg_cones_begin(mg_cones *e, int n, const mg_real *A, const mg_real *b, mg_real *work, int *iwork)
+{
+  e->n = n;
+  e->S = work;
+  e->G = e->S + n * n;
+  e->c = e->G + n * n;
+  e->column = e->c + n;
+  e->h = e->column + n;
+  e->x = e->h + n;
+  e->remainder = e->x + n;
+  e->work = e->remainder + n;
+  e->active = iwork;
+  e->support = iwork + n;
+  e->iwork = iwork + 2 * n;
+  e->distance = (mg_real)10 * (mg_real)n * MG_EPS;
+  for (int i = 0; i < n * n; ++i) e->S[i] = A[i];
+  for (int i = 0; i < n; ++i) e->c[i] = b[i];
+  mg_equilibrate(n, e->S, e->c, e->remainder, e->column);
+}
+
+MG_API int mg_enumerate(int n, const mg_real *A, const mg_real *b, mg_real *z,
+                        mg_lcp_report *report, mg_real *work, int *iwork)
+{
+  mg_cones e;
+  int doubt = 0;
+  if (mg_lcp_start(n, A, b, z, report)) return report->outcome;
+  report->rank = n;
+  if (n > MG_ENUMERATE_MAX) return mg_lcp_give_up(n, A, b, z, MG_LCP_ITERATIONS, report);
+  mg_cones_begin(&e, n, A, b, work, iwork);
+  for (int set = 0; set < 1 << n; ++set) {
+    int verdict;
+    for (int i = 0; i < n; ++i) e.active[i] = set >> i & 1;
+    verdict = mg_cone(&e);
+    ++report->iterations;
+    for (int i = 0; i < n; ++i) e.h[i] = e.x[i] * e.column[i];
+    if (verdict == MG_CONE_IN && mg_lcp_certify(n, A, b, e.h, z, report)) return report->outcome;
+    doubt |= verdict != MG_CONE_OUT;
+  }
+  return mg_lcp_give_up(n, A, b, z, doubt ? MG_LCP_RAY : MG_LCP_INFEASIBLE, report);
+}

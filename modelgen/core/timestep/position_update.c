@@ -1,0 +1,133 @@
+/* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of penetration. */
+#include "timestep/timestep.h"
+#include "solve/lcp/solvers.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+#include "features/features.h"
+
+/* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
+static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
+  if (c->force[row] == 0) return 0;
+  const mg_real after = mg_free_rate(c, row, h) + mg_row(c, row, c->wrench);
+  return c->force[row] * ((c->d_dot[row] + after) / 2 - mg_driven_rate(c, row));
+}
+
+/* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
+static void mg_work_of_impulses(mg_context *c, mg_real h) {
+  mg_run *run = c->run;
+  for (int i = 0; i < c->n_all; i++) run->x[c->work_index] += mg_work_of(c, i, h);
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    const int first = c->below + (mg_rows_below(c, i) ? c->sys->contact_below[i] : 0);
+    mg_real gain = mg_work_of(c, i, h);
+    for (int row = first; row < first + mg_rows_below(c, i); row++) gain += mg_work_of(c, row, h);
+    if (!mg_is_sent_back(c, i, h) || !(gain > run->gain_max)) continue;
+    run->gain_max = gain, run->gain_t = run->t + h, run->gain = i;
+  }
+}
+
+/* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
+MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
+  const mg_system *s = c->sys;
+  mg_work_of_impulses(c, h);
+  c->run->x[c->work_index] += h * c->K[c->n_x + c->work_index];
+  for (int b = 0; b < s->n_body; b++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
+      c->run->x[s->n_q + s->body_u[b] + k] += h * c->accel[6 * b + k] + c->wrench[6 * b + k];
+  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+}
+
+/* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
+MG_INTERNAL void mg_drift_on(mg_context *c, mg_real h) {
+  const mg_system *s = c->sys;
+  const mg_real left = mg_theta(c) * h, none[6] = {0};
+  mg_real unused[6];
+  for (int b = 0; b < s->n_body; b++) {
+    if (!mg_moves(c, b)) continue;
+    mg_real *q = c->run->x + s->body_q[b], slope[7];
+    const mg_real *from = c->settled + s->body_q[b];
+    c->kernels->body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
+                   s->parameters + s->body_parameters[b], slope, unused);
+    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
+  }
+  for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
+    c->run->x[k] = c->settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
+  mg_normalise(c, c->run->x);
+}
+
+/* From where the step has led eta, else from where it began. Returns 0 where neither finds the extremum. */
+static int mg_settle_one(mg_context *c, int contact) {
+  mg_real *eta = mg_eta_of(c, c->run->x, contact), found[MG_ETA];
+  const mg_real *before = mg_eta_of(c, c->settled, contact);
+  const int n = c->n_eta[contact];
+  for (int k = 0; k < n; k++) found[k] = eta[k];
+  int steps = mg_settle_in(c, contact, found);
+  if (steps < 0) {
+    for (int k = 0; k < n; k++) found[k] = before[k];
+    steps = mg_settle_safely(c, contact, found);
+  }
+  for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
+  return steps >= 0;
+}
+
+/* Puts all contacts on their extrema at run->x; those that have none there are left. Returns how many. */
+MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
+  int count = 0;
+  mg_poses(c, c->run->t, c->run->x);
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    if (!mg_present(c, i)) continue;
+    if (mg_settle_one(c, i)) {
+      c->d[i] = c->place[0], c->run->margin[i] = mg_margin_of(c);
+      continue;
+    }
+    mg_leave(c, events, i);
+    count++;
+  }
+  return count;
+}
+
+/* The deepest penetration, or the largest miss of a joint. */
+static mg_real mg_deepest(const mg_context *c) {
+  mg_real worst = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (-c->d[i] > worst) worst = -c->d[i];
+  for (int i = c->bilateral; i < c->n_rows; i++)
+    if (fabs(c->d[i]) > worst) worst = fabs(c->d[i]);
+  return worst;
+}
+
+/* The least movement that ends penetration and closes the joints, in the kinetic metric, to first order. */
+static int mg_push_once(mg_context *c, mg_real worst) {
+  mg_lcp_report report;
+  int n = 0;
+  for (int i = 0; i < c->sys->n_contact; i++)
+    if (mg_present(c, i) && c->d[i] <= worst && n < c->sys->n_closed) c->list[n] = i, c->mask[n++] = 1;
+  if (mg_complement(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  for (int r = 0; r < n + c->sys->n_row; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  mg_move(c);
+  return 1;
+}
+
+/* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change; what
+   that does to the energy is booked as work. Leaves the rows fresh. */
+MG_INTERNAL int mg_push_apart(mg_context *c, mg_events *events) {
+  mg_real kinetic, before = 0;
+  int moved = 0;
+  mg_rows_at(c, c->run->t, c->run->x);
+  for (int round = 0; round < 4 && c->set->project; round++) {
+    const mg_real worst = mg_deepest(c);
+    if (!(worst > c->set->gap * c->sys->length)) break;
+    if (!moved++) before = mg_energy(c, &kinetic);
+    for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->run->x[i];
+    if (!mg_push_once(c, worst)) break;
+    mg_settle_eta(c, events);
+    mg_rows_at(c, c->run->t, c->run->x);
+    if (mg_deepest(c) < 2 * worst) continue;
+    for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->x_stage[i];
+    mg_rows_at(c, c->run->t, c->run->x);
+    break;
+  }
+  if (moved) c->run->x[c->work_index] += mg_energy(c, &kinetic) - before;
+  return MG_DONE;
+}

@@ -1,0 +1,87 @@
+/* Time-stepping at the level of velocities and impulses, with a fixed step: no event is located, every contact that
+   closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods Eng. 39
+   (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth Mechanics and
+   Applications, 1988, 1-82). Order 1. */
+#include "timestep/timestep.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+#include "features/features.h"
+#include "events/events.h"
+
+/* Impulses over the step become forces. */
+static void mg_spread_over(mg_context *c, mg_real h) {
+  for (int i = 0; i < c->n_all; i++) c->force[i] /= h;
+  for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
+}
+
+/* Samples due within the step from the state in c->x_next to run->x, on the straight line between them. */
+static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
+  const mg_real t = c->run->t - h;
+  while (mg_due(record, c->run->t)) {
+    const mg_real theta = (record->t[record->count] - t) / h;
+    for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->x_next[i] + theta * (c->run->x[i] - c->x_next[i]);
+    mg_normalise(c, c->x_stage);
+    mg_rows_at(c, t + theta * h, c->x_stage);
+    mg_record_row(c, record, c->x_stage);
+  }
+}
+
+/* Contacts that left their links walk on. Needs the poses at run->x. */
+static void mg_walk_in_time(mg_context *c, mg_events *events) {
+  int count = 0;
+  for (int i = 0; i < c->sys->n_contact; i++) {
+    c->upright[i] = 0;
+    c->fired[i] = mg_present(c, i) ? mg_leaves(c, i, c->run->x) : 0, count += c->fired[i] != 0;
+  }
+  if (count) mg_walk_all(c, events);
+}
+
+/* Links, extrema and penetration at the end of the step; leaves the rows fresh. */
+static int mg_settle_contacts(mg_context *c, mg_events *events, mg_real h) {
+  mg_settle_eta(c, events);
+  mg_walk_in_time(c, events);
+  int outcome = mg_push_apart(c, events);
+  if (outcome || !mg_search_all(c, events, h)) return outcome;
+  return mg_push_apart(c, events);
+}
+
+/* One step of h, or of less where a pair could move past what the next search sees. */
+MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  mg_run *run = c->run;
+  const mg_real sight = mg_sight(c);
+  if (h > sight) h = sight;
+  c->left.count = 0;
+  mg_take_geometry(c, h);
+  const int powered = mg_finite(c->K + c->n_x + c->work_index, 1); /* by the loads */
+  if (!powered || mg_a_path_ends(c)) return MG_NOT_FINITE;
+  int outcome = mg_step_impulses(c, h);
+  if (outcome) return outcome;
+  mg_tell_modes(c, events, h);
+  for (int i = 0; i < c->n_x; i++) c->x_next[i] = run->x[i];
+  mg_book_impulses(c, h);
+  mg_drift_on(c, h);
+  if (!mg_finite(run->x, c->n_x)) return MG_NOT_FINITE;
+  mg_spread_over(c, h);
+  mg_pass_time(run, h);
+  run->steps++, run->fall_time += run->fall_left > 0 ? h : 0;
+  outcome = mg_settle_contacts(c, events, h);
+  if (outcome) return outcome;
+  if (mg_due(record, run->t)) {
+    mg_record_straight(c, record, h);
+    mg_rows_at(c, run->t, run->x);
+  }
+  mg_ledger(c);
+  return mg_check_margins(c, events);
+}
+
+/* The forces of the step to come, where a sample is due at its start. */
+MG_INTERNAL void mg_preview(mg_context *c, const mg_record *record) {
+  if (!mg_steps_in_time(c) || !mg_due(record, c->run->t)) return;
+  const mg_real h = mg_next_step(c);
+  mg_take_geometry(c, h);
+  if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
+  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  mg_rows_at(c, c->run->t, c->run->x);
+}
