@@ -1,34 +1,32 @@
 """From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.
 
-The street is read -> require -> derive -> emit -> build -> simulate: one value between two verbs.
-`modelgen.require` and the other verbs are always the functions; their modules load on first use.
+The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
+Their modules load when a verb is first asked for.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from modelgen.assembly import require as require
+    from modelgen.benchmark import measure as measure
+    from modelgen.benchmark import tune as tune
     from modelgen.codegen.build import build as build
     from modelgen.codegen.emit import emit as emit
-    from modelgen.derive import derive as derive
+    from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
-    from modelgen.measure import measure as measure
-    from modelgen.measure import tune as tune
+    from modelgen.linearisation.equilibrium import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
-    from modelgen.report.linear import linearise as linearise
     from modelgen.report.plot import draw as draw
     from modelgen.report.record import record_of as record_of
-    from modelgen.require import require as require
     from modelgen.runtime.accuracy import Accuracy as Accuracy
     from modelgen.runtime.batch import simulate_batch as simulate_batch
-    from modelgen.runtime.nearest import closest_points as closest_points
+    from modelgen.runtime.closest_points import closest_points as closest_points
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.scene.read import read as read
 
@@ -55,16 +53,16 @@ __all__ = [
 
 _HOMES = {
     "read": "modelgen.scene.read",
-    "require": "modelgen.require",
-    "derive": "modelgen.derive",
+    "require": "modelgen.assembly",
+    "derive": "modelgen.derivation",
     "emit": "modelgen.codegen.emit",
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
-    "closest_points": "modelgen.runtime.nearest",
+    "closest_points": "modelgen.runtime.closest_points",
     "simulate_batch": "modelgen.runtime.batch",
-    "linearise": "modelgen.report.linear",
-    "measure": "modelgen.measure",
-    "tune": "modelgen.measure",
+    "linearise": "modelgen.linearisation.equilibrium",
+    "measure": "modelgen.benchmark",
+    "tune": "modelgen.benchmark",
     "record_of": "modelgen.report.record",
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",
@@ -74,23 +72,14 @@ _HOMES = {
 }
 
 
-class _Street(ModuleType):
-    """A package whose verbs load when they are first asked for."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in _HOMES:
-            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
-        value = getattr(import_module(_HOMES[name]), name)
-        setattr(self, name, value)
-        return value
-
-    def __dir__(self) -> list[str]:
-        return [*__all__, "__version__"]
-
-    def __setattr__(self, name: str, value: object) -> None:
-        """Importing modelgen/require.py must not put the module in the place of the function."""
-        if not (name in _HOMES and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
+def __getattr__(name: str) -> Any:
+    """The public name, from the module that defines it (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
 
 
-sys.modules[__name__].__class__ = _Street
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -159,7 +159,7 @@ def simulate(
 @guarded
 def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
     """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
-    from modelgen.report.modes import mode_facts, print_modes
+    from modelgen.report.linearised import mode_facts, print_modes
 
     facts = mode_facts(linearise_scene(scene, form))
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
@@ -238,8 +238,8 @@ def inspect(
 @guarded
 def schema(as_json: AsJson = False) -> None:
     """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
-    from modelgen.measure.result import measured_schema, tuned_schema
-    from modelgen.measure.survey_result import surveyed_schema
+    from modelgen.benchmark.result import measured_schema, tuned_schema
+    from modelgen.benchmark.survey_result import surveyed_schema
     from modelgen.report.result import linearised_schema, result_schema
     from modelgen.scene.schema import scene_schema
 

@@ -19,7 +19,7 @@ from modelgen.cli.street import check_folder, folder_of
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
-    from modelgen.measure import Measurement
+    from modelgen.benchmark import Measurement
 
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "ms": 1e6, "s": 1e9}  # of a budget, in ns
 
@@ -80,7 +80,7 @@ def measure(
 ) -> None:
     """Measure error and cost of every setting that matters for a scene, or with --extremes and no scene what
     happens at the ends of double precision. Ctrl-C keeps what was measured."""
-    from modelgen.measure import measure as measured
+    from modelgen.benchmark import measure as measured
 
     if extremes or scene is None:
         others = {"until": until, "samples": samples, "knobs": knobs, "against": against, "limit": limit}
@@ -105,8 +105,8 @@ def measure(
 
 
 def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
-    from modelgen.measure.picture import draw_measurement
-    from modelgen.measure.table import print_measurement
+    from modelgen.benchmark.picture import draw_measurement
+    from modelgen.benchmark.table import print_measurement
 
     if plot is not None:
         draw_measurement(found, plot)
@@ -120,8 +120,8 @@ def _survey(
     scene: Path | None, extremes: bool, only: str | None, given: Mapping[str, object], as_json: bool
 ) -> None:
     """`given`: options of a measurement, which a survey does not take."""
-    from modelgen.measure.survey import survey
-    from modelgen.measure.survey_table import print_survey
+    from modelgen.benchmark.survey import survey
+    from modelgen.benchmark.survey_table import print_survey
 
     if not extremes:
         raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")
@@ -150,9 +150,9 @@ def tune(
     as_json: AsJson = False,
 ) -> None:
     """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""
-    from modelgen.measure import tune as tuned
-    from modelgen.measure.settings_file import with_run
-    from modelgen.measure.table import print_tuned
+    from modelgen.benchmark import tune as tuned
+    from modelgen.benchmark.settings_file import with_run
+    from modelgen.benchmark.table import print_tuned
     from modelgen.report.summary import print_written
 
     target = _target(scene, out, in_place)
@@ -244,8 +244,8 @@ def _number(name: str, text: str, allowed: str, unit: str = "") -> float:
 @contextmanager
 def _resumable() -> Iterator[None]:
     """Ctrl-C where there is no result yet: what was measured on the way to it is remembered."""
-    from modelgen.measure.measurement import INTERRUPTED as STOPPED
-    from modelgen.measure.measurement import resumable
+    from modelgen.benchmark.measurement import INTERRUPTED as STOPPED
+    from modelgen.benchmark.measurement import resumable
 
     try:
         yield

@@ -102,7 +102,7 @@ def write_run(
 def write_main(library: Library, name: str) -> Path:
     """Write the C program of a run, and the core that it needs, beside the library's `model.c`."""
     from modelgen.codegen.amalgamation import SOURCE, runtime_text
-    from modelgen.runtime.driver import program_text
+    from modelgen.runtime.c_program import program_text
 
     (library.path.parent / SOURCE).write_text(runtime_text(), encoding="utf-8")
     path = library.path.parent / name
@@ -114,7 +114,7 @@ def print_built(library: Library, program: Path | None) -> None:
     """The library; of a program, the file and how it is compiled there."""
     typer.echo(library.path)
     if program is not None:
-        from modelgen.runtime.driver import compile_command
+        from modelgen.runtime.c_program import compile_command
 
         typer.echo(f"written: {program}\nthere: {compile_command(library, program.name)}")
 

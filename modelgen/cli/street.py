@@ -19,8 +19,8 @@ from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
-    from modelgen.derive import Derivation
-    from modelgen.report.linear import Linearised
+    from modelgen.derivation import Derivation
+    from modelgen.linearisation.equilibrium import Linearised
     from modelgen.runtime.trajectory import Trajectory
     from modelgen.scene.types import Scene
 

@@ -13,7 +13,7 @@ from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
 from modelgen.codegen.kinds_c import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.sentence import kinds_of, sentence_of
-from modelgen.derive import Derivation, Formula
+from modelgen.derivation import Derivation, Formula
 from modelgen.errors import expect
 from modelgen.notation import unit_of
 

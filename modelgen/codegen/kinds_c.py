@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.codegen.hiding import hides
+from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
 from modelgen.codegen.manifest import FEET
 from modelgen.codegen.sentence import J_SIZE
+from modelgen.codegen.time_dependence import hides
 from modelgen.contact.kinds import eta_layout
-from modelgen.derive import Derivation, Formula
+from modelgen.derivation import Derivation, Formula
 from modelgen.geometry.curves import may_bend
 from modelgen.geometry.domains import dimension_of
 from modelgen.joint.kinds import FORMS
 from modelgen.joint.limits import is_turn
 from modelgen.joint.rows import row_count
 from modelgen.model import ContactKind, JointKind, Model
-from modelgen.require import Q_SIZE, U_SIZE, eta_size
 
 HEAD = """#ifndef MG_HASH
 #define MG_HASH ""

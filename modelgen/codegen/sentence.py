@@ -6,9 +6,11 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-from modelgen.codegen.faces import face_table, patch_table
+from modelgen.assembly import Q_SIZE, U_SIZE
+from modelgen.assembly.masses import pose_numbers
+from modelgen.codegen.planar_tables import face_table, patch_table
 from modelgen.contact.kinds import FORMS, eta_layout
-from modelgen.contact.seek import has_separation
+from modelgen.contact.separation import has_separation
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.domains import domain_of
@@ -32,8 +34,6 @@ from modelgen.model import (
     Side,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.require import Q_SIZE, U_SIZE
-from modelgen.require.masses import pose_numbers
 from modelgen.scene.types import Shape
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}

@@ -19,8 +19,8 @@ import casadi as ca
 from modelgen.contact.centres import Centre, centre_of, has_centre
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
+from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.rows import jet_of_curve
-from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import cross, dot, zeros
 from modelgen.geometry.points3d import is_point

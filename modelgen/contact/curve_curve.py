@@ -19,8 +19,8 @@ import casadi as ca
 
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import crossing_margin
+from modelgen.contact.partners import Pair
 from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
-from modelgen.contact.sides import Pair
 from modelgen.geometry.frames import cross, dot, solve2, zeros
 
 

@@ -15,8 +15,8 @@ from modelgen.contact.curve_curve import crossing, crossing_place
 from modelgen.contact.curve_surface import CurveSystem
 from modelgen.contact.extremal import along, slides
 from modelgen.contact.kernels import Placement, Rates
+from modelgen.contact.partners import Pair
 from modelgen.contact.rows import Levers, feet, jacobian_rows, passing
-from modelgen.contact.sides import Pair
 from modelgen.geometry.frames import dot, solve2, zeros
 
 

@@ -15,9 +15,9 @@ import casadi as ca
 from modelgen.contact.curve_curve import crossing
 from modelgen.contact.curve_surface import CurveSystem
 from modelgen.contact.kernels import RATES_INPUTS, Rates
+from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.points import chart_jet, chart_normal, montana_frame
 from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
-from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.frames import cross, dot, solve2, zeros
 
 

@@ -14,7 +14,7 @@ import casadi as ca
 from modelgen.contact.centres import Centre, centre_of
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import centre_margin
-from modelgen.contact.sides import Pair
+from modelgen.contact.partners import Pair
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import dot, zeros
 

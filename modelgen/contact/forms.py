@@ -7,24 +7,6 @@ from collections.abc import Callable
 import casadi as ca
 
 from modelgen.contact.block import block_place, block_rates
-from modelgen.contact.carriers import (
-    carrier_place,
-    carrier_rates,
-    centre_carrier_place,
-    centre_carrier_rates,
-    centre_curve_layout,
-    centre_surface_layout,
-    chart_layout,
-    curve_carrier_place,
-    curve_carrier_rates,
-    curve_chart_layout,
-    curve_point_layout,
-    curves_layout,
-    edges_layout,
-    mixed_layout,
-    no_layout,
-    point_layout,
-)
 from modelgen.contact.centre_curve import centre_curve_place, centre_curve_rates
 from modelgen.contact.curve_block import curve_block_place, curve_block_rates
 from modelgen.contact.curve_curve import crossing_place, crossing_rates
@@ -45,7 +27,25 @@ from modelgen.contact.edge_edge import edge_edge_place, edge_edge_rates
 from modelgen.contact.explicit import sphere_place, sphere_rates
 from modelgen.contact.extremal import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
-from modelgen.contact.sides import Layout, Pair, pair
+from modelgen.contact.parametrisations import (
+    carrier_place,
+    carrier_rates,
+    centre_carrier_place,
+    centre_carrier_rates,
+    centre_curve_layout,
+    centre_surface_layout,
+    chart_layout,
+    curve_carrier_place,
+    curve_carrier_rates,
+    curve_chart_layout,
+    curve_point_layout,
+    curves_layout,
+    edges_layout,
+    mixed_layout,
+    no_layout,
+    point_layout,
+)
+from modelgen.contact.partners import Layout, Pair, pair
 from modelgen.contact.slip import with_tangential_rows
 from modelgen.contact.support import support_place, support_rates
 from modelgen.contact.surface_surface import angle_function, paper_rates

@@ -9,7 +9,9 @@ from functools import cache
 import casadi as ca
 
 from modelgen.contact import forms
-from modelgen.contact.carriers import (
+from modelgen.contact.centres import has_centre
+from modelgen.contact.kernels import ContactKernels
+from modelgen.contact.parametrisations import (
     centre_curve_layout,
     centre_surface_layout,
     chart_layout,
@@ -21,9 +23,7 @@ from modelgen.contact.carriers import (
     no_layout,
     point_layout,
 )
-from modelgen.contact.centres import has_centre
-from modelgen.contact.kernels import ContactKernels
-from modelgen.contact.sides import Layout
+from modelgen.contact.partners import Layout
 from modelgen.contact.support import support_of
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of

@@ -15,8 +15,8 @@ import casadi as ca
 
 from modelgen.contact.kernels import Placement
 from modelgen.contact.margin import margin
+from modelgen.contact.partners import Pair
 from modelgen.contact.points import Carrier
-from modelgen.contact.sides import Pair
 from modelgen.contact.tangent import contact_frame, touch
 from modelgen.geometry.frames import dot, solve2, zeros
 

@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from modelgen.contact.kernels import Foot, Rates
-from modelgen.contact.sides import Pair, Partner
+from modelgen.contact.partners import Pair, Partner
 from modelgen.geometry.frames import cross, dot, frame_spin, tangent_frame, zeros
 
 

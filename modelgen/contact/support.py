@@ -16,8 +16,8 @@ import casadi as ca
 
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import FLOOR, NO_LENGTH, singular_values
+from modelgen.contact.partners import Pair
 from modelgen.contact.points import implicit_point
-from modelgen.contact.sides import Pair
 from modelgen.geometry.catalogue import exterior_sign, surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.frames import cross, dot, tangent_frame, zeros

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.contact.kernels import RATES_INPUTS, Rates
+from modelgen.contact.partners import Pair
 from modelgen.contact.points import MontanaFrame, montana_frame
 from modelgen.contact.rows import Levers, levers, rates_of
-from modelgen.contact.sides import Pair
 from modelgen.geometry.frames import cross, dot, solve2
 
 

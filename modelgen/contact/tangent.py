@@ -23,8 +23,8 @@ import casadi as ca
 
 from modelgen.contact.kernels import Foot, Rates
 from modelgen.contact.margin import relative_curvature
+from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.points import Carrier
-from modelgen.contact.sides import Pair, Partner
 from modelgen.geometry.frames import cross, dot, is_zero, solve2, zeros
 
 

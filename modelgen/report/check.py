@@ -9,11 +9,11 @@ from rich.console import Console
 from rich.text import Text
 
 from modelgen.contact.kinds import contact_kernels, regular_forms
-from modelgen.derive import Derivation
+from modelgen.derivation import Derivation
 from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
 from modelgen.report.resting import patch_names, print_patches
-from modelgen.runtime.advice import hints
+from modelgen.runtime.warnings import hints
 
 DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")
 SHOWN = 3  # contacts named in a row; the rest is counted

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from modelgen.derive import Derivation
-from modelgen.evidence.closed_forms import closed_forms
-from modelgen.evidence.errata.table import decided
-from modelgen.evidence.forms_check import check_forms
-from modelgen.evidence.margins import margin_map
-from modelgen.evidence.verify import lengths_of, partnership_of
+from modelgen.derivation import Derivation
 from modelgen.report import mathml
+from modelgen.verification.closed_forms import closed_forms
+from modelgen.verification.errata.table import decided
+from modelgen.verification.forms_check import check_forms
+from modelgen.verification.margins import margin_map
+from modelgen.verification.verify import lengths_of, partnership_of
 
 MEANINGS = {
     "c": "point of the shape", "z": "exterior unit normal", "I": "first fundamental form",

@@ -16,17 +16,17 @@ from modelgen.codegen.manifest import Manifest
 from modelgen.codegen.sentence import parameters_of_joint
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.contact.slip import with_tangential_rows
-from modelgen.derive import Derivation, Formula
+from modelgen.derivation import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
-from modelgen.evidence.configuration import inputs_at, substituted
-from modelgen.evidence.symbolic import LONGEST, Line, definition, leading_to
-from modelgen.evidence.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
 from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
 from modelgen.joint.rows import coordinates_kernel, rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
 from modelgen.report.typeset import symbol_latex
+from modelgen.verification.configuration import inputs_at, substituted
+from modelgen.verification.symbolic import LONGEST, Line, definition, leading_to
+from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
 
 
 @dataclass(frozen=True)

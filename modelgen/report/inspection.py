@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from modelgen.derive import Derivation
+from modelgen.derivation import Derivation
 from modelgen.report.companion import errata_facts, shape_facts, singularity_facts
 from modelgen.report.derivation import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
 from modelgen.report.kind_scenes import kind_scene

@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from modelgen.assembly import require
 from modelgen.codegen.emit import emit
 from modelgen.contact.kinds import instructions, regular_forms
-from modelgen.derive import Derivation, derive
+from modelgen.derivation import Derivation, derive
 from modelgen.dynamics.closed_form import why_not_closed
 from modelgen.dynamics.planar import in_a_plane
 from modelgen.errors import SceneError
 from modelgen.model import ContactKind, Model
-from modelgen.require import require
 from modelgen.scene.types import Friction, Scene
 
 WITHOUT_ETA = ("explicit", "support")  # forms that know their contact points at once

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.checks import check_name, check_step, is_number
+from modelgen.runtime.arguments import check_name, check_step, is_number
 
 Method = Literal["dop853", "rk4", "time-stepping"]
 Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]

@@ -10,10 +10,10 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.checks import check_span
-from modelgen.runtime.refusal import REFUSED, refusal
+from modelgen.runtime.arguments import check_span
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables import RUN_ARRAYS, Array, address
+from modelgen.runtime.start import REFUSED, refusal
+from modelgen.runtime.tables.structures import RUN_ARRAYS, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import TENTH, Accuracy
-from modelgen.runtime.apart import (
+from modelgen.runtime.estimate import Estimate
+from modelgen.runtime.run_distance import (
     angle_between,
     distance_between,
     events_between,
     forces_between,
     gaps_between,
 )
-from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables import Array
+from modelgen.runtime.tables.structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
-from modelgen.runtime.undecided import undecided_blows
+from modelgen.runtime.warnings.impact_order import undecided_blows
 
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
-
-if TYPE_CHECKING:
-    from modelgen.runtime.session import Session
+from modelgen.runtime.session import Session
 
 Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi

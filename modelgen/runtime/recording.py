@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen.runtime.joints import joint_columns
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables import RECORD_ARRAYS, Array, address
+from modelgen.runtime.tables.structures import RECORD_ARRAYS, Array, address
 
 
 class Recording:

@@ -18,7 +18,7 @@ import numpy as np
 from modelgen.codegen.library import kernel_table
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import SHARED
-from modelgen.runtime.tables import KERNELS, Array, Tables, address, structure
+from modelgen.runtime.tables.structures import KERNELS, Array, Tables, address, structure
 
 FINE = 8  # points of an outline to each part of a curve that turns by less than 0.3 rad
 IDENTITY = np.array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], dtype=float)

@@ -11,10 +11,8 @@ import numpy as np
 from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.joints import redundancy
-from modelgen.runtime.patches import PADS, slot_count
-from modelgen.runtime.refusal import REFUSED, refusal
-from modelgen.runtime.tables import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
+from modelgen.runtime.tables.planar_contacts import PADS, slot_count
+from modelgen.runtime.tables.structures import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
 CONTINUE, FULL = 1, 2
@@ -133,13 +131,12 @@ class Session:
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
 
-    def begin(self) -> None:
-        """Settles the start. Raises SimulationError if bodies interpenetrate or no extremum is found."""
-        code = self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
-        if code in REFUSED:
-            raise refusal(self, code, self.run)
-        self.redundant_joints = redundancy(self) if self.joints else []
-        self.start_code = code
+    def begin(self) -> int:
+        """Settles the start; returns the core's code (`runtime.start.begin` says what it means)."""
+        self.start_code = int(
+            self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
+        )
+        return self.start_code
 
     def ranks(self) -> list[int]:
         """How many rows of each joint are independent of those of the joints before it."""

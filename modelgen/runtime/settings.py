@@ -8,8 +8,8 @@ from typing import Any, TypedDict
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.checks import check_name, check_step
-from modelgen.runtime.tables import LAWS, METHODS, SCHEMES
+from modelgen.runtime.arguments import check_name, check_step
+from modelgen.runtime.tables.structures import LAWS, METHODS, SCHEMES
 
 
 class Stepping(TypedDict, total=False):

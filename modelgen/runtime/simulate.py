@@ -12,17 +12,18 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.advice import warnings
-from modelgen.runtime.checks import check_keywords, check_span, is_number
+from modelgen.runtime.arguments import check_keywords, check_span, is_number
 from modelgen.runtime.companion import estimate_of, nudge
 from modelgen.runtime.estimate import Estimate
 from modelgen.runtime.joints import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
-from modelgen.runtime.tables import Array
+from modelgen.runtime.start import begin
+from modelgen.runtime.tables.structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
-from modelgen.runtime.unbounded import unbounded
+from modelgen.runtime.warnings import warnings
+from modelgen.runtime.warnings.nonfinite import unbounded
 
 GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
 KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
@@ -81,7 +82,7 @@ def _part(report: Report, start: float, end: float) -> Report:
 def _path(session: Session, end: float, times: Array, report: Report) -> Trajectory:
     """One run, with samples at `times`."""
     started = time.perf_counter()
-    session.begin()
+    begin(session)
     recording = Recording(session, times)
     ending = _run(session, end, recording, report)
     recording.end()

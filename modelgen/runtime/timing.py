@@ -10,6 +10,7 @@ from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.start import begin
 
 CHUNK = 20_000  # steps between two looks at the keyboard
 
@@ -17,7 +18,7 @@ CHUNK = 20_000  # steps between two looks at the keyboard
 def core_time(library: Library, accuracy: Accuracy, until: float, steps: int | None = None) -> float:
     """CPU seconds of this thread in the core, from a settled start to the end, or for some steps."""
     session = Session(library, accuracy)
-    session.begin()
+    begin(session)
     recording = Recording(session, np.array([until]))
     begun = time.thread_time()
     while session.advance(until, steps or CHUNK, recording.record) in (CONTINUE, FULL) and steps is None:

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-VERBS = ("read", "require", "derive", "emit", "build", "simulate", "Accuracy")
+VERBS = ("read", "require", "derive", "emit", "build", "simulate", "measure", "linearise", "Accuracy")
 
 
 def run(code: str) -> str:
@@ -21,7 +21,7 @@ def test_import_is_cheap() -> None:
     assert not heavy & set(loaded)
 
 
-@pytest.mark.parametrize("first", ["", "import modelgen.require, modelgen.derive; "])
+@pytest.mark.parametrize("first", ["", "import modelgen.assembly, modelgen.derivation, modelgen.benchmark; "])
 def test_verbs_are_callable_whatever_was_imported_before(first: str) -> None:
     names = ", ".join(VERBS)
     assert run(f"{first}from modelgen import {names}; print(all(map(callable, ({names}))))") == "True"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-import pytest
-
-from tests.architecture.sources import PYTHON, imports, is_module, short
+from tests.architecture.sources import PYTHON, imports, is_module, short, tree
 
 STREET = (
     ("errors", "notation", "core"),
@@ -14,21 +15,24 @@ STREET = (
     ("model",),
     ("geometry",),
     ("contact", "dynamics", "joint"),
-    ("require",),
-    ("derive",),
-    ("evidence",),
+    ("assembly",),
+    ("derivation",),
+    ("verification",),
     ("codegen",),
     ("runtime",),
+    ("linearisation",),
     ("report",),
-    ("measure",),
+    ("benchmark",),
     ("cli",),
 )
 STATION = {room: number for number, rooms in enumerate(STREET) for room in rooms}
+RESOURCES = ("core/__init__.py",)  # holds C text, no Python
 NUMERIC_SIDE = (
     "modelgen.errors",
     "modelgen.notation",
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",
+    "modelgen.codegen.amalgamation",
 )
 
 
@@ -51,19 +55,55 @@ def test_every_file_has_a_place_on_the_street() -> None:
     assert not strangers
 
 
-@pytest.mark.parametrize("path", [p for p in PYTHON if room(module_of(p))], ids=short)
-def test_imports_run_down_the_street(path: Path) -> None:
-    """All but the package itself, which loads the verbs on demand."""
-    here = room(module_of(path))
-    uphill = {name for name in modules_imported(path) if room(name) and STATION[room(name)] > STATION[here]}
-    assert not uphill
+def uphill() -> Iterator[str]:
+    """Imports of a room further down the street; the package itself loads the verbs on demand."""
+    for path in PYTHON:
+        here = room(module_of(path))
+        for name in sorted(modules_imported(path)) if here else ():
+            if room(name) and STATION[room(name)] > STATION[here]:
+                yield f"{short(path)} imports {name}"
 
 
-@pytest.mark.parametrize("path", [p for p in PYTHON if short(p).startswith("runtime/")], ids=short)
-def test_runtime_imports_the_manifest_and_the_library_alone(path: Path) -> None:
+def test_imports_run_down_the_street() -> None:
+    assert not list(uphill())
+
+
+def test_modules_do_not_import_each_other_in_a_circle() -> None:
+    known = {module_of(path) for path in PYTHON}
+    edges = {
+        module_of(path): {n for n in modules_imported(path) if n in known and n != module_of(path)}
+        for path in PYTHON
+        if module_of(path) != "modelgen"
+    }
+    packages = {module_of(path) for path in PYTHON if path.name == "__init__.py"}
+    for name, targets in edges.items():  # a package is imported with each of its modules
+        edges[name] = {n for n in targets if not (n in packages and name.startswith(f"{n}."))}
+    assert not list(circles(edges))
+
+
+def circles(edges: Mapping[str, set[str]]) -> Iterator[str]:
+    """Sets of nodes that reach each other."""
+    graph = TopologicalSorter(edges)
+    try:
+        graph.prepare()
+    except CycleError as error:
+        yield " -> ".join(error.args[1])
+
+
+def test_circles_are_found() -> None:
+    assert list(circles({"a": {"b"}, "b": {"c"}, "c": {"a"}}))
+    assert not list(circles({"a": {"b"}, "b": {"c"}, "c": set()}))
+
+
+def test_runtime_imports_the_manifest_and_the_library_alone() -> None:
     allowed = ("modelgen.runtime", *NUMERIC_SIDE)
-    foreign = {n for n in modules_imported(path) if n not in ("modelgen", "modelgen.codegen")}
-    assert not {name for name in foreign if not name.startswith(allowed)}
+    assert not [
+        f"{short(path)} imports {name}"
+        for path in PYTHON
+        if short(path).startswith("runtime/")
+        for name in modules_imported(path) - {"modelgen", "modelgen.codegen"}
+        if not name.startswith(allowed)
+    ]
 
 
 REFERENCES = ("runtime/reference.py", "runtime/friction/mpcc.py")  # answers by CasADi's solvers
@@ -75,11 +115,25 @@ def knows_no_symbols(path: Path) -> bool:
     return numeric or name in ("errors.py", "codegen/manifest.py", "codegen/library.py")
 
 
-@pytest.mark.parametrize("path", [p for p in PYTHON if knows_no_symbols(p)], ids=short)
-def test_no_symbols_on_the_numeric_side(path: Path) -> None:
-    assert not {name for _, name in imports(path) if name.split(".")[0] in ("casadi", "sympy")}
+def test_no_symbols_on_the_numeric_side() -> None:
+    assert not [
+        f"{short(path)} imports {name}"
+        for path in PYTHON
+        if knows_no_symbols(path)
+        for _, name in imports(path)
+        if name.split(".")[0] in ("casadi", "sympy")
+    ]
 
 
 def test_matplotlib_is_needed_by_the_plots_alone() -> None:
     users = {short(path) for path in PYTHON for _, name in imports(path) if name.startswith("matplotlib")}
     assert users == {"report/plot.py"}
+
+
+def test_packages_say_what_they_take_in_and_give_out() -> None:
+    silent = [
+        short(path)
+        for path in PYTHON
+        if path.name == "__init__.py" and not ast.get_docstring(tree(path)) and short(path) not in RESOURCES
+    ]
+    assert not silent

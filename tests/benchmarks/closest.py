@@ -24,7 +24,7 @@ from time import perf_counter
 
 import numpy as np
 
-from modelgen.runtime.nearest import ClosestPoints, prepared
+from modelgen.runtime.closest_points import ClosestPoints, prepared
 from tests.laws.ellipsoid_pairs import Array, Pairs, bound, library, moved, random_pairs, true_normals
 
 ROUNDS, WRONG = 5, 1e-2

@@ -16,6 +16,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
 
 STEP = 1e-4
 
@@ -23,7 +24,7 @@ STEP = 1e-4
 def start(library: Library) -> Session:
     """A session of ellipsoid_on_plane at its start, ready for RK4; its support form needs no search."""
     session = Session(library, Accuracy.tight().fixed_step(STEP))
-    session.begin()
+    begin(session)
     return session
 
 
@@ -52,7 +53,7 @@ def state_of(session: Session) -> np.ndarray:
 
 def bowl_steps(library: Library, loaded: bool, n: int) -> None:
     session = Session(library, Accuracy.balanced().fixed_step(1e-9))
-    session.begin()
+    begin(session)
     session.active[: len(session.sentence["bodies"]) - 1] = loaded
     session.smooth(n)
 

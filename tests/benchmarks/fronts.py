@@ -17,10 +17,10 @@ from math import log10
 from rich.console import Console
 
 from modelgen import measure, read
+from modelgen.benchmark.front import Point, front, is_measured, place
+from modelgen.benchmark.measurement import Measurement
+from modelgen.benchmark.peers import PEERS, PeerPoints
 from modelgen.errors import ModelgenError
-from modelgen.measure.front import Point, front, is_measured, place
-from modelgen.measure.measurement import Measurement
-from modelgen.measure.peers import PEERS, PeerPoints
 from tests.running import SCENES
 
 SPANS: dict[str, float | None] = {  # s; None: the scene's own

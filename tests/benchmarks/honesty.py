@@ -24,7 +24,7 @@ from tempfile import mkdtemp
 
 from modelgen import build, derive, emit, require
 from modelgen.codegen.library import Library
-from tests.measure.cases import Verdict, judged, scene_named, true_form
+from tests.benchmark.cases import Verdict, judged, scene_named, true_form
 from tests.running import NAMES
 
 REALS = ("double", "long double")

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from modelgen import derive, require
 from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.report.inspection import inspected, written
-from tests.evidence.test_status import PAIRS
+from tests.verification.test_status import PAIRS
 
 WIDTH, TALLEST = 1300, 8000  # px of a picture
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

@@ -18,14 +18,14 @@ from tempfile import mkdtemp
 import numpy as np
 
 from modelgen import Accuracy
-from modelgen.measure.cost import cost_of
-from modelgen.measure.knobs import Space
-from modelgen.measure.motion import motion_of
-from modelgen.measure.program import Bench
-from modelgen.measure.store import Store
-from modelgen.measure.subject import Subject
+from modelgen.benchmark.cost import cost_of
+from modelgen.benchmark.knobs import Space
+from modelgen.benchmark.motion import motion_of
+from modelgen.benchmark.program import Bench
+from modelgen.benchmark.store import Store
+from modelgen.benchmark.subject import Subject
 from modelgen.runtime.timing import core_time
-from tests.measure.cases import scene_named
+from tests.benchmark.cases import scene_named
 from tests.running import NAMES
 
 PRESETS = (Accuracy.fast(), Accuracy.balanced(), Accuracy.tight())

@@ -22,7 +22,8 @@ import numpy as np
 from modelgen import Accuracy, build, derive, emit, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables import address
+from modelgen.runtime.start import begin
+from modelgen.runtime.tables.structures import address
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
 from tests.benchmarks.counting import callgrind, countable
@@ -97,7 +98,7 @@ def row(bodies: int, folder: Path) -> str:
     library = build(package, folder=folder)
     built = perf_counter() - begun
     session = Session(library, Accuracy.balanced())
-    session.begin()
+    begin(session)
     contacts = session.n_contact
     free, loaded = evaluation_us(session, 0), evaluation_us(session, bodies)
     counts = instructions(library, folder, contacts, bodies) if shutil.which("valgrind") else ("", "")

@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from tempfile import mkdtemp
 
-from tests.measure.promises import Promises, promises
+from tests.benchmark.promises import Promises, promises
 from tests.registry import REGISTRY
 from tests.running import NAMES
 

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen.contact.forms import build_angle
 from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.partners import partner
 from modelgen.contact.points import montana_frame
-from modelgen.contact.sides import partner
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.types import Chart

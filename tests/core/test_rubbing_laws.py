@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 from scipy.special import ellipe, ellipk
 
+from modelgen.runtime.patch_friction import Rubbing, rubbing
 from modelgen.runtime.regions import Arc, overlap
-from modelgen.runtime.rubbing import Rubbing, rubbing
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
     FRAME,

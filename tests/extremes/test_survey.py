@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
+from modelgen.benchmark.extremes import Extreme, Found, Trial, tried
+from modelgen.benchmark.survey import EXTREMES, survey
+from modelgen.benchmark.survey_table import _ranges
+from modelgen.benchmark.variants import Variants
 from modelgen.errors import ModelgenError
-from modelgen.measure.extremes import Extreme, Found, Trial, tried
-from modelgen.measure.survey import EXTREMES, survey
-from modelgen.measure.survey_table import _ranges
-from modelgen.measure.variants import Variants
 from modelgen.runtime.session import Session
 from tests.running import folder
 

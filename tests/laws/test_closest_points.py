@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen import ModelgenError, closest_points
-from modelgen.runtime.nearest import ClosestPoints, Extremum
+from modelgen.runtime.closest_points import ClosestPoints, Extremum
 from tests.laws.ellipsoid_pairs import (
     EPS,
     Array,

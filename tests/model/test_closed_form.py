@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modelgen import derive, read, require
-from modelgen.derive import Derivation
+from modelgen.derivation import Derivation
 from modelgen.dynamics.closed_form import MAX_CONTACTS, solve_symmetric
 from modelgen.errors import ModelgenError
 from tests.model.scenes import TABLE, WIDE, contact, egg, scene

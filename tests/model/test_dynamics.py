@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from modelgen import derive, require
-from modelgen.derive import Derivation
+from modelgen.derivation import Derivation
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.turning import SERIES_BELOW, exponential, quaternion
 from modelgen.model import BodyKind

@@ -12,8 +12,9 @@ import numpy as np
 
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
-from modelgen.report.linear import Linearised
+from modelgen.linearisation.equilibrium import Linearised
 from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -36,7 +37,7 @@ def differenced(library: Library, found: Linearised) -> Array:
             size = 7 if body["motion"] == "free" else 3
             session.x[body["q"] : body["q"] + size] = q[:size]
     session.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = 0.0
-    session.begin()
+    begin(session)
     n, x = len(session.x) - 1, session.x.copy()
     columns, out = [], np.zeros_like(x)
     for k in range(n):

@@ -14,6 +14,7 @@ from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.scene import build as make
 from modelgen.scene.types import Body, Shape
@@ -88,7 +89,7 @@ def told(session: Session, links: np.ndarray, eta: np.ndarray) -> Rows:
 def changes(library: Library, until: float) -> list[Change]:
     """The walks of contact 0 in a run of single steps."""
     session = Session(library, Accuracy.balanced())
-    session.begin()
+    begin(session)
     recording, code, found = Recording(session, np.array([2 * until])), CONTINUE, []
     while code in (CONTINUE, FULL):
         link, eta = session.link.copy(), session.eta.copy()

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
 from modelgen.scene import build as make
 from modelgen.scene.types import Shape
 from tests.running import library_of
@@ -98,7 +99,7 @@ def gaps_at(library: Library, poses: list[tuple[np.ndarray, Rotation]]) -> list[
         session.x[body["q"] : body["q"] + 3] = p
         if body["motion"] == "free":
             session.x[body["q"] + 3 : body["q"] + 7] = np.roll(turn.as_quat(), 1)
-    session.begin()
+    begin(session)
     return sorted(float(session.settle(i)["d"]) for i in range(session.n_contact) if session.link[i] >= 0)
 
 

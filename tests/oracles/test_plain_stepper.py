@@ -9,6 +9,7 @@ from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event
 from modelgen.scene import build as make
 from tests.oracles.plain_stepper import Change, PlainStepper
@@ -24,7 +25,7 @@ STONES = (
 def core_run(library: Library, until: float) -> tuple[PlainStepper, np.ndarray, list[Event]]:
     """The plain stepper at the links and contact parameters found at the start; state at the end, events."""
     session = Session(library, Accuracy.tight())
-    session.begin()
+    begin(session)
     plain = PlainStepper(library, session.link[:-1], session.eta)
     recording = Recording(session, np.array([2 * until]))
     events, code = session.drain_events(), CONTINUE

@@ -9,6 +9,7 @@ from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import RESOLVED
 from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from tests.oracles.plain_rows import followed
 from tests.registry import REGISTRY
@@ -102,7 +103,7 @@ def called(library: Library, kernel: str, arguments: list[np.ndarray]) -> list[n
 def starts_of(library: Library) -> dict[str, dict[str, np.ndarray]]:
     """Of each contact kind's kernels the poses, closest points and parameters of one contact at the start."""
     session = Session(library, Accuracy.tight())
-    session.begin()
+    begin(session)
     poses, starts = session.poses(), {}
     for contact in followed(library, session.link[:-1]):
         kind = library.manifest.kinds["contact"][contact["kind"]]

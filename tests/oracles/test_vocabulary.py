@@ -15,7 +15,7 @@ import pytest
 from modelgen import derive, emit, read, require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import Manifest
-from modelgen.derive import Derivation
+from modelgen.derivation import Derivation
 from modelgen.report.check import check_facts
 from tests.elf import defined_symbols
 from tests.registry import REGISTRY

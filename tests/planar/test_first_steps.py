@@ -13,6 +13,7 @@ from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import build as make
 from modelgen.scene.types import Body, Shape
@@ -42,7 +43,7 @@ def stepped(
 ) -> tuple[Session, dict[str, np.ndarray]]:
     """A run stopped at each of `stops`, with its samples at `times`."""
     session = Session(library, TIGHT)
-    session.begin()
+    begin(session)
     recording = Recording(session, np.array(times))
     for stop in stops:
         assert session.advance(stop, 100_000, recording.record) == 0

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import ModelgenError, SimulationError
-from modelgen.report.forces import least_pressing
-from modelgen.report.linear import Linearised
+from modelgen.linearisation.equilibrium import Linearised
+from modelgen.linearisation.rest_forces import least_pressing
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
 from tests.oracles.pieces import TABLE, G, ball

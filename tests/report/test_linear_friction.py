@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import SimulationError
-from modelgen.report.linear import Linearised
-from modelgen.report.modes import mode_facts, print_modes
+from modelgen.linearisation.equilibrium import Linearised
+from modelgen.report.linearised import mode_facts, print_modes
 from modelgen.report.result import linearised_schema
 from modelgen.scene import build as make
 from modelgen.scene.types import Body, Scene

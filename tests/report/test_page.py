@@ -10,10 +10,10 @@ import pytest
 import sympy as sp
 
 from modelgen import derive, require
-from modelgen.evidence.errata.table import ERRATA
 from modelgen.report import mathml
 from modelgen.report.inspection import inspected, written
 from modelgen.report.raster import colour
+from modelgen.verification.errata.table import ERRATA
 from tests.benchmarks.pages import browser, looked_at
 
 CORE = {  # elements of MathML Core

@@ -12,8 +12,8 @@ from modelgen import Accuracy, simulate
 from modelgen.runtime.companion import estimate_of
 from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
-from tests.measure.cases import Verdict, judged, scene_named, true_form
-from tests.measure.test_reference import BILLIARD
+from tests.benchmark.cases import Verdict, judged, scene_named, true_form
+from tests.benchmark.test_reference import BILLIARD
 from tests.running import library_of, scene_of
 
 CASES, SEED = 16, 6

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from modelgen import Accuracy, simulate
 from modelgen.runtime.companion import SAFE, estimate_of
 from modelgen.runtime.trajectory import Event
-from modelgen.runtime.undecided import undecided_blows
+from modelgen.runtime.warnings.impact_order import undecided_blows
 from tests.running import scene_of
 
 LEFT, RIGHT = "cube-table:top_back_left", "cube-table:top_front_left"

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from modelgen.measure import program
-from modelgen.measure.front import Point
+from modelgen.benchmark import program
+from modelgen.benchmark.front import Point
 from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"

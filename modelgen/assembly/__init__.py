@@ -1,0 +1,299 @@
+"""From the scene to its Model: the vocabulary of kinds that it needs, and the sentence over them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+
+from modelgen.assembly.contact_count import Following, confined, following
+from modelgen.assembly.coplanar_faces import Shown, Unions
+from modelgen.assembly.feature_pairs import Whole, ball_around, links_of
+from modelgen.assembly.friction_rows import grips_of
+from modelgen.assembly.influence import influencing
+from modelgen.assembly.joints import Joined, joined
+from modelgen.assembly.loads import load_kind, load_parameters
+from modelgen.assembly.masses import (
+    Mass,
+    inertia_kind,
+    inertia_numbers,
+    inverse_numbers,
+    mass_of,
+    pose_numbers,
+)
+from modelgen.assembly.pairing import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.patches import Faces, patches_of
+from modelgen.assembly.pruning import bodies_of, check_observed, motion_of
+from modelgen.assembly.scales import scales_of
+from modelgen.assembly.singular_shapes import soundness
+from modelgen.assembly.vocabulary import Vocabulary
+from modelgen.contact.kinds import eta_layout
+from modelgen.errors import SceneError, expect
+from modelgen.model import (
+    BodyEntry,
+    BodyKind,
+    BodyMotion,
+    ContactEntry,
+    ContactKind,
+    FaceEntry,
+    LinkEntry,
+    LoadEntry,
+    LoadKind,
+    Model,
+    PairEntry,
+    PatchEntry,
+    Search,
+    ShapeKind,
+)
+from modelgen.notation import ETA_SIZE
+from modelgen.scene.poses import rotation_of
+from modelgen.scene.types import Body, Scene, Vector
+
+Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
+U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A body with what the scene requires of it."""
+
+    body: Body
+    motion: BodyMotion
+    mass: Mass | None  # dynamic bodies only
+    loaded: bool
+
+    @property
+    def centre(self) -> Vector:
+        return self.mass.centre if self.mass else (0.0, 0.0, 0.0)
+
+    @property
+    def moves(self) -> bool:
+        return self.motion in ("point", "free")
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What the contact pairs of a scene become."""
+
+    pairs: tuple[PairEntry, ...]
+    links: tuple[LinkEntry, ...]
+    contacts: tuple[ContactEntry, ...]
+    faces: tuple[FaceEntry, ...] = ()
+    patches: tuple[PatchEntry, ...] = ()
+
+    @property
+    def n_eta(self) -> int:
+        """Entries of eta of all contacts."""
+        return sum(entry.room for entry in self.contacts)
+
+
+def require(scene: Scene) -> Model:
+    """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
+
+    Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
+    or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
+    """
+    expect("require", scene, Scene)
+    names = contact_names(scene)
+    check_observed(scene, names)
+    part, dropped = influencing(scene, names)
+    return _model(part, scene, dropped)
+
+
+def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
+    """Of the part that is observed of the whole."""
+    pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
+    warnings = soundness(scene)
+    body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
+    touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
+    scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+    load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
+    return Model(
+        scene=scene,
+        whole=whole,
+        bodies=_body_entries(scene, pieces, body_kinds),
+        shape_kinds=shape_kinds.kinds,
+        body_kinds=body_kinds.kinds,
+        contact_kinds=contact_kinds.kinds,
+        load_kinds=load_kinds,
+        joint_kinds=joints.joint_kinds,
+        limit_kinds=joints.limit_kinds,
+        pairs=touching.pairs,
+        links=touching.links,
+        contacts=touching.contacts,
+        faces=touching.faces,
+        patches=touching.patches,
+        loads=loads,
+        joints=joints.joints,
+        limits=joints.limits,
+        n_q=sum(Q_SIZE[piece.motion] for piece in pieces),
+        n_u=sum(U_SIZE[piece.motion] for piece in pieces),
+        n_eta=touching.n_eta + sum(entry.room for entry in joints.limits),
+        scales=scales,
+        initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
+        initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
+        left_out=(*_left_out(pieces), *_unobserved(dropped)),
+        warnings=warnings,
+    )
+
+
+def eta_size(kind: ContactKind) -> int:
+    """Entries of eta of one contact of this kind."""
+    return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
+
+
+def _piece(scene: Scene, index: int) -> Piece:
+    body = scene.bodies[index]
+    where = f"{scene.source}: body[{index}] (body {body.name!r})"
+    mass = mass_of(body, where) if body.motion == "dynamic" else None
+    motion = motion_of(scene, body, mass)
+    if motion == "free" and mass is not None and mass.inertia is None:
+        raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
+    sprung = any(body.name in joint.between for joint in scene.joints if joint.is_sprung)
+    loaded = sprung or any(body.name in bodies_of(load) for load in scene.loads)
+    return Piece(body, motion, mass, loaded)
+
+
+def _body_entries(
+    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[BodyKind]
+) -> tuple[BodyEntry, ...]:
+    starts_q = accumulate((Q_SIZE[piece.motion] for piece in pieces), initial=0)
+    starts_u = accumulate((U_SIZE[piece.motion] for piece in pieces), initial=0)
+    return tuple(
+        _body_entry(p, q, u, scene.fold, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
+    )
+
+
+def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[BodyKind]) -> BodyEntry:
+    name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
+    if mass is None or not piece.moves:
+        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=piece.body.path))
+        return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
+    turning = mass.inertia if turns else None
+    inertia = "none" if turning is None else inertia_kind(turning)
+    numbers = (mass.mass, *(() if turning is None else inertia_numbers(turning)))
+    base = "_".join([piece.motion, *([inertia] if turns else []), *(["loaded"] if piece.loaded else [])])
+    kind = kinds.index(
+        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if fold else None)
+    )
+    inverse = inverse_numbers(mass, turns)
+    return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
+
+
+def _touching(
+    scene: Scene,
+    pieces: Sequence[Piece],
+    shapes: Vocabulary[ShapeKind],
+    kinds: Vocabulary[ContactKind],
+) -> Touching:
+    """The pairs that may touch, their links, and the contacts that follow them."""
+    touching, faces, shown = Touching((), (), ()), Faces(shapes), []
+    for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
+        where = f"{scene.source}: contact[{index}]"
+        a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
+        first = len(touching.links)
+        links = links_of(a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index)
+        room = max(eta_size(kinds.kinds[link.kind]) for link in links)
+        explicit = all(eta_layout(kinds.kinds[link.kind])[1] == "none" and room < 2 for link in links)
+        way = following(a.shape, b.shape, pair, links, explicit)
+        links = confined(links) if way.own else links
+        contacts = _contacts(name, index, links, way, touching, room, kinds)
+        normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
+        ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
+        grips = grips_of(pair, a.owner.body)
+        balls = tuple(ball_around(each) for each in ((b, a) if links[0].swapped else (a, b)))
+        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips, balls)
+        shown.append(Shown((a, b), pair, patches_of(a, b, pair, name, where, links, first, faces, kinds)))
+        touching = Touching(
+            (*touching.pairs, entry), (*touching.links, *links), (*touching.contacts, *contacts)
+        )
+    unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
+    return replace(touching, patches=unions.patches(shown), faces=tuple(unions.faces))
+
+
+def _search(way: Following, links: Sequence[LinkEntry]) -> Search:
+    """Contacts that never end need not be searched for."""
+    endless = way.own and not any(link.conditions for link in links)
+    return "never" if endless else way.search
+
+
+def _contacts(
+    name: str,
+    pair: int,
+    links: Sequence[LinkEntry],
+    way: Following,
+    before: Touching,
+    room: int,
+    kinds: Vocabulary[ContactKind],
+) -> tuple[ContactEntry, ...]:
+    eta = sum(contact.room for contact in before.contacts)
+    found = []
+    for k in range(way.contacts):
+        own = len(before.links) + k if way.own else -1
+        space = eta_size(kinds.kinds[links[k].kind]) if way.own else room
+        label = f":{links[k].name}" if way.own else f"#{k + 1}"
+        found.append(ContactEntry(name + (label if way.contacts > 1 else ""), pair, eta, space, own))
+        eta += space
+    return tuple(found)
+
+
+def _turned_round(normal: Vector | None) -> Vector | None:
+    return None if normal is None else (-normal[0], -normal[1], -normal[2])
+
+
+def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], where: str) -> Whole:
+    body = find_body(scene, partner[0], where)
+    piece = pieces[body]
+    shape = find_shape(piece.body, partner[1], where)
+    owner = Owner(body, piece.motion, piece.body.pose.is_identity, piece.centre, scene.fold)
+    return Whole(owner, shape)
+
+
+def _acting(
+    scene: Scene, pieces: Sequence[Piece], length: float, eta: int
+) -> tuple[tuple[LoadKind, ...], tuple[LoadEntry, ...], Joined]:
+    """Loads and joints; the springs of joints are loads."""
+    kinds: Vocabulary[LoadKind] = Vocabulary()
+    loads = _load_entries(scene, pieces, kinds)
+    joints = joined(scene, [piece.centre for piece in pieces], length, eta, kinds)
+    return kinds.kinds, (*loads, *joints.springs), joints
+
+
+def _load_entries(
+    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[LoadKind]
+) -> tuple[LoadEntry, ...]:
+    entries: list[LoadEntry] = []
+    for index, load in enumerate(scene.loads):
+        where = f"{scene.source}: load[{index}]"
+        bodies = tuple(find_body(scene, name, where) for name in bodies_of(load))
+        centres = [pieces[body].centre for body in bodies]
+        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres)
+        entries.append(LoadEntry(kinds.index(kind), bodies, load_parameters(load, kind, centres)))
+    return tuple(entries)
+
+
+def _initial_q(piece: Piece) -> tuple[float, ...]:
+    if not piece.moves:
+        return ()
+    pose = piece.body.pose
+    arm = rotation_of(pose.quaternion) @ piece.centre
+    p = tuple(float(a + b) for a, b in zip(pose.position, arm, strict=True))
+    return p + (pose.quaternion if piece.motion == "free" else ())
+
+
+def _initial_u(piece: Piece) -> tuple[float, ...]:
+    if not piece.moves:
+        return ()
+    if piece.motion == "point":
+        return piece.body.velocity
+    spin = rotation_of(piece.body.pose.quaternion).T @ piece.body.angular_velocity
+    return piece.body.velocity + tuple(float(value) for value in spin)
+
+
+def _left_out(pieces: Sequence[Piece]) -> tuple[str, ...]:
+    why = "orientation and spin left out: nothing depends on how a sphere about its centre turns"
+    return tuple(f"{piece.body.name}: {why}" for piece in pieces if piece.motion == "point")
+
+
+def _unobserved(names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{name}: left out: nothing observed depends on it" for name in names)

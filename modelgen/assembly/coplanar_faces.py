@@ -1,0 +1,170 @@
+"""Faces of several shapes in one plane that rest as one planar contact: a stool on feet, a plank on two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+
+from modelgen.assembly.feature_pairs import Whole
+from modelgen.assembly.support_points import PADS
+from modelgen.geometry.features import is_convex
+from modelgen.geometry.regions import in_one_plane, to_axes
+from modelgen.model import FaceEntry, PatchEntry
+from modelgen.scene.poses import compose, to_outer
+from modelgen.scene.types import ContactPair, Pose, Vector
+
+SLOTS = 3  # patches that a pair may rest on at a time where one of its shapes is not convex
+FIXED = -1  # in place of a body: all that are fixed
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A pair of shapes with its patches: their bodies and the terms of their contact."""
+
+    wholes: tuple[Whole, Whole]
+    pair: ContactPair
+    patches: tuple[PatchEntry, ...]
+
+
+Member = tuple[int, PatchEntry]  # the number of a pair, and a patch of it
+
+
+class Unions:
+    """The patches of all pairs, with those in one plane between the same bodies as one."""
+
+    def __init__(self, faces: Sequence[FaceEntry], grounds: Sequence[Pose | None]) -> None:
+        """Of faces as single shapes have them; `grounds`: where each body stands if it is fixed."""
+        self.given, self.grounds = faces, grounds
+        self.faces: list[FaceEntry] = []
+        self._known: dict[tuple[int, ...], int] = {}
+
+    def patches(self, shown: Sequence[Shown]) -> tuple[PatchEntry, ...]:
+        """Each with the places that it shares with the others of its pair."""
+        found: list[list[PatchEntry]] = [[] for _ in shown]
+        for group in self._groups(
+            [(k, patch) for k, each in enumerate(shown) for patch in each.patches], shown
+        ):
+            first = group[0][0]
+            name = _name([(shown[k].pair, patch) for k, patch in group])
+            found[first].append(self._joined([patch for _, patch in group], name))
+        return tuple(_with_slots(found, shown))
+
+    def _groups(self, members: Sequence[Member], shown: Sequence[Shown]) -> Iterator[list[Member]]:
+        """In order of their first patches."""
+        groups: list[list[Member]] = []
+        for member in members:
+            mates = (each for each in groups if self._belongs(each[0], member, shown))
+            group = next(mates, None)
+            if group is None:
+                groups.append([member])
+            else:
+                group.append(member)
+        for each in groups:
+            yield from _complete(each)
+
+    def _belongs(self, a: Member, b: Member, shown: Sequence[Shown]) -> bool:
+        if a[0] == b[0] or _terms(shown[a[0]].pair) != _terms(shown[b[0]].pair):
+            return False
+        return all(self._level(one, two) for one, two in zip(a[1].faces, b[1].faces, strict=True))
+
+    def _level(self, a: int, b: int) -> bool:
+        (body, pose), (other, place) = self._face(a), self._face(b)
+        return body == other and in_one_plane(pose, place)
+
+    def _face(self, index: int) -> tuple[int, Pose]:
+        """The body of a face, or FIXED, and its axes there."""
+        face = self.given[index]
+        ground = self.grounds[face.body]
+        return (face.body, face.pose) if ground is None else (FIXED, compose(ground, face.pose))
+
+    def _joined(self, group: Sequence[PatchEntry], name: str) -> PatchEntry:
+        sides = [list(dict.fromkeys(patch.faces[side] for patch in group)) for side in range(2)]
+        first = replace(group[0], faces=(self._union(sides[0]), self._union(sides[1])))
+        if len(group) == 1:
+            return first
+        pads = self._pads(group, sides[1][0])
+        return replace(
+            first,
+            name=name,
+            parameters=tuple(
+                numbers[:-3] + point for numbers, point in zip(first.parameters, pads, strict=True)
+            ),
+            links=tuple(sorted({link for patch in group for link in patch.links})),
+        )
+
+    def _union(self, members: Sequence[int]) -> int:
+        """The number of the face that faces in one plane are together, in the axes of the first."""
+        key = tuple(members)
+        if key not in self._known:
+            self._known[key] = len(self.faces)
+            self.faces.append(self._face_of(members))
+        return self._known[key]
+
+    def _face_of(self, members: Sequence[int]) -> FaceEntry:
+        """A number of loops is left out between members, which may overlap (core/region.h)."""
+        first = self.given[members[0]]
+        if len(members) == 1:
+            return first
+        axes, boundary, loops = self._face(members[0])[1], [*first.boundary], 1 + _loops(first)
+        for index in members[1:]:
+            face, shift = self.given[index], to_axes(axes, self._face(index)[1])
+            boundary += [
+                replace(arc, pose=compose(shift, arc.pose), loop=arc.loop + loops) for arc in face.boundary
+            ]
+            loops += 1 + _loops(face)
+        return replace(first, name=_listed(self.given[k].name for k in members), boundary=tuple(boundary))
+
+    def _pads(self, group: Sequence[PatchEntry], face: int) -> list[Vector]:
+        """Points on a circle round those of all members, in the axes of f about its centre of mass."""
+        points = np.array([[numbers[-3:] for numbers in patch.parameters] for patch in group])
+        centres = points.mean(axis=1)
+        centre = (centres.min(axis=0) + centres.max(axis=0)) / 2
+        radius = float(np.linalg.norm(points - centre, axis=2).max())
+        around = Pose(_vector(centre), self.given[face].pose.quaternion)
+        angles = [2 * pi * k / PADS for k in range(PADS)]
+        return [_vector(to_outer(around, (radius * cos(a), radius * sin(a), 0.0))) for a in angles]
+
+
+def _name(group: Sequence[tuple[ContactPair, PatchEntry]]) -> str:
+    """ "stool-floor:bottom"."""
+    bodies = [_listed(pair.between[side][0] for pair, _ in group) for side in range(2)]
+    return f"{'-'.join(bodies)}:{_listed(patch.name.rpartition(':')[2] for _, patch in group)}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Each once."""
+    return "+".join(dict.fromkeys(filter(None, names)))
+
+
+def _vector(x: Any) -> Vector:
+    return float(x[0]), float(x[1]), float(x[2])
+
+
+def _terms(pair: ContactPair) -> ContactPair:
+    return replace(pair, between=(("", ""), ("", "")), features=(), form="auto", normal=None)
+
+
+def _loops(face: FaceEntry) -> int:
+    return 1 + max((arc.loop for arc in face.boundary), default=-1)
+
+
+def _complete(group: list[Member]) -> list[list[Member]]:
+    """The group, if each of its faces may touch each; else by faces of o."""
+    first = list(dict.fromkeys(patch.faces[0] for _, patch in group))
+    if len(group) == len(first) * len({patch.faces[1] for _, patch in group}):
+        return [group]
+    return [[member for member in group if member[1].faces[0] == face] for face in first]
+
+
+def _with_slots(found: Sequence[Sequence[PatchEntry]], shown: Sequence[Shown]) -> Iterator[PatchEntry]:
+    """The patches of each pair with the places that they share: one where both shapes are convex."""
+    first = 0
+    for patches, each in zip(found, shown, strict=True):
+        convex = all(is_convex(whole.shape) for whole in each.wholes)
+        end = first + min(len(patches), 1 if convex else SLOTS)
+        yield from (replace(patch, slots=(first, end)) for patch in patches)
+        first = end

@@ -1,0 +1,254 @@
+"""The links of a pair of shapes: which features can touch in a point, and where a contact leads from each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from modelgen.assembly.pairing import Owner, Partner, pair_up, shape_kind
+from modelgen.assembly.support_points import is_pad, lies_flat, pads_of, tilted
+from modelgen.assembly.vocabulary import Vocabulary
+from modelgen.contact.kinds import eta_layout, regular_forms
+from modelgen.errors import SceneError, nearest
+from modelgen.geometry.composites.conditions import vertex
+from modelgen.geometry.extent import bounding_ball
+from modelgen.geometry.features import features_of, is_convex
+from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
+from modelgen.scene.poses import compose, rotation_of, to_outer
+from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape, Vector
+
+STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
+CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A body's shape as the scene has it, with all its features."""
+
+    owner: Owner
+    shape: Shape
+
+
+def ball_around(whole: Whole) -> tuple[Vector, float]:
+    """Centre (m, body axes, from the centre of mass) and radius (m, or infinite) of a ball around a shape."""
+    shape = whole.shape
+    centre, radius = bounding_ball(replace(shape, cavity=False))
+    x, y, z = map(float, to_outer(shape.pose, centre) - np.array(whole.owner.centre))
+    return (x, y, z), radius
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A pair of features with the kind of contact between them."""
+
+    features: tuple[Feature, Feature]  # of the first and the second shape as the user named them
+    partners: tuple[Partner, Partner]
+    faces: tuple[frozenset[str], frozenset[str]]  # joined smoothly to the feature, where it is a face itself
+    kind: ContactKind
+    swapped: bool
+
+
+Candidates = Mapping[tuple[str, str], Candidate]
+Face = tuple[int, str]  # of the first or second shape; its name
+
+
+def links_of(
+    a: Whole,
+    b: Whole,
+    pair: ContactPair,
+    wish: str,
+    where: str,
+    shapes: Vocabulary[ShapeKind],
+    kinds: Vocabulary[ContactKind],
+    first: int,
+    index: int,
+) -> tuple[LinkEntry, ...]:
+    """The links of a pair; the first has the number `first`. Raises SceneError if there is none.
+
+    `wish` is the form that they take where it is regular, if the pair names none.
+    """
+    found = _candidates(a, b, pair, wish, where, shapes)
+    numbers = {names: first + k for k, names in enumerate(found)}
+    known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
+    groups = _parting_faces(found) if known else {}
+    return tuple(
+        _entry(candidate, names, numbers, kinds, index, groups) for names, candidate in found.items()
+    )
+
+
+def _parting_faces(found: Candidates) -> dict[Face, int]:
+    """Flat faces, numbered, whose gaps to all features of the other solid need no contact parameters."""
+    faces: dict[Face, bool] = {}
+    for names, candidate in found.items():
+        face = _flat_face(names, candidate)
+        if face is not None:
+            faces[face] = faces.get(face, True) and eta_layout(candidate.kind) == ("none", "none")
+    return {face: k for k, face in enumerate(face for face, explicit in faces.items() if explicit)}
+
+
+def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
+    side = 1 if candidate.swapped else 0
+    return (side, names[side]) if candidate.partners[side].shape.kind == "plane" else None
+
+
+def _candidates(
+    a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: Vocabulary[ShapeKind]
+) -> dict[tuple[str, str], Candidate]:
+    sides = _ended([_with_pads(features_of(whole.shape).features) for whole in (a, b)])
+    _check_restriction(pair, sides, where)
+    alone = len(sides[0]) == len(sides[1]) == 1
+    found: dict[tuple[str, str], Candidate] = {}
+    for features in product(*sides):
+        names = (features[0].name, features[1].name)
+        wanted = all(not name or not pair.features or name in pair.features for name in names)
+        if not wanted or not (alone or _touch_in_points(*features)):
+            continue
+        features = _flattened(*features)
+        (one, first), (two, second) = (
+            _place(whole, feature, shapes) for whole, feature in zip((a, b), features, strict=True)
+        )
+        forced = pair
+        if not alone or pair.form == "auto":
+            forced = _where_it_fits(pair, wish if pair.form == "auto" else pair.form, first, second)
+        kind, swapped = pair_up(first, second, forced, where)
+        joined = _joined(one, sides[0]), _joined(two, sides[1])
+        found[names] = Candidate((one, two), (first, second), joined, kind, swapped)
+    if not found:
+        raise SceneError(where, "no two features of these shapes can touch in a point", "", "")
+    return found
+
+
+def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], where: str) -> None:
+    known = {feature.name for side in sides for feature in side if feature.name}
+    for name in pair.features:
+        if name not in known:
+            raise SceneError(
+                f"{where}.features",
+                f"no feature {name!r}",
+                f"features: {', '.join(sorted(known)) or 'none'}",
+                nearest(name, known),
+            )
+
+
+def _with_pads(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
+    return (*features, *(pad for feature in features for pad in pads_of(feature)))
+
+
+def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
+    """A segment touches a plane with its ends, nowhere or all along between them."""
+    kinds = [tuple(feature.shape.kind for feature in features) for features in sides]
+    if sorted(kinds) != [("plane",), ("segment",)]:
+        return sides
+    return [_ends_of(one[0].shape) if one[0].shape.kind == "segment" else one for one in sides]
+
+
+def _ends_of(segment: Shape) -> tuple[Feature, ...]:
+    ((_, length),) = segment.parameters
+    return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
+
+
+def _touch_in_points(a: Feature, b: Feature) -> bool:
+    orders = ((a, b), (b, a))
+    if a.shape.kind == b.shape.kind == "point":
+        return False
+    if any(is_pad(one) and other.shape.kind != "plane" for one, other in orders):
+        return False
+    return not any(one.shape.kind == "plane" and other.shape.kind in STRAIGHT for one, other in orders)
+
+
+def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
+    """A rim or ring against a plane gives way to its pads where it is flat."""
+    return (
+        tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
+        tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
+    )
+
+
+def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
+    """Names of the faces that a face runs into without an edge."""
+    faces = {each.name for each in all_of_it if each.dimension == 2}
+    nexts = {each.next for each in feature.conditions if each.next}
+    return frozenset(faces & nexts) if feature.dimension == 2 else frozenset()
+
+
+def _place(whole: Whole, feature: Feature, shapes: Vocabulary[ShapeKind]) -> tuple[Feature, Partner]:
+    """The feature in the place of the whole shape; a vertex with its coordinates in the body's axes."""
+    pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
+    shape = replace(feature.shape, pose=pose, name=whole.shape.name)
+    if shape.kind == "point":
+        at = to_outer(pose, [value for _, value in shape.parameters]) - whole.owner.centre
+        numbers = tuple(zip("xyz", map(float, at), strict=True))
+        shape = replace(shape, parameters=numbers, pose=Pose(whole.owner.centre))
+        feature = _turned(feature, rotation_of(pose.quaternion))
+    return feature, Partner(whole.owner, shape, shapes.named(shape_kind(shape, whole.owner.fold)))
+
+
+def _where_it_fits(pair: ContactPair, form: str, a: Partner, b: Partner) -> ContactPair:
+    fits = form != "auto" and form in (*regular_forms(a.side, b.side), *regular_forms(b.side, a.side))
+    return replace(pair, form=form if fits else "auto")
+
+
+def _entry(
+    candidate: Candidate,
+    names: tuple[str, str],
+    numbers: Mapping[tuple[str, str], int],
+    kinds: Vocabulary[ContactKind],
+    pair: int,
+    groups: Mapping[Face, int],
+) -> LinkEntry:
+    order = (1, 0) if candidate.swapped else (0, 1)
+    o, f = (candidate.partners[k] for k in order)
+    face = _flat_face(names, candidate)
+    return LinkEntry(
+        name="-".join(filter(None, names)),
+        kind=kinds.index(candidate.kind),
+        pair=pair,
+        o=o.owner.body,
+        f=f.owner.body,
+        parameters=o.parameters + f.parameters,
+        swapped=candidate.swapped,
+        shapes=(o.shape, f.shape),
+        features=names,
+        group=-1 if face is None else groups.get(face, -1),
+        conditions=_conditions(candidate, names, numbers, order),
+    )
+
+
+def _conditions(
+    candidate: Candidate,
+    names: tuple[str, str],
+    numbers: Mapping[tuple[str, str], int],
+    order: tuple[int, int],
+) -> tuple[LinkCondition, ...]:
+    found = []
+    for side, mine in enumerate(order):
+        other = candidate.features[1 - mine]
+        faces = candidate.faces[mine]
+        for condition in candidate.features[mine].conditions:
+            beyond = [*names]
+            beyond[mine] = condition.next or ""
+            to = numbers.get((beyond[0], beyond[1]), ENDS) if condition.next else ENDS
+            if to < 0 and _is_moot(condition, other, faces):
+                to = WATCHED
+            found.append(LinkCondition(condition.kind, side, condition.numbers, to))
+    return tuple(found)
+
+
+def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:
+    """Beyond it a plane is touched along a line, or everywhere: this link goes on to hold them apart."""
+    return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
+
+
+def _turned(feature: Feature, rotation: np.ndarray[Any, Any]) -> Feature:
+    """The directions of a vertex in other axes."""
+    return replace(
+        feature,
+        conditions=tuple(
+            replace(each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:]))
+            for each in feature.conditions
+        ),
+    )

@@ -1,0 +1,54 @@
+"""What influences the observed quantities: bodies tied together by contacts, joints and springs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from modelgen.assembly.pruning import bodies_of
+from modelgen.scene.types import Scene
+
+
+def influencing(scene: Scene, contacts: Sequence[str]) -> tuple[Scene, tuple[str, ...]]:
+    """The part of a scene, with contacts of these names, that its `observe` depends on; the bodies left out.
+
+    Everything where nothing, or nothing that moves by forces, is observed.
+
+    What does not move by forces passes no influence on.
+    """
+    dynamic = {body.name for body in scene.bodies if body.motion == "dynamic"}
+    needed = _closed(set(_observed(scene, contacts)) & dynamic, [set(tie) & dynamic for tie in _ties(scene)])
+    if not needed or needed == dynamic:
+        return scene, ()
+    kept_contacts = tuple(c for c in scene.contacts if needed & {owner for owner, _ in c.between})
+    kept_loads = tuple(load for load in scene.loads if needed & set(bodies_of(load)))
+    kept_joints = tuple(joint for joint in scene.joints if needed & set(joint.between))
+    part = replace(scene, contacts=kept_contacts, loads=kept_loads, joints=kept_joints)
+    standing = {name for tie in _ties(part) for name in tie} | set(_observed(scene, contacts))
+    bodies = tuple(body for body in scene.bodies if body.name in needed | (standing - dynamic))
+    return replace(part, bodies=bodies), tuple(b.name for b in scene.bodies if b.name in dynamic - needed)
+
+
+def _ties(scene: Scene) -> Iterator[tuple[str, ...]]:
+    """The names of bodies that one contact, load or joint is between."""
+    yield from (tuple(owner for owner, _ in pair.between) for pair in scene.contacts)
+    yield from (bodies_of(load) for load in scene.loads)
+    yield from (joint.between for joint in scene.joints)
+
+
+def _observed(scene: Scene, contacts: Sequence[str]) -> Iterator[str]:
+    """The bodies that are observed, or that an observed contact or joint is between."""
+    between = {name: tuple(o for o, _ in c.between) for name, c in zip(contacts, scene.contacts, strict=True)}
+    between |= {joint.name: joint.between for joint in scene.joints}
+    for name in scene.observe:
+        thing = name.rpartition(".")[0]
+        yield from between.get(thing) or between.get(thing.partition(":")[0]) or (thing,)
+
+
+def _closed(found: set[str], ties: Sequence[set[str]]) -> set[str]:
+    """With all that is tied to it."""
+    while True:
+        more = found.union(*(tie for tie in ties if tie & found))
+        if more == found:
+            return found
+        found = more

@@ -1,0 +1,80 @@
+"""Joints, their limits and springs: what of them is structure, and what is a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from modelgen.assembly.masses import pose_numbers
+from modelgen.assembly.pairing import find_body
+from modelgen.assembly.vocabulary import Vocabulary
+from modelgen.joint.limits import is_turn
+from modelgen.joint.rows import row_count
+from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
+from modelgen.scene.types import Joint, Scene, Vector
+
+_ENDS = ((0, "min"), (0, "max"), (1, "y_min"), (1, "y_max"))  # coordinates and names of the bounds
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """What the joints of a scene become."""
+
+    joint_kinds: tuple[JointKind, ...]
+    limit_kinds: tuple[LimitKind, ...]
+    joints: tuple[JointEntry, ...]
+    limits: tuple[LimitEntry, ...]
+    springs: tuple[LoadEntry, ...]
+
+
+def joined(
+    scene: Scene, centres: Sequence[Vector], length: float, eta: int, loads: Vocabulary[LoadKind]
+) -> Joined:
+    """The joints of the scene; angles are measured by `length`, m; the eta of limits starts at `eta`."""
+    kinds: Vocabulary[JointKind] = Vocabulary()
+    limit_kinds: Vocabulary[LimitKind] = Vocabulary()
+    joints: list[JointEntry] = []
+    limits: list[LimitEntry] = []
+    springs: list[LoadEntry] = []
+    for index, joint in enumerate(scene.joints):
+        row = joints[-1].row + joints[-1].rows if joints else 0
+        a, b = (find_body(scene, name, f"{scene.source}: joint[{index}]") for name in joint.between)
+        numbers = _parameters(joint, (centres[a], centres[b]), length)
+        kind = kinds.index(_kind(joint))
+        rows = row_count(kinds.kinds[kind])
+        joints.append(JointEntry(joint.name, kind, a, b, row, rows, joint.frames, numbers))
+        first = limits[-1].eta + limits[-1].room if limits else eta
+        limits += _limits(joint, index, joints[-1], first, limit_kinds)
+        if joint.is_sprung:
+            spring = loads.index(LoadKind(f"{joint.kind}_spring", "joint_spring", (), joint=joint.kind))
+            springs.append(LoadEntry(spring, (a, b), (*numbers, joint.stiffness, joint.damping, joint.rest)))
+    return Joined(kinds.kinds, limit_kinds.kinds, tuple(joints), tuple(limits), tuple(springs))
+
+
+def _kind(joint: Joint) -> JointKind:
+    return JointKind(joint.kind if joint.motion is None else f"{joint.kind}_moved", joint.kind, joint.motion)
+
+
+def _parameters(joint: Joint, centres: tuple[Vector, Vector], length: float) -> tuple[float, ...]:
+    """Both frames (12 each) from the centres of mass, the characteristic length, the kind's numbers."""
+    frames = zip(joint.frames, centres, strict=True)
+    return (*(x for frame, centre in frames for x in pose_numbers(frame, centre)), length, *joint.numbers)
+
+
+def _limits(
+    joint: Joint, index: int, entry: JointEntry, eta: int, kinds: Vocabulary[LimitKind]
+) -> list[LimitEntry]:
+    found: list[LimitEntry] = []
+    for (coordinate, end), bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True):
+        if bound is None:
+            continue
+        room = int(is_turn(joint.kind))
+        kind = kinds.index(LimitKind(f"{joint.kind}_{end}", joint.kind, end.endswith("max"), coordinate))
+        at = eta + room * len(found)
+        found.append(
+            LimitEntry(
+                f"{joint.name}:{end}", kind, index, entry.a, entry.b, at, room, joint.restitution,
+                (*entry.parameters, bound),
+            )
+        )  # fmt: skip
+    return found

@@ -1,0 +1,39 @@
+"""Loads as kinds: what of a load is structure, and what is a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from modelgen.assembly.pruning import points_of
+from modelgen.model import BodyMotion, LoadKind
+from modelgen.scene.types import ForceLoad, Load, SpringLoad, TorqueLoad, Vector
+
+_ZERO = (0.0, 0.0, 0.0)
+
+
+def load_kind(load: Load, motions: tuple[BodyMotion, ...], centres: Sequence[Vector]) -> LoadKind:
+    """The structure of a load on bodies of these motions with these centres of mass."""
+    points = points_of(load)
+    arms = tuple(
+        motion != "point" and point != centre
+        for motion, point, centre in zip(motions, points, centres, strict=False)
+    )
+    match load:
+        case SpringLoad():
+            return LoadKind("spring", "spring", motions, arms=arms)
+        case ForceLoad():
+            texts = (load.frame, *(component.text for component in load.components))
+            return LoadKind("force", "force", motions, texts, replace(load, body="", point=_ZERO), arms)
+        case TorqueLoad():
+            texts = (load.frame, *(component.text for component in load.components))
+            return LoadKind("torque", "torque", motions, texts, replace(load, body=""))
+
+
+def load_parameters(load: Load, kind: LoadKind, centres: Sequence[Vector]) -> tuple[float, ...]:
+    """Points off the centre of mass (3 each, from it), then a spring's stiffness, damping, rest length."""
+    arms = zip(points_of(load), centres, kind.arms, strict=False)
+    numbers = [a - b for point, centre, off in arms if off for a, b in zip(point, centre, strict=True)]
+    if isinstance(load, SpringLoad):
+        numbers += [load.stiffness, load.damping, load.rest_length]
+    return tuple(numbers)

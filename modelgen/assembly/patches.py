@@ -1,0 +1,148 @@
+"""Patches: a planar region of one shape that may rest on one of another as a single planar contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from math import cos, pi, sin
+
+from modelgen.assembly.feature_pairs import Whole
+from modelgen.assembly.friction_rows import rubs
+from modelgen.assembly.pairing import Partner, pair_up, shape_kind
+from modelgen.assembly.support_points import PADS, bearer_of
+from modelgen.assembly.vocabulary import Vocabulary
+from modelgen.geometry.regions import Region, regions_of
+from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
+from modelgen.scene.poses import compose, to_outer
+from modelgen.scene.types import ContactPair, Pose, Shape
+
+
+class Faces:
+    """The faces of a scene, each once, with what bounds them."""
+
+    def __init__(self, shapes: Vocabulary[ShapeKind]) -> None:
+        self.shapes = shapes
+        self.entries: list[FaceEntry] = []
+        self._known: dict[tuple[int, str, str], int] = {}
+
+    def index(self, whole: Whole, region: Region) -> int:
+        """The number of a region of a body's shape, which is added if new."""
+        key = whole.owner.body, whole.shape.name, region.name
+        if key not in self._known:
+            self._known[key] = len(self.entries)
+            self.entries.append(self._entry(whole, region))
+        return self._known[key]
+
+    def _entry(self, whole: Whole, region: Region) -> FaceEntry:
+        boundary = tuple(
+            BoundaryEntry(
+                self.shapes.index(shape_kind(arc.curve, whole.owner.fold)),
+                *_placed(arc.curve),
+                arc.ends,
+                arc.loop,
+            )
+            for arc in region.arcs
+        )
+        return FaceEntry(region.name, whole.owner.body, _pose(whole, region), boundary)
+
+
+def _placed(curve: Shape) -> tuple[Shape, Pose]:
+    return replace(curve, pose=Pose()), curve.pose
+
+
+@dataclass(frozen=True, slots=True)
+class Half:
+    """A planar region of one of the two shapes of a pair."""
+
+    whole: Whole
+    region: Region
+
+
+def patches_of(
+    a: Whole,
+    b: Whole,
+    pair: ContactPair,
+    name: str,
+    where: str,
+    links: Sequence[LinkEntry],
+    first: int,
+    faces: Faces,
+    kinds: Vocabulary[ContactKind],
+) -> tuple[PatchEntry, ...]:
+    """The patches of a pair of shapes with these links, the first of which has the number `first`.
+
+    Faces with friction that depends on the direction, or with resistances, stand on points.
+    """
+    found: list[PatchEntry] = []
+    if pair.friction is not None and not rubs(pair):
+        return ()
+    for one, two in product(_allowed(a, pair), _allowed(b, pair)):
+        if not one.arcs and not two.arcs:
+            continue
+        halves = Half(a, one), Half(b, two)
+        covered = tuple(first + k for k, link in enumerate(links) if _lies_in(link.features, halves))
+        order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
+        kind, rubbing, parameters = _pads(order, pair, where, faces.shapes, kinds)
+        label = "-".join(filter(None, (one.name, two.name)))
+        numbers = tuple(faces.index(half.whole, half.region) for half in order)
+        entry = PatchEntry(
+            f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
+        )
+        if pair.friction is not None:
+            friction = pair.friction.static[0], pair.friction.kinetic[0]
+            entry = replace(entry, rubbing=rubbing, friction=friction)
+        found.append(entry)
+    return tuple(found)
+
+
+def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
+    """The planar regions that the scene lets touch."""
+    return (
+        region
+        for region in regions_of(whole.shape)
+        if not pair.features or not region.name or region.name in pair.features
+    )
+
+
+def _lies_in(features: tuple[str, str], halves: tuple[Half, Half]) -> bool:
+    return all(bearer_of(name) in half.region.features for name, half in zip(features, halves, strict=True))
+
+
+def _pose(whole: Whole, region: Region) -> Pose:
+    """The axes of a region in the body as written."""
+    return compose(whole.shape.pose, region.pose)
+
+
+def _pads(
+    order: Sequence[Half],
+    pair: ContactPair,
+    where: str,
+    shapes: Vocabulary[ShapeKind],
+    kinds: Vocabulary[ContactKind],
+) -> tuple[int, int, tuple[tuple[float, ...], ...]]:
+    """The kind of contact of three points of f on the plane of o, that of the first with friction, and the
+    parameters of each."""
+    o, f = order
+    plane = _partner(o.whole, Shape("plane", pose=_pose(o.whole, o.region), name="plane"), shapes)
+    free = replace(pair, form="auto")
+    parameters, kind, rubbing = [], -1, -1
+    for k in range(PADS):
+        point = _partner(f.whole, _pad(f, 2 * pi * k / PADS), shapes)
+        kind = kinds.index(pair_up(plane, point, free, where, 1)[0])
+        if pair.friction is not None and k == 0:
+            rubbing = kinds.index(pair_up(plane, point, free, where, 6)[0])
+        parameters.append(plane.parameters + point.parameters)
+    return kind, rubbing, tuple(parameters)
+
+
+def _partner(whole: Whole, shape: Shape, shapes: Vocabulary[ShapeKind]) -> Partner:
+    return Partner(whole.owner, shape, shapes.named(shape_kind(shape, False)))
+
+
+def _pad(f: Half, angle: float) -> Shape:
+    """A point of the plane of f, in the axes of its body about the centre of mass."""
+    (x, y), radius = f.region.centre, f.region.radius
+    at = to_outer(_pose(f.whole, f.region), (x + radius * cos(angle), y + radius * sin(angle), 0.0))
+    numbers = tuple(zip("xyz", map(float, at - f.whole.owner.centre), strict=True))
+    return Shape("point", numbers, pose=Pose(f.whole.owner.centre), name="point")

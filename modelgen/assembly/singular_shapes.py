@@ -1,0 +1,47 @@
+"""What is remarkable about the shapes that touch: where they are singular, or have no curvature."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from modelgen.assembly.friction_rows import rubs
+from modelgen.errors import SceneError
+from modelgen.geometry.declared import declared_limits
+from modelgen.geometry.features import features_of
+from modelgen.geometry.regions import regions_of
+from modelgen.geometry.regular import check_regular
+from modelgen.scene.types import Scene, Shape
+
+
+def soundness(scene: Scene) -> tuple[str, ...]:
+    """Warnings on the shapes that may touch, each named `body/shape`; SceneError where none could run, with
+    the place of the shape in the scene."""
+    touching = {partner for pair in scene.contacts for partner in pair.between}
+    found: list[str] = []
+    for i, body in enumerate(scene.bodies):
+        for k, shape in enumerate(body.shapes):
+            if (body.name, shape.name) in touching:
+                where = f"{scene.source}: body[{i}].shape{f'[{k}]' if len(body.shapes) > 1 else ''}"
+                found += [f"{body.name}/{shape.name}: {text}" for text in _remarks(shape, where)]
+    return (*found, *_standing(scene))
+
+
+def _standing(scene: Scene) -> Iterator[str]:
+    """Of pairs that could rest on their faces, but for their kind of friction."""
+    shapes = {(body.name, shape.name): shape for body in scene.bodies for shape in body.shapes}
+    for pair in scene.contacts:
+        flat = [regions_of(shapes[partner]) for partner in pair.between if partner in shapes]
+        bounded = any(region.arcs for regions in flat for region in regions)
+        if pair.friction is None or rubs(pair) or not (len(flat) == 2 and all(flat) and bounded):
+            continue
+        why = "rolling or spinning resistance" if pair.friction.direction is None else "friction by direction"
+        name = "-".join(body for body, _ in pair.between)
+        yield f"{name}: with {why}, faces that lie flat stand on points of them"
+
+
+def _remarks(shape: Shape, where: str) -> tuple[str, ...]:
+    try:
+        features_of(shape)
+        return (*check_regular(shape), *declared_limits(shape))
+    except SceneError as error:
+        raise SceneError(f"{where} ({error.where})", error.found, error.allowed, error.remedy) from None

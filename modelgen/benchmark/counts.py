@@ -1,0 +1,79 @@
+"""Instructions of a run, counted by valgrind's callgrind on a C program of the run alone."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.runtime_object import runtime_object
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.c_program import ENTRY, driver_text
+
+CPU = "-march=haswell"  # callgrind knows no newer vector instructions
+NOT_OF_A_PROGRAM = ("-march=native", "-fPIC")
+COUNTED = ("double", "float")  # valgrind's long double has the digits of double
+
+
+@cache
+def why_not_counted() -> str:
+    """Why no instructions are counted here; empty where they are."""
+    return "" if shutil.which("valgrind") else "valgrind is not installed: no instructions are counted"
+
+
+def instructions(library: Library, accuracy: Accuracy, until: float, level: str) -> int | None:
+    """What the core takes from a settled start to `until`, compiled for Haswell; None: not counted."""
+    if why_not_counted() or library.real not in COUNTED:
+        return None
+    with tempfile.TemporaryDirectory() as name:
+        source, program = Path(name) / "run.c", Path(name) / "run"
+        source.write_text(driver_text(library, accuracy, until))
+        model, runtime = _model(library, level), _runtime(library.real, level)
+        if model is None:
+            return None
+        if not _compiled(library, level, ["-o", program, source, model, runtime, *LIBRARIES]):
+            return None
+        return _counted(program)
+
+
+def _model(library: Library, level: str) -> Path | None:
+    """The model as an object, beside the library; compiled once, and only while its C is the library's."""
+    target = library.path.with_suffix(".counted.o")
+    if target.exists():
+        return target
+    folder = library.path.parent
+    text = (folder / "manifest.json").read_text()
+    if Manifest.from_json(text).vocabulary != library.manifest.vocabulary:
+        return None
+    return target if _compiled(library, level, ["-c", "-o", target, folder / "model.c"]) else None
+
+
+def _runtime(real: str, level: str) -> Path:
+    """The core for the processor that is counted."""
+    compiler = find_compiler()
+    return runtime_object(compiler, _flags(compiler, real, level), lambda line: None)
+
+
+def _flags(compiler: Compiler, real: str, level: str) -> tuple[str, ...]:
+    flags = [flag for flag in compiler.flags(real, level) if flag not in NOT_OF_A_PROGRAM]
+    return (*flags, CPU)
+
+
+def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
+    compiler = find_compiler()
+    named = ['-DMG_HASH="counted"', f"-I{library.path.parent}"]
+    command = [*compiler.command, *_flags(compiler, library.real, level), *named, *rest]
+    return subprocess.run(command, capture_output=True).returncode == 0
+
+
+def _counted(program: Path) -> int | None:
+    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={ENTRY}"]
+    done = subprocess.run([*tool, str(program)], capture_output=True, text=True, check=False)
+    found = re.search(r"Collected : (\d+)", done.stderr)
+    return int(found[1]) if found and done.returncode == 0 else None

@@ -1,0 +1,149 @@
+"""Contacts and runs at their ends: friction, restitution, numbers of contacts and steps, single precision."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import pi, sqrt
+
+import numpy as np
+
+from modelgen.benchmark.extreme_motions import rocking_egg
+from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
+from modelgen.benchmark.variants import Variants
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene.build import dynamic, fixed, plane, point, scene, sphere
+from modelgen.scene.types import Scene
+
+# ---- friction and restitution ----
+
+
+def _bowled(friction: float) -> Scene:
+    """A ball that slides until it rolls, at 2 v/(7 mu g)."""
+    ball = dynamic(
+        "ball", sphere(0.1), mass=1.0, inertia=[4e-3] * 3, position=[0.0, 0.0, 0.1], velocity=[3.0, 0.0, 0.0]
+    )
+    pairs = [{"between": ["ball", "table"], "friction": friction}]
+    until = 1.0 if friction == 0 else 1.5 * 6 / (7 * friction * G)
+    return scene("extreme_bowls", [fixed("table", plane()), ball], contact=pairs, run={"until": until})
+
+
+def _bowled_error(friction: float, path: Trajectory) -> float:
+    """Of the speed at the end, 5/7 of the first, and of the time of rolling."""
+    v = path.v[-1, path.body_names.index("ball"), 0]
+    if friction == 0:
+        return float(abs(v / 3 - 1))
+    times = [event.t for event in path.events if event.kind == "stick"]
+    late = abs(times[0] * 7 * friction * G / 6 - 1) if times else 1.0
+    return max(float(abs(v * 7 / 15 - 1)), late)
+
+
+def _try_friction(friction: float, variants: Variants) -> Trial:
+    return tried_run(partial(_bowled, friction), variants, partial(_bowled_error, friction))
+
+
+def _bouncing(e: float) -> Scene:
+    """A ball dropped from 0.2 m, for so long as it takes to fall ten times."""
+    ball = dynamic("ball", sphere(0.1), mass=1.0, inertia=[4e-3] * 3, position=[0.0, 0.0, 0.3])
+    pairs = [{"between": ["ball", "table"], "restitution": e}]
+    return scene(
+        "extreme_drop", [fixed("table", plane()), ball], contact=pairs, run={"until": 10 * sqrt(0.4 / G)}
+    )
+
+
+def _height(e: float, t: float) -> float:
+    """Of the lowest point: the series of bounces that takes place at (2 e^k) t_1."""
+    fall = sqrt(0.4 / G)
+    t, bounce = t - fall, 2 * fall * e
+    if t < 0:
+        return 0.2 - G * (t + fall) ** 2 / 2
+    while t > bounce:
+        t, bounce = t - bounce, bounce * e
+        if bounce < 1e-12:
+            return 0.0
+    return G * t * (bounce - t) / 2
+
+
+def _bounce_error(e: float, path: Trajectory) -> float:
+    at = path.body_names.index("ball")
+    heights = [_height(e, float(t)) for t in path.t]
+    return float(np.abs(path.p[:, at, 2] - 0.1 - heights).max()) / 0.1
+
+
+def _try_restitution(e: float, variants: Variants) -> Trial:
+    return tried_run(partial(_bouncing, e), variants, partial(_bounce_error, e))
+
+
+# ---- numbers of contacts and of steps ----
+
+
+def _table_on_feet(n: float) -> Scene:
+    """A round top on n points along its rim."""
+    angles = 2 * pi * np.arange(int(n)) / int(n)
+    feet = [
+        point(0.5 * float(np.cos(a)), 0.5 * float(np.sin(a)), -0.5, name=f"f{k}")
+        for k, a in enumerate(angles)
+    ]
+    top = dynamic("top", *feet, mass=10.0, inertia=[1.0, 1.0, 2.0], position=[0.0, 0.0, 0.5])
+    pairs = [{"between": [f"top/f{k}", "floor"]} for k in range(int(n))]
+    return scene("extreme_feet", [fixed("floor", plane()), top], contact=pairs, run={"until": 0.1})
+
+
+def _feet_error(path: Trajectory) -> float:
+    """Of the weight that the feet carry, and of the height."""
+    weight = np.abs(path.force.sum(axis=1) / (10 * G) - 1).max()
+    return float(max(weight, np.abs(path.p[:, path.body_names.index("top"), 2] / 0.5 - 1).max()))
+
+
+def _try_feet(n: float, variants: Variants) -> Trial:
+    return tried_run(partial(_table_on_feet, n), variants, _feet_error, samples=2)
+
+
+LONG_STEP = 1e-4  # s: Runge and Kutta's error is below rounding
+
+
+def _try_steps(n: float, variants: Variants) -> Trial:
+    """The egg for n steps: drift of energy, gap."""
+    what = replace(rocking_egg(), run=replace(rocking_egg().run, until=n * LONG_STEP))
+
+    def error(path: Trajectory) -> float:
+        return max(path.energy_drift, path.gap_max / 0.05)
+
+    return tried_run(lambda: what, variants, error, accuracy=Accuracy.tight().fixed_step(LONG_STEP))
+
+
+def _try_float(until: float, variants: Variants) -> Trial:
+    """The egg in single precision."""
+
+    def make() -> Scene:
+        return replace(rocking_egg(), run=replace(rocking_egg().run, until=until))
+
+    return tried_run(make, variants, against(variants, make), accuracy=Accuracy.balanced(), real="float")
+
+
+EVENTS = (
+    Extreme(
+        "friction", "coefficient of a ball that slides until it rolls",
+        (0.0, *decades(-3, 2)), (0.0, 1e-3, 1e2),
+        "rounding", lambda x: 1e-12, "speed at the end and time of rolling, against the closed form",
+        _try_friction,
+    ),
+    Extreme(
+        "restitution", "coefficient of a dropped ball", (0.0, 0.1, 0.5, 0.9, 0.99, 0.999, 1 - 1e-6, 1.0),
+        (0.0, 0.5, 1.0), "tolerance", lambda x: 1e-11, "height over the radius, against the bounces",
+        _try_restitution,
+    ),
+    Extreme(
+        "redundant feet", "points under one body", (3.0, 10.0, 100.0, 300.0, 1000.0), (3.0, 100.0),
+        "rounding", lambda x: 1e-13, "sum of the forces over the weight, height", _try_feet, warned=4.0,
+    ),
+    Extreme(
+        "long runs", "steps of RK4", decades(3, 7), (1e3, 1e5),
+        "rounding + 10 eps n", lambda x: 1e-12 + 10 * EPS * x, "drift of energy, gap", _try_steps,
+    ),
+    Extreme(
+        "single precision", "s of rocking in a float build", decades(-2, 1), (1e-1,),
+        "1e-6 + 1e-4 t", lambda x: 1e-6 + 1e-4 * x, RUN, _try_float, warned=5.0,
+    ),
+)  # fmt: skip

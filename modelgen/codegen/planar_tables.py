@@ -1,0 +1,42 @@
+"""Faces and patches as plain values for the manifest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from modelgen.assembly.masses import pose_numbers
+from modelgen.model import FaceEntry, Model, PatchEntry
+
+
+def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
+    """A planar region: its axes in the centre-of-mass axes of its body, its boundary in its own axes."""
+    return {
+        "name": entry.name,
+        "body": entry.body,
+        "placement": list(pose_numbers(entry.pose, model.bodies[entry.body].com)),
+        "boundary": [
+            {
+                "kind": arc.kind,
+                "parameters": [value for _, value in arc.curve.parameters],
+                "placement": list(pose_numbers(arc.pose, (0.0, 0.0, 0.0))),
+                "ends": list(arc.ends),
+                "loop": arc.loop,
+            }
+            for arc in entry.boundary
+        ],
+    }
+
+
+def patch_table(entry: PatchEntry) -> dict[str, Any]:
+    """Two faces, what holds them, and the links that lie in them."""
+    rubbing = {"rubbing": entry.rubbing, "friction": list(entry.friction)} if entry.rubbing >= 0 else {}
+    return {
+        **rubbing,
+        "name": entry.name,
+        "pair": entry.pair,
+        "kind": entry.kind,
+        "faces": list(entry.faces),
+        "pads": [list(numbers) for numbers in entry.parameters],
+        "links": list(entry.links),
+        "slots": list(entry.slots),
+    }

@@ -1,0 +1,190 @@
+"""From the Model to its formulas: one CasADi function per kind and role, each with its source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+
+from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
+from modelgen.dynamics.bodies import body_kernels
+from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
+from modelgen.dynamics.loads import load_kernel
+from modelgen.errors import ModelgenError, expect
+from modelgen.geometry.curves import curve_kernel, is_curve
+from modelgen.geometry.points3d import is_point, point_kernel
+from modelgen.geometry.surface import surface_kernel
+from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.limits import CITATION, limit_kernels
+from modelgen.joint.rows import coordinates_kernel, row_count, rows_kernel
+from modelgen.joint.springs import spring_kernel
+from modelgen.model import Model, ShapeKind
+
+Role = Literal[
+    "pose",
+    "motion",
+    "energy",
+    "path",
+    "wrench",
+    "surface",
+    "curve",
+    "point",
+    "rates",
+    "place",
+    "aim",
+    "seek",
+    "angle",
+    "rows",
+    "coordinates",
+    "rhs",
+]
+
+CITATIONS: dict[str, str] = {
+    "pose": "rotation matrix of a unit quaternion",
+    "motion": "Newton-Euler equations, Section 3",
+    "energy": "kinetic and potential energy, linear and angular momentum",
+    "path": "exponential map of the prescribed rotation vector, differentiated twice",
+    "force": "wrench of a force about the centre of mass",
+    "torque": "wrench of a torque",
+    "spring": "Hooke's law with viscous damping along the line of the anchors",
+    "angle": "Theorems 4.1 (4.3), 4.3 (4.13), 4.6 (4.29): contact angles and their rates",
+    "slip": "velocity and spin past each other along t1, t2, N: Montana's rolling, (3.11) with t for N",
+    "aim": "one Newton step of the separation function from known contact points",
+    "seek": "separation function of convex shapes on the sphere of normals",
+    "surface": "surface point and exterior unit normal, Section 2",
+    "curve": "point of a curve and its derivative, Section 2",
+    "point": "a point by itself",
+    "joint_spring": "Hooke's law with viscous damping along the coordinate of a joint",
+    "rows": "joints Theta with J and Gamma1 (2.3), (2.6)",
+    "coordinates": "relative coordinates of the frames of a joint",
+    "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
+}
+
+
+_SHAPE_KERNELS: Mapping[str, Callable[[ShapeKind], ca.Function]] = {
+    "surface": surface_kernel, "curve": curve_kernel, "point": point_kernel
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function with named inputs and outputs, its source, its role, and the index of its kind."""
+
+    name: str
+    function: ca.Function
+    citation: str
+    role: Role
+    kind: int
+
+    @property
+    def instructions(self) -> int:
+        return int(self.function.n_instructions())
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """The formulas of one Model, in the order of the generated code."""
+
+    model: Model
+    formulas: tuple[Formula, ...]
+
+    def rhs(self) -> ca.Function:
+        """The composed right-hand side with all contacts closed.
+
+        Raises ModelgenError, with the reason, where a scene has joints, friction, more than four contacts, or
+        shapes of several pieces that touch (solids, splines, poles of charts).
+        """
+        why = why_not_closed(self.model)
+        if why:
+            allowed = f"up to {MAX_CONTACTS} contacts of single surfaces or curves, no friction, no joints"
+            remedy = "its kernels, `derivation.function(name)`, have all formulas"
+            raise ModelgenError(f"{self.model.scene.source}: rhs", why, allowed, remedy)
+        return next(formula.function for formula in self.formulas if formula.role == "rhs")
+
+    def function(self, name: str) -> ca.Function:
+        """The function of that name; KeyError if there is none."""
+        return {formula.name: formula.function for formula in self.formulas}[name]
+
+
+def derive(model: Model) -> Derivation:
+    """All formulas of the Model: bodies, loads, surfaces, contacts, and the composed right-hand side.
+
+    Raises ModelgenError if it is given something else.
+    """
+    expect("derive", model, Model)
+    formulas = (
+        *(*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model)),
+        *(*_of_limits(model), *_of_joints(model)),
+    )
+    if why_not_closed(model):
+        return Derivation(model, formulas)
+    rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
+    return Derivation(model, (*formulas, _formula(rhs, "rhs", 0, CITATIONS["rhs"])))
+
+
+def _formula(function: ca.Function, role: Role, kind: int, citation: str) -> Formula:
+    return Formula(function.name(), function, citation, role, kind)
+
+
+def _of_bodies(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    roles: dict[str, Role] = {"pose": "pose", "motion": "motion", "energy": "energy", "path": "path"}
+    for index, kind in enumerate(model.body_kinds):
+        for function in body_kernels(kind):
+            role = roles[function.name().rsplit("_", 1)[1]]
+            found.append(_formula(function, role, index, CITATIONS[role]))
+    return found
+
+
+def _of_loads(model: Model) -> list[Formula]:
+    return [
+        _formula((spring_kernel if kind.joint else load_kernel)(kind), "wrench", index, CITATIONS[kind.kind])
+        for index, kind in enumerate(model.load_kinds)
+    ]
+
+
+def _of_shapes(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.shape_kinds):
+        role: Role = "point" if is_point(kind) else "curve" if is_curve(kind) else "surface"
+        kernel = _SHAPE_KERNELS[role](kind)
+        found.append(_formula(kernel, role, index, CITATIONS[role]))
+    return found
+
+
+def _of_contacts(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.contact_kinds):
+        kernels, citation = contact_kernels(kind), FORMS[kind.form].citation
+        rates = citation if kind.rows == 1 else f"{citation}; {CITATIONS['slip']}"
+        found.append(_formula(kernels.rates, "rates", index, rates))
+        found.append(_formula(kernels.place, "place", index, citation))
+        if eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape):
+            found.append(_formula(aim_kernel(kind), "aim", index, CITATIONS["aim"]))
+            found.append(_formula(seek_kernel(kind), "seek", index, CITATIONS["seek"]))
+        angle = FORMS[kind.form].angle
+        if angle is not None:
+            found.append(_formula(angle(kind), "angle", index, CITATIONS["angle"]))
+    return found
+
+
+def _of_limits(model: Model) -> list[Formula]:
+    """Their indices follow those of the contact kinds."""
+    found: list[Formula] = []
+    for index, kind in enumerate(model.limit_kinds, start=len(model.contact_kinds)):
+        rates, place = limit_kernels(kind)
+        found += [_formula(rates, "rates", index, CITATION), _formula(place, "place", index, CITATION)]
+    return found
+
+
+def _of_joints(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.joint_kinds):
+        if row_count(kind):
+            found.append(_formula(rows_kernel(kind), "rows", index, CITATIONS["rows"]))
+        if FORMS_OF_JOINTS[kind.kind].coordinates:
+            found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
+    return found

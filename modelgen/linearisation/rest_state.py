@@ -1,0 +1,264 @@
+"""A scene with the contacts that touch at its start held, and its motion linearised at rest.
+
+M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches and the rows
+that friction and resistances hold there, qdot = B u and eta_dot = E u. A small motion xi with J xi = 0 moves
+the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
+and J change:
+
+    Z^T M y_dot = Z^T d(f + J^T force) with the force of the equilibrium, d = (d/dq B + d/deta E) xi + d/du u.
+
+The derivatives are exact. Rows that roll without slip are no derivatives of positions: their part of the
+stiffness Z^T d(J^T force) Z need not be symmetric.
+
+Source: Ju. I. Neimark, N. A. Fufaev, Dynamics of Nonholonomic Systems (1972).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import block_diag
+
+from modelgen.codegen.library import Library
+from modelgen.derivation import Derivation
+from modelgen.dynamics.closed_form import pushed
+from modelgen.errors import SimulationError
+from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
+from modelgen.model import ContactEntry, LinkEntry, Model, PairEntry
+from modelgen.notation import ETA_SIZE
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
+from modelgen.scene.types import Restitution
+
+DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
+
+
+class NoPlaceError(ArithmeticError):
+    """A contact has no point there, or a load no value."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """The motion linearised at one place; coordinates: of each body v in world, then w in body axes."""
+
+    q: Array  # (n_q,)
+    etas: tuple[Array, ...]  # of each contact
+    facings: tuple[Facing, ...]  # of each contact
+    J: Array  # (m, n) the rows that are held
+    gaps: Array  # (m,) m, of rows along normals; 0 of others
+    B: Array  # (n_q, n) qdot by u
+    C: Array  # (n, n) 1/s, udot by u, under the forces that hold
+    D: Array  # (n, n) 1/s^2, udot by xi, under them
+    free: Array  # (n,) udot without contact forces
+    mass: Array  # (n, n)
+    root: Array  # (n, n), root root^T = mass^-1
+    motions: Array  # (n, k) that keep what is held; motions^T mass motions = 1
+
+    @property
+    def push(self) -> Array:
+        """(k,) what accelerates the motions."""
+        return np.asarray(self.motions.T @ self.mass @ self.free)
+
+    @property
+    def redundant(self) -> int:
+        """Rows of J beyond its rank."""
+        return int(self.motions.shape[1]) + len(self.J) - len(self.free)
+
+    @property
+    def stiffness(self) -> Array:
+        """(k, k) 1/s^2."""
+        return np.asarray(-self.motions.T @ self.mass @ self.D @ self.motions)
+
+    @property
+    def damping(self) -> Array:
+        """(k, k) 1/s."""
+        return np.asarray(-self.motions.T @ self.mass @ self.C @ self.motions)
+
+
+class Touching:
+    """A scene at rest whose contacts are those that touch at the start."""
+
+    def __init__(self, derivation: Derivation, library: Library) -> None:
+        self.model = model = derivation.model
+        self.functions = {formula.name: formula.function for formula in derivation.formulas}
+        _refuse(model)
+        self.library = library
+        self.contacts = self._at_start()
+        self.mass_inverse = _mass_inverse(model)
+        self.root: Array = np.asarray(np.linalg.cholesky(self.mass_inverse), dtype=float)
+        self.mass: Array = np.asarray(np.linalg.inv(self.mass_inverse), dtype=float)
+        self.held: list[int] = []  # rows among those of all contacts
+        for contact, first in zip(self.contacts, self.first, strict=True):
+            self.held += [first + row for row in contact.held]
+        self.motion = self._motion()
+        facings = self._facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
+        _refuse_moving(model, self.contacts, facings)
+
+    @cached_property
+    def first(self) -> list[int]:
+        """The first row of each contact among those of all."""
+        return list(np.cumsum([0, *(contact.rows for contact in self.contacts)])[:-1])
+
+    def at(self, q: Array, etas: tuple[Array, ...]) -> Place:
+        """The place q with the contact points brought onto their extrema from `etas`.
+
+        Raises NoPlaceError where they have none.
+        """
+        found = [
+            contact.settled(self._sides(contact.link, q), eta)
+            for contact, eta in zip(self.contacts, etas, strict=True)
+        ]
+        etas = tuple(eta for eta, _ in found)
+        facings, still = self._facings(q, etas), np.zeros(self.model.n_u)
+        rows = np.vstack([np.zeros((0, self.model.n_u)), *(facing.J for facing in facings)])
+        J, gaps, force = rows[self.held], np.zeros(len(rows)), np.zeros(len(rows))
+        gaps[self.first] = [gap for _, gap in found]
+        eta = np.concatenate([*etas, np.zeros(0)])
+        free = np.array(self.motion(q, still, eta, force)[3]).ravel()
+        if not (np.isfinite(rows).all() and np.isfinite(free).all()):
+            raise NoPlaceError
+        wanted = -self.root.T @ self.mass @ free
+        force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
+        B, C, D = (np.array(each) for each in self.motion(q, still, eta, force)[:3])
+        return Place(
+            q, etas, facings, J, gaps[self.held], B, C, D, free, self.mass, self.root, _motions(J, self.root)
+        )
+
+    def stands(self, q: Array) -> bool:
+        """Whether as many contacts as at the start touch at q, and nothing interpenetrates."""
+        try:
+            session = self._at_rest(q)
+        except SimulationError:
+            return False
+        return int(session.closed[: session.n_contact].sum()) == len(self.contacts)
+
+    def _at_rest(self, q: Array) -> Session:
+        session = Session(self.library, replace(Accuracy.tight(), planar=False))
+        session.x[: len(q)] = q
+        session.x[len(q) : len(q) + self.model.n_u] = 0.0
+        begin(session)
+        return session
+
+    def _at_start(self) -> tuple[Contact, ...]:
+        model, session = self.model, self._at_rest(np.array(self.model.initial_q))
+        found = []
+        for k, entry in enumerate(model.contacts):
+            if not session.closed[k]:
+                continue
+            link = model.links[int(session.link[k])]
+            size = sum(ETA_SIZE[carrier] for carrier in session.layout(k))
+            eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
+            grips = model.pairs[entry.pair].grips
+            rates, place = (self._kernel(link, role) for role in ("rates", "place"))
+            found.append(Contact(entry.name, link, grips, rates, place, eta))
+        return tuple(found)
+
+    def _kernel(self, link: LinkEntry, role: str) -> ca.Function:
+        return self.functions[f"mg_{self.model.contact_kinds[link.kind].name}_{role}"]
+
+    def _facings(self, q: Array, etas: tuple[Array, ...]) -> tuple[Facing, ...]:
+        return tuple(
+            contact.facing(self._sides(contact.link, q), eta, self.model)
+            for contact, eta in zip(self.contacts, etas, strict=True)
+        )
+
+    def turns(self, q: Array) -> list[Array]:
+        """The rotation (3, 3) of each body."""
+        poses = [self._pose(index, q) for index in range(len(self.model.bodies))]
+        return [np.reshape(pose[3:12], (3, 3)).T for pose in poses]
+
+    def turning(self, q: Array) -> Array:
+        """(n, n) orthogonal, to u from u with v in body axes."""
+        found = np.eye(self.model.n_u)
+        for body, turn in zip(self.model.bodies, self.turns(q), strict=True):
+            if self.model.body_kinds[body.kind].motion == "free":
+                found[body.u : body.u + 3, body.u : body.u + 3] = turn
+        return found
+
+    def _sides(self, link: LinkEntry, q: Array) -> list[Array]:
+        return [self._pose(link.o, q), self._pose(link.f, q)]
+
+    def _pose(self, index: int, q: Array) -> Array:
+        body = self.model.bodies[index]
+        kind = self.model.body_kinds[body.kind]
+        if kind.motion == "fixed":
+            return np.array(body.parameters)
+        if kind.motion == "point":
+            return np.concatenate([q[body.q : body.q + 3], np.eye(3).ravel()])
+        return call(self.functions[f"mg_{kind.name}_pose"], q[body.q : body.q + 7])[0]
+
+    def _motion(self) -> ca.Function:
+        """(q, u, eta of the contacts, forces along all their rows) -> B, C, D, udot."""
+        model = _holding(self.contacts, self.model)
+        rhs = pushed(model, self.functions)
+        q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
+        blocks = (model.bodies, model.links, model.loads)
+        parameters = [value for block in blocks for entry in block for value in entry.parameters]
+        gravity = ca.DM(model.scene.gravity)
+        qdot, udot, eta_dot = rhs(0.0, q, u, eta, gravity, ca.DM(parameters), force)
+        B, E, C = ca.jacobian(qdot, u), ca.jacobian(eta_dot, u), ca.jacobian(udot, u)
+        D = ca.jacobian(udot, q) @ B + ca.jacobian(udot, eta) @ E
+        return ca.Function("motion", [q, u, eta, force], [B, C, D, udot])
+
+
+def _holding(held: tuple[Contact, ...], model: Model) -> Model:
+    """The model in which each of these contacts is a pair of its own, and there are no others."""
+    links = tuple(replace(each.link, pair=k, conditions=()) for k, each in enumerate(held))
+    pairs = tuple(
+        PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)
+    )
+    offsets = np.cumsum([0, *(len(each.eta) for each in held)])
+    contacts = tuple(
+        ContactEntry(each.name, k, int(offsets[k]), len(each.eta), k) for k, each in enumerate(held)
+    )
+    return replace(model, links=links, pairs=pairs, contacts=contacts, n_eta=int(offsets[-1]))
+
+
+def _refuse(model: Model) -> None:
+    """Raises SimulationError where a body is driven, or there are joints."""
+    where = f"{model.scene.name}: linearise"
+    for body in model.bodies:
+        if model.body_kinds[body.kind].motion == "driven":
+            found, allowed = f"body {body.name!r} is driven", "fixed and dynamic bodies have an equilibrium"
+            raise SimulationError(where, found, allowed, "make it fixed")
+    for joint in model.joints:
+        found, allowed = f"there is a joint, {joint.name!r}", "bodies that contacts and loads alone hold"
+        raise SimulationError(where, found, allowed, "leave it out, or run the scene from a small push")
+
+
+def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...]) -> None:
+    """Raises SimulationError where what friction or a resistance should hold moves at the start."""
+    u, scales, least = np.array(model.initial_u), model.scales, Accuracy.balanced().slip_speed
+    for contact, facing in zip(contacts, facings, strict=True):
+        for grip, speed in moving(contact, facing.J @ u):
+            unit = "m/s" if grip.aspect == "slip" else "rad/s"
+            if speed > least * (scales.length if grip.aspect == "slip" else 1.0) / scales.time:
+                raise SimulationError(
+                    f"{model.scene.name}: linearise",
+                    f"contact {contact.name!r} {grip.aspect}s at the start, at {speed:.3g} {unit}",
+                    "contacts with friction that stick",
+                    "start it at rest, or leave its friction out",
+                )
+
+
+def _mass_inverse(model: Model) -> Array:
+    """(n, n)."""
+    blocks = []
+    for body in model.bodies:
+        motion = model.body_kinds[body.kind].motion
+        if motion in ("point", "free"):
+            blocks.append(body.mass_inverse[0] * np.eye(3))
+        if motion == "free":
+            blocks.append(np.reshape(body.mass_inverse[1:], (3, 3)))
+    return np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
+
+
+def _motions(J: Array, root: Array) -> Array:
+    """(n, k) with J motions = 0 and motions^T M motions = 1."""
+    _, sizes, vectors = np.linalg.svd(np.vstack([J @ root, np.zeros((1, len(root)))]))
+    rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+    return np.asarray(root @ vectors[rank:].T)

@@ -1,0 +1,62 @@
+"""How far two runs of one scene are apart at their common samples."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.tables.structures import Array
+from modelgen.runtime.trajectory import Event, Trajectory
+
+
+def distance_between(a: Trajectory, b: Trajectory, moving: Sequence[int]) -> Array:
+    """(n,) m: the largest distance of the centres of the bodies `moving`."""
+    n, bodies = min(len(a.t), len(b.t)), list(moving)
+    apart = np.linalg.norm((a.p[:n, bodies] - b.p[:n, bodies]).astype(float), axis=-1)
+    return np.asarray(apart.max(axis=1, initial=0.0), dtype=float)
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """(n,) rad: the largest angle between unit quaternions (n, nb, 4), from their chords."""
+    chord = np.minimum(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
+    largest = chord.astype(float).max(axis=1, initial=0.0)
+    return np.asarray(4 * np.arcsin(np.minimum(largest / 2, 1.0)), dtype=float)
+
+
+def gaps_between(a: Trajectory, b: Trajectory, n: int) -> float | None:
+    """m: the largest difference of a gap in n samples while its contact is on the same features in both."""
+    mine, theirs = a.gap[:n], b.gap[:n]
+    same = (a.link[:n] == b.link[:n]) & np.isfinite(mine) & np.isfinite(theirs)
+    return float(np.abs(mine - theirs)[same].max()) if same.any() else None
+
+
+def forces_between(a: Array, b: Array) -> float | None:
+    """Root mean square of the difference over that of b; None without forces."""
+    if a.shape != b.shape or b.size == 0:
+        return None
+    size = float(np.sqrt((b.astype(float) ** 2).mean())) or 1.0
+    return float(np.sqrt(((a - b).astype(float) ** 2).mean())) / size
+
+
+def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
+    """Largest difference of event times, each matched with its like in order, and how many have none."""
+    if found is None or true is None or not (found or true):
+        return {"events": None, "events_unmatched": None}
+    times = [_by_kind(events, end) for events in (found, true)]
+    worst, unmatched = 0.0, 0
+    for key in times[0].keys() | times[1].keys():
+        mine, theirs = times[0].get(key, []), times[1].get(key, [])
+        unmatched += abs(len(mine) - len(theirs))
+        worst = max([worst, *(abs(a - b) for a, b in zip(mine, theirs, strict=False))])
+    return {"events": worst, "events_unmatched": unmatched}
+
+
+def _by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:
+    times: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for event in events:
+        if event.t <= end:
+            times[event.kind, event.contact].append(event.t)
+    return times

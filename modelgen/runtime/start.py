@@ -1,0 +1,134 @@
+"""The start of a run: brought onto its constraints by the core, or refused with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from modelgen.errors import SimulationError
+from modelgen.runtime.joints import redundancy
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables.structures import Array
+
+PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13
+ALONG_Z = ("revolute", "cylindrical", "screw", "planar")  # kinds of joint that keep the z axes together
+TURNED = ("prismatic", "weld")  # that keep all axes so
+ONLY_PLACES = ("spherical", "distance", "rope")
+REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART)
+
+
+def begin(session: Session) -> None:
+    """Settle the start of a session.
+
+    Raises SimulationError where bodies interpenetrate, joints are apart, or no closest points are found.
+    """
+    code = session.begin()
+    if code in REFUSED:
+        raise refusal(session, code, session.run)
+    session.redundant_joints = redundancy(session) if session.joints else []
+
+
+def refusal(session: Session, code: int, run: Any, label: str = "") -> SimulationError:
+    """The error of the code of an mg_run at the session's state; `label` says which of several runs it is."""
+    if code == JOINT_APART:
+        return _apart(session, run, label)
+    contact = int(run.failed_contact)
+    where = _place_of(session, contact, label)
+    if code == NO_EXTREMUM:
+        return SimulationError(
+            where,
+            "no pair of closest points was found at the start",
+            "surfaces with one nearest pair there",
+            "start the bodies nearer to each other or away from a symmetric position",
+        )
+    if code == NO_SIDE:
+        return SimulationError(
+            where,
+            "two curves touch at the start, which has no side of its own",
+            "a gap, or a contact that says on which side the second curve lies",
+            "give the contact a normal, from the first curve to the second",
+        )
+    if contact >= len(session.sentence["contacts"]):
+        return _beyond(session, contact, label)
+    settled = session.settle(contact)
+    depth, allowed = -float(settled["d"]), session.settings.start_gap * session.system.length
+    return SimulationError(
+        where,
+        f"the bodies interpenetrate at the start by {depth:.3g} m",
+        f"at most {float(allowed):.3g} m",
+        _way_out(session, contact, depth, settled["normal"]),
+    )
+
+
+def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str:
+    """Which body to move along the normal, which points from the first body of the link to the second."""
+    link = session.sentence["links"][int(session.link[contact])]
+    bodies = [session.sentence["bodies"][link[side]] for side in ("f", "o")]
+    moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
+    along = ", ".join(f"{sign * float(x) + 0.0:.3g}" for x in normal)
+    return f"move {moving['name']!r} by {depth:.3g} m along ({along}), or check the units: lengths are in m"
+
+
+def _place_of(session: Session, contact: int, label: str) -> str:
+    """`scene.toml: contact[1] (contact 'ball-table')`: where it stands in the scene."""
+    sentence, name = session.sentence, session.contacts[contact]
+    if contact >= len(sentence["contacts"]):
+        return _place_of_joint(session, name.rsplit(":", 1)[0], label)
+    return f"{sentence['source']}: contact[{sentence['contacts'][contact]['pair']}] ({label}contact {name!r})"
+
+
+def _place_of_joint(session: Session, name: str, label: str) -> str:
+    return f"{session.sentence['source']}: joint[{session.joints.index(name)}] ({label}joint {name!r})"
+
+
+def _apart(session: Session, run: Any, label: str) -> SimulationError:
+    """Of the joint whose frames are farthest from what its kind allows."""
+    return SimulationError(
+        _place_of_joint(session, session.joints[run.failed_joint], label),
+        f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m: "
+        + ", ".join(_frames_apart(session, run.failed_joint)),
+        f"at most {float(session.settings.start_joint * session.system.length):.3g} m",
+        "move them to where the joint holds, or give the joint by one frame in the world at the start",
+    )
+
+
+def _frames_apart(session: Session, index: int) -> Iterator[str]:
+    """How the frames of a joint stand to each other, in what its kind may hold."""
+    joint = session.sentence["joints"][index]
+    kind = session.library.manifest.kinds["joint"][joint["kind"]]["kind"]
+    poses, numbers = session.poses(), np.array(joint["parameters"][:24]).reshape(2, 12)
+    placed = [_matrix(poses[joint[side]]) @ _matrix(own) for side, own in zip("ab", numbers, strict=True)]
+    relative = np.linalg.inv(placed[0]) @ placed[1]
+    yield f"the origins of its frames are {np.linalg.norm(relative[:3, 3]):.3g} m apart"
+    if kind in TURNED:
+        yield f"their axes are turned by {_degrees((np.trace(relative[:3, :3]) - 1) / 2)}"
+    elif kind in ALONG_Z:
+        yield f"their z axes are {_degrees(relative[2, 2])} apart"
+    elif kind == "universal":
+        yield f"x of the first and y of the second are {_degrees(relative[0, 1])} apart, not 90"
+    if kind not in ONLY_PLACES:
+        yield f"angles count by the length {session.system.length:.3g} m"
+
+
+def _matrix(pose: Array) -> Array:
+    """Of p and R column-major, (4, 4)."""
+    matrix = np.eye(4)
+    matrix[:3, 3], matrix[:3, :3] = pose[:3], pose[3:].reshape(3, 3).T
+    return matrix
+
+
+def _degrees(cosine: float) -> str:
+    return f"{np.degrees(np.arccos(np.clip(cosine, -1, 1))):.3g} degrees"
+
+
+def _beyond(session: Session, contact: int, label: str) -> SimulationError:
+    """Of a limit that the start is past."""
+    joint, end = session.contacts[contact].rsplit(":", 1)
+    return SimulationError(
+        _place_of_joint(session, joint, label),
+        f"at the start it is past its limit ({end}imum)",
+        "a start within the limits",
+        "move the bodies or the limit",
+    )

@@ -1,0 +1,85 @@
+"""What the user should know of a scene or a run that is valid all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.joints import joint_warnings
+from modelgen.runtime.session import Session
+from modelgen.runtime.warnings.impacts import blow_warnings
+from modelgen.runtime.warnings.time_stepping import stepping_warnings
+
+
+def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
+    """Of a scene whose bodies (`name`, `motion`) have neither contact nor joint, how to add a contact; of one
+    in which nothing can move, how to let a body move."""
+    moving = [body["name"] for body in bodies if body["motion"] in ("point", "free")]
+    if all(body["motion"] == "fixed" for body in bodies):
+        return (
+            'nothing moves: every body is fixed; one without motion = "fixed" and with a mass or a density '
+            "is moved by forces",
+        )
+    if touching or not moving or len(bodies) < 2:
+        return ()
+    partner = next(body["name"] for body in bodies if body["name"] != moving[0])
+    return (
+        "no contact is listed, so all bodies pass through each other; "
+        f'two that may touch: [[contact]] with between = ["{moving[0]}", "{partner}"]',
+    )
+
+
+def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
+    """What is remarkable about a run and its scene."""
+    margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
+    found = [
+        *session.sentence["warnings"],
+        *hints(session.sentence["bodies"], [*session.contacts, *session.joints]),
+    ]
+    if margin < accuracy.margin_warn:
+        found.append(
+            f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
+            "its contact points lose about as many digits as the margin has zeros"
+        )
+    if session.run.vaults:
+        found.append(
+            f"closed contacts, first {session.contacts[session.run.vaulted]}, passed "
+            f"{int(session.run.vaults)} times where curvature vanishes or points of a pair become one: "
+            "forces there are peaks whose impulses count, but that samples do not show"
+        )
+    if redundant:
+        found.append(_redundancy(redundant, bool(session.system.n_grip)))
+    found += _far(session, accuracy)
+    found += blow_warnings(session, accuracy)
+    found += stepping_warnings(session)
+    return (*found, *joint_warnings(session, accuracy))
+
+
+def _redundancy(redundant: int, has_friction: bool) -> str:
+    if has_friction:
+        return (
+            f"contact forces are not unique: there were up to {redundant} more than independent rows; while "
+            "all contacts hold the motion is unique, and forces within their bounds are given"
+        )
+    return (
+        f"contact forces are not unique: {redundant} more contacts carried force than have independent "
+        "rows; the motion is unique, the forces given are those of minimum norm"
+    )
+
+
+def _far(session: Session, accuracy: Accuracy) -> list[str]:
+    """Far from the origin positions are rounded more coarsely than gaps are told apart."""
+    bodies = [body for body in session.sentence["bodies"] if body["motion"] in ("point", "free")]
+    starts = (session.sentence["initial_q"], session.x)
+    far = max((abs(float(q[b["q"] + k])) for q in starts for b in bodies for k in range(3)), default=0.0)
+    length = session.sentence["scales"]["length"]
+    known = far * float(np.finfo(session.tables.dtype).eps) / length
+    if not known > float(session.settings.gap):
+        return []
+    return [
+        f"bodies are {far:.1e} m from the origin, where positions are rounded to {known:.1e} of the "
+        f"characteristic length {length:.3g} m: put the origin near them"
+    ]

@@ -1,0 +1,129 @@
+"""The composed right-hand side against the equations that it solves, body by body and contact by contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from modelgen.derivation import Derivation
+from modelgen.model import Model
+from modelgen.verification.findings import Finding, compared
+
+Array = np.ndarray[Any, Any]
+TRIES = 8  # states drawn for each that is wanted: not every one is regular
+
+
+def check_rhs(function: ca.Function, derivation: Derivation, n: int, seed: int) -> list[Finding]:
+    """Gaps keep J u_dot + gamma = 0; without contact forces each body would move as its own kernel says."""
+    random = np.random.default_rng(seed)
+    gaps, pushes, units = [], [], []
+    for _ in range(TRIES * n):
+        state = random_state(derivation.model, random)
+        out = [np.asarray(value).ravel() for value in function.call([ca.DM(x) for x in state])]
+        if not all(np.isfinite(value).all() for value in out) or max(map(np.abs, [*out[1], 0.0])) > 1e6:
+            continue
+        gap, push = _residuals(derivation, state, *out)
+        scale = 1.0 + float(np.abs(out[1]).max(initial=0.0)) + float(np.abs(out[3]).max(initial=0.0))
+        gaps.append(gap / scale)
+        pushes.append(push / scale)
+        units.append(1.0)
+        if len(units) == n:
+            break
+    count = len(units)
+    if not count:
+        return [Finding("udot", "failed", "no regular state was found")]
+    return [
+        _rest("udot", "J u_dot + gamma = 0 with the rates of the contacts", gaps),
+        _rest("force", "M (u_dot - a) = J^T lambda with a from the motion of each body", pushes),
+    ]
+
+
+def _rest(name: str, route: str, residuals: list[Array]) -> Finding:
+    """Residuals beside ones, so that they count relative to the scale that they were divided by."""
+    residual = np.array(residuals).T.reshape(-1, len(residuals))
+    one = np.ones((max(residual.shape[0], 1), len(residuals)))
+    return compared(name, route, one + (residual if residual.size else 0.0), one)
+
+
+def random_state(model: Model, random: np.random.Generator) -> list[Array]:
+    """t, q with unit quaternions, u, eta, gravity, parameters of the scene."""
+    q = np.array(model.initial_q) + 0.1 * model.scales.length * random.normal(size=model.n_q)
+    for body in model.bodies:
+        if model.body_kinds[body.kind].motion == "free":
+            quaternion = random.normal(size=4)
+            q[body.q + 3 : body.q + 7] = quaternion / np.linalg.norm(quaternion)
+    blocks = (model.bodies, model.links, model.loads)
+    parameters = [value for block in blocks for entry in block for value in entry.parameters]
+    eta = model.scales.length * random.normal(size=model.n_eta)
+    u = random.normal(size=model.n_u)
+    return [np.array([0.3]), q, u, eta, np.array(model.scene.gravity), np.array(parameters)]
+
+
+def _residuals(
+    derivation: Derivation, state: list[Array], qdot: Array, udot: Array, eta_dot: Array, force: Array
+) -> tuple[Array, Array]:
+    """J u_dot + gamma of each link, and M (u_dot - a) - J^T lambda of each body that no load acts on."""
+    model, (t, q, u, eta, gravity, _) = derivation.model, state
+    poses, twists, accels = _kinematics(derivation, t, q, u, udot)
+    left = {k: np.zeros(0) for k, _ in enumerate(model.bodies)}
+    for k, body in enumerate(model.bodies):
+        kind = model.body_kinds[body.kind]
+        if kind.motion in ("point", "free") and not kind.loaded:
+            left[k] = _pushed(derivation, k, q, u, gravity, accels[k])
+    gaps = []
+    for index, link in enumerate(model.links):
+        rates = derivation.function(f"mg_{model.contact_kinds[link.kind].name}_rates")
+        start = model.contacts[model.pairs[link.pair].contacts[0]].eta
+        own = eta[start : start + rates.numel_in("eta")]
+        given = [poses[link.o], twists[link.o], poses[link.f], twists[link.f], own, np.array(link.parameters)]
+        cut = [ca.DM(value[: rates.numel_in(k)]) for k, value in enumerate(given)]
+        _, J_o, J_f, gamma, _, _ = (np.asarray(value).ravel() for value in rates.call(cut))
+        gaps.append(gamma[0] + J_o @ accels[link.o][: len(J_o)] + J_f @ accels[link.f][: len(J_f)])
+        for side, J in ((link.o, J_o), (link.f, J_f)):
+            if left[side].size:
+                left[side] -= J * force[index]
+    return np.array(gaps), np.concatenate([np.zeros(0), *left.values()])
+
+
+def _kinematics(derivation: Derivation, t: Array, q: Array, u: Array, udot: Array) -> tuple[list[Array], ...]:
+    """Poses, twists and accelerations of all bodies."""
+    model = derivation.model
+    poses: list[Array] = []
+    twists: list[Array] = []
+    accels: list[Array] = []
+    for body in model.bodies:
+        kind = model.body_kinds[body.kind]
+        if kind.motion in ("fixed", "driven"):
+            path = [np.array(body.parameters), np.zeros(6), np.zeros(6)]
+            if kind.motion == "driven":
+                out = derivation.function(f"mg_{kind.name}_path").call(
+                    [ca.DM(t), ca.DM(list(body.parameters))]
+                )
+                path = [np.asarray(value).ravel() for value in out]
+        else:
+            size = 3 if kind.motion == "point" else 6
+            own, gain = u[body.u : body.u + size], udot[body.u : body.u + size]
+            pose = np.concatenate([q[body.q : body.q + 3], np.eye(3).ravel()])
+            if kind.motion == "free":
+                pose = np.asarray(derivation.function(f"mg_{kind.name}_pose")(q[body.q : body.q + 7])).ravel()
+            path = [pose, np.pad(own, (0, 6 - size)), np.pad(gain, (0, 6 - size))]
+        for column, value in zip((poses, twists, accels), path, strict=True):
+            column.append(value)
+    return poses, twists, accels
+
+
+def _pushed(derivation: Derivation, index: int, q: Array, u: Array, gravity: Array, accel: Array) -> Array:
+    """M (u_dot - a) of a body, a as it would be alone."""
+    body = derivation.model.bodies[index]
+    motion = derivation.function(f"mg_{derivation.model.body_kinds[body.kind].name}_motion")
+    size = motion.numel_out("udot")
+    arguments = (q[body.q : body.q + motion.numel_in("q")], u[body.u : body.u + size], ca.DM(0, 1), gravity)
+    parameters = ca.DM(list(body.parameters)) if body.parameters else ca.DM(0, 1)
+    alone = np.asarray(motion.call([*(ca.DM(value) for value in arguments), parameters])[1]).ravel()
+    gain = accel[:size] - alone
+    push = gain[:3] / body.mass_inverse[0]
+    if size == 3:
+        return np.asarray(push)
+    return np.concatenate([push, np.linalg.solve(np.reshape(body.mass_inverse[1:], (3, 3)), gain[3:])])
