@@ -1,6 +1,7 @@
 """From a Derivation to a loaded library.
 
-Takes in a `Derivation`; gives out a `Package` (C text and manifest), then a `Library` (compiled, loaded, checked).
-The core is compiled once and kept in the user's cache; a scene compiles its kernels and a table of functions.
-May import everything up to `verification`. Files are written by `build` and `runtime_object` alone.
+Takes in a `Derivation`; gives out a `Package` (C text and manifest), then a `Library` (compiled, loaded,
+checked). The core is compiled once and kept in the user's cache; a scene compiles its kernels and a table
+of functions. May import everything up to `verification`. Files are written by `build` and
+`runtime_object` alone.
 """
