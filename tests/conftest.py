@@ -15,7 +15,7 @@ settings.load_profile("untimed")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--update-golden", action="store_true", help="rewrite generated/*/manifest.json of the shipped scenes"
+        "--update-golden", action="store_true", help="rewrite what is committed under generated/"
     )
 
 

@@ -21,7 +21,7 @@ from modelgen.codegen.compiler import (
 )
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
-from modelgen.codegen.manifest import BuildRecord, record_name
+from modelgen.codegen.manifest import SENTENCE, STRUCTURE, BuildRecord, record_name
 from modelgen.codegen.runtime_object import runtime_hash, runtime_object
 from modelgen.errors import LibraryError, expect, nearest
 
@@ -68,7 +68,11 @@ def build(
         _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
     record = BuildRecord(key, real, path.name, package.manifest.vocabulary, _versions(compiler))
     library = Library(package.manifest, record, folder)
-    texts = {"manifest.json": package.manifest.to_json(), record_name(real): record.to_json()}
+    texts = {
+        STRUCTURE: package.manifest.structure_json(),
+        SENTENCE: package.manifest.sentence_json(),
+        record_name(real): record.to_json(),
+    }
     _write(folder, {**package.files, **texts})
     return library
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.manifest import BuildRecord, Manifest, record_name
+from modelgen.codegen.manifest import SENTENCE, STRUCTURE, BuildRecord, Manifest, record_name
 from modelgen.errors import LibraryError, nearest, path_of
 
 Array = np.ndarray[Any, Any]
@@ -60,9 +60,9 @@ class Library:
     def load(cls, folder: str | Path, real: str = "double") -> Library:
         """The library over one real type that was built last into a folder."""
         folder = path_of("Library.load", folder)
-        manifest, record = folder / "manifest.json", folder / record_name(real)
+        manifest, record = folder / STRUCTURE, folder / record_name(real)
         return cls(
-            Manifest.from_json(_text(manifest), str(manifest)),
+            Manifest.from_json(_text(manifest), _text(folder / SENTENCE), str(manifest)),
             BuildRecord.from_json(_text(record), str(record)),
             folder,
         )

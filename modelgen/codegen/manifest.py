@@ -1,6 +1,8 @@
 """What the running half knows of the generated code, and what it knows of one build. Plain JSON, no symbols.
 
-The manifest is the same on every machine and is committed; the record of a build is not.
+A manifest is written as two files: its structure, which is the same on every machine and may be committed,
+and its sentence, the numbers of the scene, whose last digits depend on the machine. The record of a build is
+a third.
 """
 
 from __future__ import annotations
@@ -8,13 +10,13 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass, fields
-from typing import Any, TypeVar
+from typing import Any
 
 from modelgen.errors import LibraryError
 
 FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND: shapes that know their point nearest to another
 Json = dict[str, Any]
-Record = TypeVar("Record", "Manifest", "BuildRecord")
+STRUCTURE, SENTENCE = "manifest.json", "sentence.json"  # names of the files
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +35,34 @@ class Manifest:
     kinds: Json
     sentence: Json
 
-    def to_json(self) -> str:
-        """JSON text with sorted keys, the same for equal manifests."""
-        return _written(self)
+    def structure_json(self) -> str:
+        """JSON text of all but the sentence, a line an entry, with a summary of the sentence's tables."""
+        parts = {
+            "abi": self.abi,
+            "composed": self.composed,
+            "functions": self.functions,
+            "kinds": self.kinds,
+            "tables": _tables(self.sentence),
+        }
+        return _lines(parts) + "\n"
+
+    def sentence_json(self) -> str:
+        """JSON text of the sentence, with the vocabulary that it is written in."""
+        whole = {"sentence": self.sentence, "vocabulary": self.vocabulary}
+        return json.dumps(whole, sort_keys=True, indent=1, allow_nan=False) + "\n"
 
     @classmethod
-    def from_json(cls, text: str, source: str = "manifest") -> Manifest:
-        """The manifest in `text`; raises LibraryError if it is none."""
-        return _read(cls, text, source)
+    def from_json(cls, structure: str, sentence: str, source: str = "manifest") -> Manifest:
+        """The manifest of both texts; raises LibraryError if they are none, or of different vocabularies."""
+        values = _object(structure, ("abi", "composed", "functions", "kinds", "tables"), cls, source)
+        spoken = _object(sentence, ("sentence", "vocabulary"), cls, f"{source}: its sentence")
+        del values["tables"]
+        manifest = cls(**values, sentence=spoken["sentence"])
+        if manifest.vocabulary != spoken["vocabulary"]:
+            raise LibraryError(
+                source, "its sentence is of another vocabulary", "", "it is stale: build again"
+            )
+        return manifest
 
     @property
     def name(self) -> str:
@@ -66,12 +88,12 @@ class BuildRecord:
 
     def to_json(self) -> str:
         """JSON text with sorted keys."""
-        return _written(self)
+        return json.dumps(asdict(self), sort_keys=True, indent=1, allow_nan=False) + "\n"
 
     @classmethod
     def from_json(cls, text: str, source: str = "build record") -> BuildRecord:
         """The record in `text`; raises LibraryError if it is none."""
-        return _read(cls, text, source)
+        return cls(**_object(text, tuple(item.name for item in fields(cls)), cls, source))
 
 
 def record_name(real: str) -> str:
@@ -79,17 +101,59 @@ def record_name(real: str) -> str:
     return "library.json" if real == "double" else f"library-{real.replace(' ', '-')}.json"
 
 
-def _written(record: Manifest | BuildRecord) -> str:
-    return json.dumps(asdict(record), sort_keys=True, indent=1, allow_nan=False) + "\n"
+def _tables(sentence: Json) -> Json:
+    """Who is in the scene and who may touch whom, without numbers."""
+    bodies = [body["name"] for body in sentence["bodies"]]
+    return {
+        "bodies": [{key: body[key] for key in ("name", "motion", "kind")} for body in sentence["bodies"]],
+        "joints": [
+            {"name": joint["name"], "kind": joint["kind"], "bodies": [bodies[joint[s]] for s in "ab"]}
+            for joint in sentence["joints"]
+        ],
+        "loads": [
+            {"kind": load["kind"], "bodies": [bodies[body] for body in load["bodies"]]}
+            for load in sentence["loads"]
+        ],
+        "pairs": [
+            {"name": pair["name"], "links": pair["links"][1] - pair["links"][0], "search": pair["search"]}
+            for pair in sentence["pairs"]
+        ],
+        "patches": [patch["name"] for patch in sentence["patches"]],
+        "sizes": {key: sentence[key] for key in ("n_q", "n_u", "n_eta")},
+    }
 
 
-def _read(cls: type[Record], text: str, source: str) -> Record:
+def _lines(value: Json) -> str:
+    """JSON with sorted keys, two levels broken into lines."""
+    parts = []
+    for key in sorted(value):
+        entry = value[key]
+        if isinstance(entry, dict) and any(isinstance(each, dict | list) for each in entry.values()):
+            inner = ",\n".join(f"  {json.dumps(name)}: {_entries(entry[name])}" for name in sorted(entry))
+            parts.append(f" {json.dumps(key)}: {{\n{inner}\n }}")
+        else:
+            parts.append(f" {json.dumps(key)}: {_line(entry)}")
+    return "{\n" + ",\n".join(parts) + "\n}"
+
+
+def _entries(value: Any) -> str:
+    """A list of objects, a line each; anything else on one line."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n" + ",\n".join(f"   {_line(entry)}" for entry in value) + "\n  ]"
+    return _line(value)
+
+
+def _line(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, allow_nan=False)
+
+
+def _object(text: str, names: tuple[str, ...], cls: type, source: str) -> Json:
+    """The JSON object in `text` with these keys; raises LibraryError if it is none."""
     try:
         values = json.loads(text)
     except json.JSONDecodeError as error:
         raise LibraryError(source, f"it is not JSON: {error}", "", "build again") from None
-    names = {item.name for item in fields(cls)}
-    if not isinstance(values, dict) or values.keys() != names:
+    if not isinstance(values, dict) or values.keys() != set(names):
         found = f"it is not a {cls.__name__} of this version"
         raise LibraryError(source, found, f"keys {sorted(names)}", "build again")
-    return cls(**values)
+    return values

@@ -18,6 +18,7 @@ from modelgen.codegen import compiler
 from modelgen.codegen.amalgamation import SOURCE
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import SENTENCE, STRUCTURE
 from modelgen.errors import CompilerMissing, LibraryError
 from tests.model.scenes import TABLE, contact, egg, scene
 
@@ -98,7 +99,7 @@ def test_the_manifest_knows_neither_machine_nor_real_type(calls: Path, tmp_path:
         build(package(), real=r, folder=f) for r, f in zip(("double", "float"), folders, strict=True)
     ]
     texts = {(folder / "manifest.json").read_text() for folder in folders}
-    assert texts == {package().manifest.to_json()}
+    assert texts == {package().manifest.structure_json()}
     for library in libraries:
         for fact in (*library.record.versions.values(), library.record.hash, str(tmp_path)):
             assert f'"{fact}"' not in next(iter(texts))
@@ -110,7 +111,7 @@ def test_the_default_folder_is_generated_scene(
     monkeypatch.chdir(tmp_path)
     library = build(package())
     assert library.path.parent == tmp_path / "generated" / "test"
-    expected = {*package().files, "manifest.json", "library.json", library.path.name}
+    expected = {*package().files, STRUCTURE, SENTENCE, "library.json", library.path.name}
     assert {path.name for path in library.path.parent.iterdir()} == expected
 
 
@@ -132,7 +133,10 @@ def test_a_library_of_another_vocabulary_is_not_taken_for_this_one(calls: Path, 
 def test_a_folder_without_a_build_says_so(tmp_path: Path) -> None:
     with pytest.raises(LibraryError, match=r"manifest\.json: it cannot be read.*build first"):
         Library.load(tmp_path)
-    (tmp_path / "manifest.json").write_text(package().manifest.to_json())
+    (tmp_path / STRUCTURE).write_text(package().manifest.structure_json())
+    with pytest.raises(LibraryError, match=r"sentence\.json: it cannot be read.*build first"):
+        Library.load(tmp_path)
+    (tmp_path / SENTENCE).write_text(package().manifest.sentence_json())
     with pytest.raises(LibraryError, match=r"library-float\.json: it cannot be read.*build first"):
         Library.load(tmp_path, "float")
 

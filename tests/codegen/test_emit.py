@@ -25,7 +25,8 @@ import hashlib
 from modelgen import derive, emit, require
 from tests.model.scenes import WIDE
 package = emit(derive(require(WIDE)))
-text = "".join(name + package.files[name] for name in package.files) + package.manifest.to_json()
+text = "".join(name + package.files[name] for name in package.files)
+text += package.manifest.structure_json() + package.manifest.sentence_json()
 print(hashlib.sha256(text.encode()).hexdigest())
 """
 

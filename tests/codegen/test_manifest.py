@@ -18,14 +18,14 @@ MANIFEST = emit(derive(require(WIDE))).manifest
 
 
 def test_json_and_back_is_the_identity() -> None:
-    assert Manifest.from_json(MANIFEST.to_json()) == MANIFEST
+    assert Manifest.from_json(MANIFEST.structure_json(), MANIFEST.sentence_json()) == MANIFEST
 
 
 def test_a_build_record_survives_as_well() -> None:
     record = BuildRecord("0f", "double", "lib.so", MANIFEST.vocabulary, {"casadi": "3"})
     assert BuildRecord.from_json(record.to_json()) == record
     with pytest.raises(LibraryError, match=r"r.json: it is not a BuildRecord"):
-        BuildRecord.from_json(MANIFEST.to_json(), "r.json")
+        BuildRecord.from_json(MANIFEST.structure_json(), "r.json")
 
 
 def test_the_vocabulary_is_all_but_the_sentence() -> None:
@@ -35,13 +35,28 @@ def test_the_vocabulary_is_all_but_the_sentence() -> None:
 
 
 def test_keys_are_sorted() -> None:
-    assert list(json.loads(MANIFEST.to_json())) == sorted(json.loads(MANIFEST.to_json()))
+    for text in (MANIFEST.structure_json(), MANIFEST.sentence_json()):
+        assert list(json.loads(text)) == sorted(json.loads(text))
+
+
+def test_the_structure_has_no_number_of_the_scene() -> None:
+    heavier = replace(MANIFEST, sentence={**MANIFEST.sentence, "gravity": [0.0, 0.0, -1.62]})
+    assert heavier.structure_json() == MANIFEST.structure_json()
+    assert heavier.sentence_json() != MANIFEST.sentence_json()
+
+
+def test_a_sentence_of_another_vocabulary_is_refused() -> None:
+    other = replace(MANIFEST, functions={})
+    with pytest.raises(LibraryError, match=r"m.json: its sentence is of another vocabulary.*build again"):
+        Manifest.from_json(other.structure_json(), MANIFEST.sentence_json(), "m.json")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"abi": 1}'])
 def test_what_is_no_manifest_is_refused(text: str) -> None:
     with pytest.raises(LibraryError, match=r"m.json: it is not"):
-        Manifest.from_json(text, "m.json")
+        Manifest.from_json(text, MANIFEST.sentence_json(), "m.json")
+    with pytest.raises(LibraryError, match=r"m.json: its sentence: it is not"):
+        Manifest.from_json(MANIFEST.structure_json(), text, "m.json")
 
 
 FUNCTIONS = {**MANIFEST.functions, **MANIFEST.composed}
