@@ -1,6 +1,6 @@
 """The coefficients of the integrators satisfy the equations that define them, to the digits that they have.
 
-Order conditions by rooted trees: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.2.
+Order conditions by rooted trees: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.2.
 Numbers are exact fractions, so that a coefficient off by 1e-25 is seen.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from math import prod
 
 import pytest
@@ -18,7 +19,7 @@ DIGITS = Fraction(1, 10**22)  # tables have 25 digits or more; sums of 16 produc
 
 
 class Dop853:
-    """A explicit tableau of 16 stages: 12 of the step, its end, and 3 of the interpolant."""
+    """An explicit tableau of 16 stages: 12 of the step, its end, and 3 of the interpolant."""
 
     def __init__(self) -> None:
         row, column, value, self.c, self.fifth, self.third, self.dense = tables("dop853")
@@ -73,7 +74,7 @@ def test_what_estimates_the_error_vanishes_up_to_its_order(dop853: Dop853, name:
 
 
 def _powers(rows: list[list[Fraction]]) -> list[list[Fraction]]:
-    """Per power 0..7 of theta the weights of the interpolant theta (r0 + (1 - theta) (r1 + theta (r2 + ...)))."""
+    """Per power 0..7 of theta the weights of theta (r0 + (1 - theta) (r1 + theta (r2 + ...)))."""
     width = len(rows[0])
     y = [[Fraction(0)] * width for _ in range(8)]
     for k in range(6, -1, -1):
@@ -89,7 +90,7 @@ def _powers(rows: list[list[Fraction]]) -> list[list[Fraction]]:
 
 @pytest.mark.parametrize("order", range(1, 8))
 def test_the_interpolant_satisfies_all_conditions_of_order_seven(dop853: Dop853, order: int) -> None:
-    """sum_i b_i(theta) Phi_i(t) = theta^r / gamma(t) for each tree t of r vertices, power by power of theta."""
+    """sum_i b_i(theta) Phi_i(t) = theta^r / gamma(t) for each tree t of r vertices, in each power of theta."""
     zero, b = Fraction(0), _padded(dop853.b)
     first, last = ([Fraction(int(j == at)) for j in range(16)] for at in (0, 12))
     rows = [
