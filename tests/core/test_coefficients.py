@@ -23,11 +23,8 @@ class Dop853:
 
     def __init__(self) -> None:
         row, column, value, self.c, self.fifth, self.third, self.dense = tables("dop853")
-        starts = [int(k) for k in row]
-        rows = [
-            {int(column[k]): value[k] for k in range(starts[i], starts[i + 1])}
-            for i in range(len(starts) - 1)
-        ]
+        spans = [range(int(first), int(last)) for first, last in pairwise(row)]
+        rows = [{int(column[k]): value[k] for k in span} for span in spans]
         self.b = [rows[12].get(j, Fraction(0)) for j in range(12)]
         self.A = [[rows[i].get(j, Fraction(0)) for j in range(16)] for i in range(16)]
 
@@ -90,7 +87,7 @@ def _powers(rows: list[list[Fraction]]) -> list[list[Fraction]]:
 
 @pytest.mark.parametrize("order", range(1, 8))
 def test_the_interpolant_satisfies_all_conditions_of_order_seven(dop853: Dop853, order: int) -> None:
-    """sum_i b_i(theta) Phi_i(t) = theta^r / gamma(t) for each tree t of r vertices, in each power of theta."""
+    """sum_i b_i(theta) Phi_i(t) = theta^r / gamma(t) for each tree t of r vertices, by powers of theta."""
     zero, b = Fraction(0), _padded(dop853.b)
     first, last = ([Fraction(int(j == at)) for j in range(16)] for at in (0, 12))
     rows = [
