@@ -1,9 +1,9 @@
 """What the tests see: each fault of a table, put into a copy of the tree, must turn a test red.
 
 Run with `python -m tests.benchmarks.mutations [--only 3,17] [--baseline] [--find]`. The tree itself is never
-changed. A fault is `caught` where its tests fail, `survived` where they pass, and `stale` where its text is not
-found exactly once: then the table must follow the code. `--baseline` first runs the tests without any fault;
-`--find` only looks for the texts.
+changed. A fault is `caught` where its tests fail and `survived` where they pass. It is
+`stale` where its text is not found exactly once, or where the core does not compile with it: then the table
+has to follow the code. `--baseline` first runs the tests without any fault; `--find` only looks for the texts.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tests.benchmarks.faults import FAULTS, Fault
 
 ROOT = Path(__file__).parents[2]
 SUFFIXES = (".c", ".h", ".py")
-FAILED, PASSED = 1, 0  # how pytest ends
+PASSED, FAILED, UNCOMPILED = 0, 1, -1  # how pytest ends, and how it does not
 
 
 def place_of(fault: Fault, root: Path) -> Path | str:
@@ -47,12 +47,14 @@ def copied(folder: Path) -> Path:
 
 
 def outcome_of(tests: tuple[str, ...], root: Path) -> tuple[int, str]:
-    """How pytest ends in the copy, and the first test that fails."""
+    """How pytest ends in the copy, and the first test that fails, or that the core did not compile."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
     hidden = ("PYTHONPATH", "MODELGEN_POOL")
     kept = {key: value for key, value in os.environ.items() if key not in hidden}
     environment = {**kept, "MODELGEN_CACHE": str(root / ".cache"), "PYTHONDONTWRITEBYTECODE": "1"}
     answer = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, check=False)
+    if re.search(r"\.[ch]:\d+:\d+: error:", answer.stdout):
+        return UNCOMPILED, "the core does not compile with it"
     first = re.search(r"^(?:FAILED|ERROR) (\S+)", answer.stdout, flags=re.MULTILINE)
     return answer.returncode, first.group(1) if first else ""
 
@@ -68,7 +70,7 @@ def verdict(fault: Fault, root: Path) -> str:
     place.write_text(text, encoding="utf-8")
     if code == FAILED:
         return f"caught by {first}"
-    return "survived" if code == PASSED else f"stale: pytest ended with {code}"
+    return "survived" if code == PASSED else f"stale: {first or f'pytest ended with {code}'}"
 
 
 def main() -> None:
