@@ -3,7 +3,7 @@
 Run with `python -m tests.benchmarks.mutations [--only 3,17] [--baseline] [--find]`. The tree itself is never
 changed. A fault is `caught` where its tests fail and `survived` where they pass. It is
 `stale` where its text is not found exactly once, or where the core does not compile with it: then the table
-has to follow the code. `--baseline` first runs the tests without any fault; `--find` only looks for the texts.
+has to follow the code. `--baseline` first runs the tests without a fault; `--find` only looks for the texts.
 """
 
 from __future__ import annotations
