@@ -62,7 +62,7 @@ FAULTS = (
     ),
     Fault(
         "joints",
-        "the rows of a bar lack what the turning of its frames adds to Gamma1",
+        "Gamma1 is off by 1e-6",
         r"gamma = ca\.jtimes\(total, poses, moved\) \+ ca",
         "gamma = 0.999999 * ca.jtimes(total, poses, moved) + ca",
         JOINTS,
