@@ -172,6 +172,30 @@ def test_friction_lies_on_its_limit_surface(
     )
 
 
+@pytest.mark.parametrize("name", sorted(ARCS | ROUND))
+def test_a_wrench_needs_the_most_that_any_twist_asks_for(plane_core: CoreBuild, name: str) -> None:
+    """Maximum dissipation: what holds a wrench is the largest wrench.twist over the power of that twist."""
+    rng, arcs = np.random.default_rng(len(name)), (ARCS | ROUND)[name]
+    at = overlap(plane_core, [], arcs).hull.mean(axis=0) + np.array([0.05, -0.03])
+    load = np.array([[2.0, *at]])
+
+    def asked(twists: Array, wrench: Array) -> Array:
+        friction = rubbing(plane_core, [], arcs, np.repeat(load, len(twists), axis=0), twists).friction
+        return -(twists @ wrench) / np.einsum("ij,ij->i", friction, twists)
+
+    for _ in range(3):
+        wrench = rng.normal(size=3)
+        needed = rubbed(plane_core, arcs, at, np.array([1.0, 0, 0]), wrench).needed[0]
+        twists = rng.normal(size=(200, 3))
+        ratios = asked(twists, wrench)
+        for spread in 10.0 ** -np.arange(0.5, 5.5, 0.25):
+            best = twists[np.argmax(ratios)] / np.linalg.norm(twists[np.argmax(ratios)])
+            twists = np.vstack([best, best + spread * rng.normal(size=(30, 3))])
+            ratios = asked(twists, wrench)
+        assert ratios.max() <= needed * (1 + 1e-9)
+        assert ratios.max() == pytest.approx(needed, rel=1e-7)
+
+
 @settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(CORNERS)), unit, unit)
 def test_pressure_has_its_resultant_and_centre_and_does_not_pull(

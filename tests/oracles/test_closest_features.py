@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.optimize import nnls
+from scipy.optimize import minimize_scalar, nnls
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -132,3 +132,33 @@ def test_polyhedra_touch_no_nearer_than_they_are() -> None:
         assert not found or found[0] > distance - 2e-9
         followed += bool(found) and found[0] == pytest.approx(distance, abs=2e-9)
     assert followed > POSES / 3
+
+
+def between_tori(p: np.ndarray, turn: Rotation) -> float:
+    """The distance of the torus at the origin to its like, from that of a circle's points to a circle."""
+
+    def at(angle: float) -> float:
+        centre = p + turn.apply([0.06 * np.cos(angle), 0.06 * np.sin(angle), 0.0])
+        return to_torus(centre) - 0.02
+
+    angles = np.linspace(0, 2 * np.pi, 721)
+    best = angles[np.argmin([at(angle) for angle in angles])]
+    step = angles[1]
+    polished = minimize_scalar(
+        at, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9}
+    )
+    return float(polished.fun)
+
+
+def test_tori_touch_where_a_dense_sampling_finds_them_closest() -> None:
+    """Their distance has several minima, linked or not, so that what is found depends on the starts."""
+    library = pair("torus", "torus")
+    rng, n = np.random.default_rng(13), 0
+    while n < POSES:
+        turns, p = Rotation.random(2, random_state=rng), rng.uniform(-0.15, 0.15, 3)
+        gap = between_tori(turns[0].inv().apply(p), turns[0].inv() * turns[1])
+        if gap < 1e-6:
+            continue
+        n += 1
+        found = gaps_at(library, [(np.zeros(3), turns[0]), (p, turns[1])])
+        assert found[:1] == pytest.approx([gap], abs=2e-9), (p, turns.as_quat())

@@ -13,7 +13,7 @@ from modelgen.scene import build as make
 from modelgen.scene.types import Scene
 from tests.oracles.friction.painleve import INCONSISTENT, Rod
 from tests.oracles.friction.sphere import SlideToRoll
-from tests.oracles.pieces import TABLE, G, ball, imbalance, times
+from tests.oracles.pieces import TABLE, G, ball, imbalance, rotations, solid, times
 from tests.running import library_of, scene_of
 
 SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
@@ -59,6 +59,28 @@ def test_what_is_smooth_is_followed_with_order_one(name: str, until: float, sche
         assert path.joint_error_max < 1e-8
         errors.append(float(np.abs(path.p[-1] - exact.p[-1]).max()))
     assert 0.85 < order(errors) < 2.1
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_velocities_of_free_flight_are_of_order_two(scheme: str) -> None:
+    """Loads and gyroscopic torques are those of the middle of a step, in time and in velocity."""
+    axes, spin = (0.12, 0.09, 0.07), [3.0, 4.0, -2.0]
+    egg = solid("egg", axes, position=[0, 0, 5.0], velocity=[0, 1.0, 0], angular_velocity=spin)
+    scene = make.scene(
+        "flight", [TABLE, egg], contact=[{"between": ["egg", "table"]}], gravity=[0, 0, 0],
+        force=[{"body": "egg", "force": ["3*cos(5*t)", "-3*vy", "0.0"]}],
+    )  # fmt: skip
+    inertia = (
+        np.array([axes[1] ** 2 + axes[2] ** 2, axes[0] ** 2 + axes[2] ** 2, axes[0] ** 2 + axes[1] ** 2]) / 5
+    )
+    pushed, damped, turned = [], [], []
+    for step in STEPS:
+        path = stepped(scene, 1.0, step, scheme=scheme, samples=1)
+        own = rotations(path, 1)[-1].T @ path.w[-1, 1]
+        turned.append(abs(float(inertia @ own**2 - inertia @ np.square(spin))))
+        pushed.append(abs(float(path.v[-1, 1, 0] - 0.6 * np.sin(5.0))))
+        damped.append(abs(float(path.v[-1, 1, 1] - np.exp(-3.0))))
+    assert [order(errors) > 1.9 for errors in (pushed, damped, turned)] == [True] * 3
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
