@@ -41,7 +41,7 @@ def differ(a: Rolling, b: Rolling) -> float:
 
 def table(name: str, shape: tuple[int, ...]) -> np.ndarray:
     """A table of radau_coefficients.h as it is written."""
-    text = (files("modelgen.core") / "radau_coefficients.h").read_text(encoding="utf-8")
+    text = (files("modelgen.core") / "integrate" / "radau_coefficients.h").read_text(encoding="utf-8")
     body = text.split(f"{name}[", 1)[1].split("= {", 1)[1].split("};", 1)[0]
     numbers = re.findall(r"-?\d+(?:\.\d+)?", body.replace("(mg_real)", "").replace("L", ""))
     return np.array([mpf(x) for x in numbers]).reshape(shape)

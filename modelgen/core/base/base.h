@@ -45,7 +45,6 @@ MG_INTERNAL int mg_unit(mg_real *n);
 MG_INTERNAL void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
 MG_INTERNAL void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
 MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out);
-MG_INTERNAL int mg_finite(const mg_real *x, int n);
 
 /* memory.c */
 MG_INTERNAL long mg_reals(long n, size_t size);

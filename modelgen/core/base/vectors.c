@@ -45,7 +45,7 @@ MG_INTERNAL int mg_unit(mg_real *n) {
 
 MG_INTERNAL void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out) {
   for (int k = 0; k < 3; k++)
-    out[k] = is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
+    out[k] = (mg_real)is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
 
 /* A point of the world in the axes of a pose. */
@@ -56,10 +56,4 @@ MG_INTERNAL void mg_into(const mg_real *pose, const mg_real *world, mg_real *loc
 
 MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-MG_INTERNAL int mg_finite(const mg_real *x, int n) {
-  for (int i = 0; i < n; i++)
-    if (!(fabs(x[i]) <= MG_MAX)) return 0;
-  return 1;
 }

@@ -203,7 +203,7 @@ static mg_real mg_vault_over(mg_context *c, mg_real tau) {
     mg_vault_speeds(c, tau, x, &turned);
   }
   x[c->work_index] = c->run->x[c->work_index] + mg_work_over(c, tau, mg_load_power(c, c->K + c->n_x));
-  return mg_finite(x, c->n_x) ? turned * way / s->length / 6 + part * part * part / 12 : MG_MAX;
+  return mg_all_finite(c->n_x, x) ? turned * way / s->length / 6 + part * part * part / 12 : MG_MAX;
 }
 
 /* The longest way over that errs no more than the tolerance asked, to c->x_next; 0 if there is none. */

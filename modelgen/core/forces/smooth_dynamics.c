@@ -22,7 +22,7 @@ static void mg_forces(mg_context *c) {
 }
 
 static int mg_is_somewhere(const mg_context *c, int body) {
-  return mg_finite(c->pose + 12 * body, 12) && mg_finite(c->twist + 6 * body, 6) && mg_finite(c->accel + 6 * body, 6);
+  return mg_all_finite(12, c->pose + 12 * body) && mg_all_finite(6, c->twist + 6 * body) && mg_all_finite(6, c->accel + 6 * body);
 }
 
 /* Whether a driven body is nowhere. */

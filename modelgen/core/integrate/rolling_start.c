@@ -50,7 +50,7 @@ MG_INTERNAL int mg_settle_fully(mg_context *c, int contact, mg_real *eta) {
     mg_place(c, contact, eta, c->place + 32);
     for (int k = 0; k < c->n_eta[contact]; k++) eta[k] = c->place[32 + k];
   }
-  return mg_finite(eta, c->n_eta[contact]);
+  return mg_all_finite(c->n_eta[contact], eta);
 }
 
 /* Notes of such a contact the way it leans by now, and its point. */

@@ -98,7 +98,7 @@ static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) 
     mg_watch(c);
     for (int k = 0; k < o->count; k++)
       mg_split_slip(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
-    if (!mg_finite(mg_stage_slope(c, stage), c->n_x)) return 0;
+    if (!mg_all_finite(c->n_x, mg_stage_slope(c, stage))) return 0;
   }
   return 1;
 }

@@ -16,7 +16,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
   c->tried = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
-    const int finite = mg_finite(c->x_next, c->n_x) && error <= MG_MAX;
+    const int finite = mg_all_finite(c->n_x, c->x_next) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
       if (c->set->method == MG_RK4) return MG_DONE;
@@ -67,7 +67,7 @@ static void mg_commit(mg_context *c, mg_real h) {
 }
 
 static int mg_settle_drift(mg_context *c) {
-  if (!mg_finite(c->run->x, c->n_x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->n_x, c->run->x)) return MG_NOT_FINITE;
   mg_refresh(c);
   if (!c->set->project || ++c->run->since_projection < c->set->project) return MG_DONE;
   c->run->since_projection = 0;

@@ -77,7 +77,7 @@ static int mg_is_infinite(const mg_context *c, int function, mg_real ahead) {
 /* The first that is not finite now, so far ahead, half as far and so on, or has a pole here; -1 for none. Leaves the poses
    at run->x. */
 static int mg_first_unbounded(mg_context *c, mg_real ahead) {
-  if (!mg_finite(c->run->x, c->n_x)) return -1;
+  if (!mg_all_finite(c->n_x, c->run->x)) return -1;
   mg_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->sys->n_load + c->sys->n_body + c->sys->n_joint; i++)
     if (mg_is_infinite(c, i, ahead) || mg_has_pole(c, i)) return i;

@@ -54,7 +54,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   if (h > sight) h = sight;
   c->left.count = 0;
   mg_take_geometry(c, h);
-  const int powered = mg_finite(c->K + c->n_x + c->work_index, 1); /* by the loads */
+  const int powered = mg_all_finite(1, c->K + c->n_x + c->work_index); /* by the loads */
   if (!powered || mg_a_path_ends(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
@@ -62,7 +62,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   for (int i = 0; i < c->n_x; i++) c->x_next[i] = run->x[i];
   mg_book_impulses(c, h);
   mg_drift_on(c, h);
-  if (!mg_finite(run->x, c->n_x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->n_x, run->x)) return MG_NOT_FINITE;
   mg_spread_over(c, h);
   mg_pass_time(run, h);
   run->steps++, run->fall_time += run->fall_left > 0 ? h : 0;
