@@ -70,7 +70,13 @@ def _body_kind(kind: BodyKind) -> dict[str, Any]:
         "n_q": Q_SIZE[kind.motion],
         "n_u": U_SIZE[kind.motion],
         "parameters": [] if kind.folded is not None else list(names),
+        **_folded(kind),
     }
+
+
+def _folded(kind: BodyKind | ShapeKind) -> dict[str, list[float]]:
+    """The numbers that are constants of the kind's code."""
+    return {} if kind.folded is None else {"folded": list(kind.folded)}
 
 
 def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
@@ -152,27 +158,21 @@ def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
-    domain, periodic = _extent(kind)
     return {
         "name": kind.name,
         "kind": kind.kind,
         "parameters": list(kind.parameter_names),
-        "folded": None if kind.folded is None else list(kind.folded),
+        **_folded(kind),
         "cavity": kind.cavity,
-        "domain": [[_finite(bound) for bound in interval] for interval in domain],
-        "periodic": list(periodic),
+        "periodic": list(_periodic(kind)),
     }
 
 
-def _extent(kind: ShapeKind) -> tuple[tuple[tuple[float, float], ...], tuple[bool, ...]]:
-    """Domain and periodicity of each parameter: two of a surface, one of a curve, none of a point."""
+def _periodic(kind: ShapeKind) -> tuple[bool, ...]:
+    """Of each coordinate: two of a surface, one of a curve, none of a point."""
     if is_point(kind):
-        return (), ()
-    if is_curve(kind):
-        curve = curve_of(kind)
-        return (curve.domain,), (curve.periodic,)
-    surface = surface_of(kind)
-    return surface.domain, surface.periodic
+        return ()
+    return (curve_of(kind).periodic,) if is_curve(kind) else surface_of(kind).periodic
 
 
 def _finite(value: float) -> float | None:

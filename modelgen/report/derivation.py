@@ -240,7 +240,7 @@ def _of_frames(name: str) -> str:
 
 
 def _listed(kind: Mapping[str, Any]) -> list[str]:
-    return [] if kind.get("folded") is not None else list(kind["parameters"])
+    return [] if "folded" in kind else list(kind["parameters"])
 
 
 def _identifier(name: str) -> str:

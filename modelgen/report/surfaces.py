@@ -65,7 +65,7 @@ def _features(library: Library, contact: int, side: str, curve: Array) -> Array:
 def _is_drawn(library: Library, shape: Mapping[str, Any]) -> bool:
     """Flat faces are seen by their edges, vertices by the edges that end there."""
     kind = library.manifest.kinds["shape"][shape["kind"]]
-    return bool(kind["domain"]) and kind["kind"] != "plane"
+    return bool(kind["periodic"]) and kind["kind"] != "plane"
 
 
 def _cut(mesh: Array, shape: Mapping[str, Any], borders: list[Any]) -> Array:
@@ -86,8 +86,8 @@ def _mesh(library: Library, shape: Mapping[str, Any], curve: Array, rows: int) -
     placement = np.array(shape["placement"])
     p, R = placement[:3], placement[3:].reshape(3, 3, order="F")
     reach = REACH * max(float(np.nanmax(np.abs((curve - p) @ R), initial=0.0)), _length(library))
-    parameters = np.array([] if kind["folded"] is not None else shape["parameters"], dtype=library.dtype)
-    role, sizes = (("point", ()), ("curve", (COLUMNS,)), ("surface", (COLUMNS, rows)))[len(kind["domain"])]
+    parameters = np.array([] if "folded" in kind else shape["parameters"], dtype=library.dtype)
+    role, sizes = (("point", ()), ("curve", (COLUMNS,)), ("surface", (COLUMNS, rows)))[len(kind["periodic"])]
     kernel = library.kernel(f"mg_{kind['name']}_{role}")
     axes = [_range(bounds, reach, n) for bounds, n in zip(shape["domain"], sizes, strict=True)]
     across = np.array([axis.ravel() for axis in np.meshgrid(*axes)])

@@ -81,7 +81,7 @@ def files(folder: Path) -> set[Path]:
         (("build", EGG, "--real", "half"), "--real: the text 'half'; allowed are double"),
         (("build", EGG, "--main", "run.txt"), "--main: 'run.txt'; the name of a C file"),
         (("build", EGG, "--main", "model.c"), "--main: 'model.c'"),
-        (("build", EGG, "--main", "step.c"), "--main: 'step.c'"),
+        (("build", EGG, "--main", "modelgen_runtime.c"), "--main: 'modelgen_runtime.c'"),
         (("inspect", EGG, "--format", "pdf"), "--format: the text 'pdf'; allowed are text, latex, html"),
         (("plot", "run.csv", "-o", "run.png"), "--out run.npz"),
         (("plot", EGG, "-o", "run"), ".png, .svg"),
