@@ -9,8 +9,9 @@ from tempfile import mkdtemp
 import pytest
 from hypothesis import settings
 
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
+settings.register_profile("repeatable", deadline=None, derandomize=True, database=None)
+settings.register_profile("exploring", deadline=None)  # pytest --hypothesis-profile=exploring
+settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
