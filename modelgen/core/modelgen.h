@@ -140,10 +140,10 @@ typedef struct {
 
 /* What a grip of a contact that carries force does: it holds; it slips from now on, of the second order in time; it has
    begun to and is slower yet than slip_speed; it slips along what its rows tell. */
-enum { MG_LOOSE = 0, MG_STUCK = 1, MG_ONSET = 2, MG_STARTING = 3, MG_SLIPPING = 4 };
+enum { MG_FRICTION_OFF = 0, MG_STICKING = 1, MG_SLIP_ONSET = 2, MG_SLIP_STARTING = 3, MG_SLIPPING = 4 };
 
-enum { MG_STEADY = 0, MG_FRESH = 1, MG_YOUNG = 2, /* a contact that starts from flat; that did, its margin still small */
-       MG_HINGED = 3 }; /* the first pad of a slot: the first two hold a straight side of the hull */
+enum { MG_START_NONE = 0, MG_START_FLAT = 1, MG_START_SETTLING = 2, /* a contact that starts from flat; that did, its margin still small */
+       MG_ON_STRAIGHT_EDGE = 3 }; /* the first pad of a slot: the first two hold a straight side of the hull */
 
 enum { MG_DONE = 0, MG_CONTINUE = 1, MG_FULL = 2,      /* t_stop reached; step limit; record or event list full */
        MG_PENETRATION = 10, MG_NO_EXTREMUM = 11, MG_NO_SIDE = 12, MG_JOINT_APART = 13, /* the start is refused */
@@ -165,32 +165,32 @@ typedef struct {
   mg_real *moved;         /* per pair: relative movement since it was searched, m */
   int *closed;            /* per contact: its gap is held at zero */
   int *active;            /* per contact: closed and carrying force */
-  int *grip;              /* per grip: MG_LOOSE .. */
-  mg_real *course;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
-  int *rub;               /* per slot: the same of a patch with friction, slip and spin together */
-  mg_real *rub_course;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
-  mg_real *share;         /* per contact, a spare, per row of joints, per row below: forces from which the least change is sought
+  int *grip;              /* per grip: MG_FRICTION_OFF .. */
+  mg_real *slip_direction;        /* three a grip: where it slips, world, unit length; of spin: +-1 */
+  int *patch_mode;               /* per slot: the same of a patch with friction, slip and spin together */
+  mg_real *patch_slip_direction;    /* four a slot: where its first pad's point slips, world, and spin by the radius of the pads; unit length */
+  mg_real *reference_force;         /* per contact, a spare, per row of joints, per row below: forces from which the least change is sought
                              while redundant */
   mg_real *force;         /* per contact, N, at t */
   mg_real *margin;        /* per contact, at t */
-  int *fresh;             /* per contact: MG_STEADY, MG_FRESH, MG_YOUNG, MG_HINGED */
+  int *fresh;             /* per contact: MG_START_NONE, MG_START_FLAT, MG_START_SETTLING, MG_ON_STRAIGHT_EDGE */
   mg_real *outward;       /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
   long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
-  long watch_tries, watch_rejected; /* steps when it was last looked whether they get on */
-  long falls, fall_left;  /* back on time-stepping: how often; steps to go */
-  long rough, relaxed;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
+  long progress_tries, progress_rejected; /* steps when it was last looked whether they get on */
+  long fallbacks, fallback_steps_left;  /* back on time-stepping: how often; steps to go */
+  long loose_solutions, relaxed_solutions;    /* problems of time-stepping solved to settings->loose only; by the relaxation for want of a
                              solution of Coulomb's law */
-  long vaults;            /* places passed where a closed contact was singular */
+  long singular_passages;            /* places passed where a closed contact was singular */
   long redundant_max;     /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
   mg_real t_event;        /* time of the last transition */
-  mg_real t_rest;         /* s: what rounding has left out of t */
+  mg_real t_roundoff;         /* s: what rounding has left out of t */
   mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
   mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
   mg_real joint_error_max, joint_speed; /* m: off the joints, at the start and after steps; m/s: off them at the start */
   mg_real dead_centre_t;  /* the end of the step in which the first was passed */
   mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real watch_t;        /* s, then */
-  mg_real fall_first, fall_end, fall_time; /* s: when the run first fell back, ceased to last, how long in all */
+  mg_real progress_t;        /* s, then */
+  mg_real fallback_first, fallback_end, fallback_time; /* s: when the run first fell back, ceased to last, how long in all */
   mg_real gain_max, gain_t, chain_t, paradox_t; /* J: the most energy that one contact made in an impact; s: when; when a
                              blow first reached a contact at rest; when forces were first indeterminate */
   int failed_contact;     /* the contact an outcome speaks of, or -1 */
@@ -198,10 +198,10 @@ typedef struct {
   int joint_margin;       /* the joint with the least margin, or -1 */
   int rank_min, rank_max; /* of the rows of all joints, at accepted steps */
   int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
-  int gain, chain, paradox; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
-  int fall_cause, fall_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
-  int vaulted;            /* the contact of the first of the vaults, or -1 */
-  int shared;             /* forces are not unique: `share` says which are meant */
+  int gain_contact, chain_contact, paradox_contact; /* the contacts of gain_max, chain_t and paradox_t, or -1 */
+  int fallback_cause, fallback_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
+  int passage_contact;            /* the contact of the first of the vaults, or -1 */
+  int forces_redundant;             /* forces are not unique: `share` says which are meant */
 } mg_run;
 
 typedef struct {          /* caller's arrays for the samples; t is given, count advances */
@@ -243,7 +243,7 @@ typedef struct {          /* n pairs of poses of one contact kind; caller's arra
   mg_real *eta;           /* n_eta */
   mg_real *d, *normal, *point_o, *point_f, *margin; /* 1, 3, 3, 3, 2: as the place kernel gives them */
   int *outcome;           /* 1: MG_NOWHERE .. MG_CLOSEST */
-} mg_queries;
+} mg_closest_queries;
 
 MG_API int mg_abi(void);
 MG_API int mg_real_size(void);
@@ -289,7 +289,7 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
                      mg_real *point_f, mg_real *work, int *iwork);
 
 /* The closest points of n pairs of poses, one contact kind. */
-MG_API void mg_closest(const mg_queries *queries);
+MG_API void mg_closest(const mg_closest_queries *queries);
 
 #include "region/region_queries.h"
 

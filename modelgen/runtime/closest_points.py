@@ -128,7 +128,7 @@ def _start(where: str, kind: Mapping[str, Any]) -> Array:
 
 
 def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> tuple[Any, ClosestPoints]:
-    """The mg_queries of a link of the sentence, and the answers that `mg_closest` then fills in.
+    """The mg_closest_queries of a link of the sentence, and the answers that `mg_closest` then fills in.
 
     `rows`: pose_o, pose_f, parameters and eta, n contiguous rows of each, of the library's type.
     """

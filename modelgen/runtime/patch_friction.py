@@ -74,7 +74,7 @@ def rubbing(
 
 @cache
 def _structure() -> Any:
-    """mg_rub_query (modelgen.h)."""
+    """mg_patch_friction_query (modelgen.h)."""
     names = ("load", "twist", "wrench", "found", "pressure", "friction", "needed")
     fields: list[tuple[str, Any]] = [("regions", ctypes.c_void_p), ("n", ctypes.c_int)]
     return structure("RubQuery", fields + [(name, ctypes.c_void_p) for name in names])

@@ -16,7 +16,7 @@ from tests.oracles.glass_reference import Glass
 from tests.oracles.pieces import TABLE
 from tests.running import library_of
 
-FRESH = 1  # MG_FRESH
+FRESH = 1  # MG_START_FLAT
 
 
 def polynomial(coefficients: Sequence[float]) -> str:

@@ -3,24 +3,24 @@
 #include "closest/closest.h"
 #include "base/base.h"
 
-#define MG_LOOKS 200 /* evaluations before a climb is given up */
+#define MG_ASCENT_EVALUATIONS 200 /* evaluations before a climb is given up */
 
-#define MG_CLIMBS 6
+#define MG_ASCENT_RESTARTS 6
 
-static void mg_look(const mg_couple *p, mg_view *v) {
-  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->bend, v->tangents,
+static void mg_look(const mg_shape_pair *p, mg_separation_view *v) {
+  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->hessian, v->tangents,
                   v->eta);
 }
 
-static void mg_tilt(const mg_view *from, const mg_real *delta, mg_view *to) {
+static void mg_tilt(const mg_separation_view *from, const mg_real *delta, mg_separation_view *to) {
   const mg_real *t = from->tangents;
   for (int k = 0; k < 3; k++) to->normal[k] = from->normal[k] + delta[0] * t[k] + delta[1] * t[3 + k];
   mg_unit(to->normal);
 }
 
 /* Newton's step, where it leads to a maximum within the radius; returns its gain, or -1. */
-static mg_real mg_newton_step(const mg_view *v, mg_real radius, mg_real *delta) {
-  const mg_real a = v->bend[0], b = v->bend[1], c = v->bend[2], g = v->slope[0], h = v->slope[1];
+static mg_real mg_newton_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
+  const mg_real a = v->hessian[0], b = v->hessian[1], c = v->hessian[2], g = v->slope[0], h = v->slope[1];
   const mg_real scale = 1 / (a * c - b * b);
   delta[0] = (c * g - b * h) * scale, delta[1] = (a * h - b * g) * scale;
   const int inside = delta[0] * delta[0] + delta[1] * delta[1] <= radius * radius;
@@ -28,7 +28,7 @@ static mg_real mg_newton_step(const mg_view *v, mg_real radius, mg_real *delta) 
 }
 
 /* Straight uphill, where bend is not finite. */
-static mg_real mg_steepest_step(const mg_view *v, mg_real radius, mg_real *delta) {
+static mg_real mg_steepest_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
   const mg_real g = v->slope[0], h = v->slope[1], steep = sqrt(g * g + h * h);
   delta[0] = radius * g / steep, delta[1] = radius * h / steep;
   return radius * steep / 2;
@@ -41,8 +41,8 @@ static mg_real mg_axis_step(mg_real slope, mg_real w, mg_real radius) {
 }
 
 /* The step that is best in the quadratic model, within the radius along each axis of bend; returns its gain. */
-static mg_real mg_axes_step(const mg_view *v, mg_real radius, mg_real *delta) {
-  const mg_real a = v->bend[0], b = v->bend[1], c = v->bend[2], half = (a - c) / 2, mean = (a + c) / 2;
+static mg_real mg_axes_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
+  const mg_real a = v->hessian[0], b = v->hessian[1], c = v->hessian[2], half = (a - c) / 2, mean = (a + c) / 2;
   const mg_real root = mean < 0 ? -sqrt(half * half + b * b) : sqrt(half * half + b * b), large = mean + root;
   if (!(fabs(large) <= MG_MAX)) return mg_steepest_step(v, radius, delta);
   const mg_real small = fabs(large) > 0 ? (a * c - b * b) / large : 0;
@@ -57,7 +57,7 @@ static mg_real mg_axes_step(const mg_view *v, mg_real radius, mg_real *delta) {
 }
 
 /* What rounding may make of d: the size of the numbers that it is the difference of. */
-static mg_real mg_noise(const mg_couple *p, const mg_view *v) {
+static mg_real mg_noise(const mg_shape_pair *p, const mg_separation_view *v) {
   mg_real size = 0;
   for (int k = 0; k < 3; k++)
     size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]) + fabs(v->eta[k]) + fabs(v->eta[3 + k]);
@@ -71,13 +71,13 @@ static int mg_last(mg_real before, mg_real length) {
 
 /* Climbs from v->normal until rounding stops it; returns 1 if v then is a maximum. Below the noise of d what
    is gained cannot be seen: there every step of Newton's counts, as long as the next is much smaller. */
-static int mg_climb(const mg_couple *p, mg_view *v) {
-  mg_view other, *at = v, *next = &other;
+static int mg_climb(const mg_shape_pair *p, mg_separation_view *v) {
+  mg_separation_view other, *at = v, *next = &other;
   mg_real radius = (mg_real)0.5, last = MG_MAX, before = 0, noise, delta[2];
   int found = 0;
   mg_look(p, at);
   noise = mg_noise(p, at);
-  for (int looks = 1; looks < MG_LOOKS && !found; looks++) {
+  for (int looks = 1; looks < MG_ASCENT_EVALUATIONS && !found; looks++) {
     mg_real gain = mg_newton_step(at, radius, delta);
     if (!(gain >= 0)) gain = mg_axes_step(at, radius, delta);
     const mg_real length = sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
@@ -91,7 +91,7 @@ static int mg_climb(const mg_couple *p, mg_view *v) {
     if (!(ratio >= (mg_real)0.25)) radius = length / 4;
     if (ratio > (mg_real)0.75 && radius < 1) radius *= 2;
     if (!(ratio > (mg_real)0.05)) continue;
-    mg_view *const swap = at;
+    mg_separation_view *const swap = at;
     at = next, next = swap;
     found = mg_last(before, length), before = length;
   }
@@ -120,11 +120,11 @@ static int mg_away(const mg_real *peaks, int n, mg_real *direction) {
 
 /* Climbs from v->normal, and where that ends below `floor`, from other sides too. v then is the first maximum
    above it; else the highest one, or the first if `keep`. Returns 0 where rounding left it blunt. */
-MG_INTERNAL int mg_seek(const mg_couple *p, mg_real floor, int keep, mg_view *v) {
-  mg_real peaks[3 * MG_CLIMBS];
-  mg_view best = *v;
+MG_INTERNAL int mg_seek(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v) {
+  mg_real peaks[3 * MG_ASCENT_RESTARTS];
+  mg_separation_view best = *v;
   int sharp = 0;
-  for (int i = 0; i < MG_CLIMBS; i++) {
+  for (int i = 0; i < MG_ASCENT_RESTARTS; i++) {
     const int found = mg_climb(p, v);
     if (i == 0 || v->d > floor || (!keep && v->d > best.d)) best = *v, sharp = found;
     if (best.d > floor) break;

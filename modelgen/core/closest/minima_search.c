@@ -6,8 +6,8 @@
 
 /* Puts the spare contact, behind the last one, on a link. */
 MG_INTERNAL int mg_probe(mg_context *c, int link) {
-  mg_stand(c, c->sys->n_contact, link);
-  return c->sys->n_contact;
+  mg_stand(c, c->system->n_contact, link);
+  return c->system->n_contact;
 }
 
 /* Turns the normal of two curves round. */
@@ -18,30 +18,30 @@ MG_INTERNAL void mg_turn_round(const mg_context *c, int link, mg_real *eta) {
 
 /* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
 static int mg_wrong_side(const mg_context *c, int link) {
-  const mg_real *hint = c->sys->pair_normal + 3 * c->sys->link_pair[link];
-  const mg_real along = mg_dot3(hint, c->place + 5);
-  return along != 0 ? along < 0 : c->place[0] < 0;
+  const mg_real *hint = c->system->pair_normal + 3 * c->system->link_pair[link];
+  const mg_real along = mg_dot3(hint, c->search.placement + 5);
+  return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
 static int mg_undecided(const mg_context *c, int link) {
-  const mg_real *hint = c->sys->pair_normal + 3 * c->sys->link_pair[link];
-  return mg_dot3(hint, hint) == 0 && fabs(c->place[0]) <= c->set->start_gap * c->sys->length;
+  const mg_real *hint = c->system->pair_normal + 3 * c->system->link_pair[link];
+  return mg_dot3(hint, hint) == 0 && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
 
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
    the two the link takes first. */
-MG_INTERNAL void mg_note_place(const mg_context *c, mg_found *found) {
+MG_INTERNAL void mg_note_place(const mg_context *c, mg_minimum *found) {
   const int turned = mg_side_body(c, found->link, 0) > mg_side_body(c, found->link, 1);
-  found->d = c->place[0];
+  found->d = c->search.placement[0];
   for (int k = 0; k < 3; k++) {
-    found->point[k] = c->place[(turned ? 11 : 8) + k];
-    found->normal[k] = turned ? -c->place[5 + k] : c->place[5 + k];
+    found->point[k] = c->search.placement[(turned ? 11 : 8) + k];
+    found->normal[k] = turned ? -c->search.placement[5 + k] : c->search.placement[5 + k];
   }
 }
 
 /* The same point and the same normal: one contact, be it on two links where charts overlap. Two curves without an
    outside have one contact at a point, whichever way its normal is turned. */
-MG_INTERNAL int mg_same_contact(const mg_context *c, const mg_found *a, const mg_found *b) {
+MG_INTERNAL int mg_same_contact(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
@@ -49,23 +49,23 @@ MG_INTERNAL int mg_same_contact(const mg_context *c, const mg_found *a, const mg
   }
   const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_is_bare(c, a->link));
   apart += (a->d - b->d) * (a->d - b->d);
-  return sqrt(apart) < c->set->apart * c->sys->length && (!sided || sqrt(turned) < c->set->apart);
+  return sqrt(apart) < c->settings->apart * c->system->length && (!sided || sqrt(turned) < c->settings->apart);
 }
 
 /* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
-MG_INTERNAL int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found) {
+MG_INTERNAL int mg_judge(mg_context *c, int link, mg_real *eta, mg_minimum *found) {
   const int spare = mg_probe(c, link), alone = mg_is_bare(c, link);
   int which;
   mg_real next[6];
   mg_place(c, spare, eta, next);
   if (mg_has_signs(c, link)) {
-    const int wrong = alone ? mg_wrong_side(c, link) : mg_worst_condition(c, link, eta, &which) < -c->set->border;
+    const int wrong = alone ? mg_wrong_side(c, link) : mg_worst_condition(c, link, eta, &which) < -c->settings->border;
     if (wrong) mg_turn_round(c, link, eta), mg_place(c, spare, eta, next);
   }
   found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
-  if (!(mg_margin_of(c) > c->set->lost)) return 0;
-  if (mg_worst_condition(c, link, eta, &which) < -c->set->border) return 0;
-  if (mg_least_condition(c, link, eta, 1, &which) < -c->set->lean) return 0;
+  if (!(mg_margin_of(c) > c->settings->lost)) return 0;
+  if (mg_worst_condition(c, link, eta, &which) < -c->settings->border) return 0;
+  if (mg_least_condition(c, link, eta, 1, &which) < -c->settings->lean) return 0;
   found->link = link, found->margin = mg_margin_of(c);
   mg_note_place(c, found);
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
@@ -73,49 +73,49 @@ MG_INTERNAL int mg_judge(mg_context *c, int link, mg_real *eta, mg_found *found)
 }
 
 /* Keeps the found in order of |d|, each once. */
-MG_INTERNAL void mg_keep(const mg_context *c, mg_founds *kept, const mg_found *found) {
+MG_INTERNAL void mg_keep(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_same_contact(c, kept->list + i, found)) return;
-  int at = kept->count < MG_FOUNDS ? kept->count++ : MG_FOUNDS;
+  int at = kept->count < MG_MINIMA ? kept->count++ : MG_MINIMA;
   for (; at > 0 && fabs(kept->list[at - 1].d) > fabs(found->d); at--)
-    if (at < MG_FOUNDS) kept->list[at] = kept->list[at - 1];
-  if (at < MG_FOUNDS) kept->list[at] = *found;
+    if (at < MG_MINIMA) kept->list[at] = kept->list[at - 1];
+  if (at < MG_MINIMA) kept->list[at] = *found;
 }
 
 /* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
    the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
 MG_INTERNAL mg_real mg_parting(mg_context *c, int pair) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
   int groups = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++) {
     const int group = s->link_group[link];
     if (group < 0 || group >= MG_SAMPLES) continue;
-    while (groups <= group) c->merit[groups++] = MG_MAX;
+    while (groups <= group) c->search.merit[groups++] = MG_MAX;
     mg_place(c, mg_probe(c, link), eta, next);
-    if (c->place[0] < c->merit[group]) c->merit[group] = c->place[0];
+    if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
-    if (c->merit[k] < MG_MAX && c->merit[k] > parting) parting = c->merit[k];
+    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > parting) parting = c->search.merit[k];
   return parting;
 }
 
 /* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
-static int mg_was_left(mg_context *c, const mg_found *found) {
-  for (int k = 0; k < c->left.count; k++) {
-    const mg_found *left = c->left.list + k;
+static int mg_was_left(mg_context *c, const mg_minimum *found) {
+  for (int k = 0; k < c->search.abandoned.count; k++) {
+    const mg_minimum *left = c->search.abandoned.list + k;
     if (left->link == found->link && mg_same_contact(c, left, found) && mg_goes_off(c, found)) return 1;
   }
   return 0;
 }
 
 /* Adds to what is kept the extrema of a link that are above `least`. */
-MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_founds *kept) {
-  const int n_eta = c->kernels->contact_kinds[c->sys->link_kind[link]].n_eta;
+MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_minima *kept) {
+  const int n_eta = c->kernels->contact_kinds[c->system->link_kind[link]].n_eta;
   const int turn = mg_carrier(c, link, 0) == MG_TURN;
-  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || c->kernels->contact_kinds[c->sys->link_kind[link]].seeks;
-  mg_starts *starts = &c->starts;
-  mg_found found;
+  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || c->kernels->contact_kinds[c->system->link_kind[link]].seeks;
+  mg_newton_starts *starts = &c->search.starts;
+  mg_minimum found;
   starts->count = 1;
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_starts(c, link, n, zooms, starts);
@@ -127,14 +127,14 @@ MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_re
 }
 
 /* ---- the start ---- */
-static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->set->start_gap * c->sys->length; }
+static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->settings->start_gap * c->system->length; }
 
 /* Each contact of the pair has a link of its own. */
 static int mg_start_each(mg_context *c, int pair) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     const int link = s->contact_link[i];
-    mg_founds found = {0};
+    mg_minima found = {0};
     mg_search_link(c, link, MG_GRID, 2, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (!found.count && mg_is_endless(c, link)) return MG_NO_EXTREMUM;
@@ -146,10 +146,10 @@ static int mg_start_each(mg_context *c, int pair) {
 
 /* The contacts of the pair share its links: the nearest first, others only within reach. */
 static int mg_start_shared(mg_context *c, int pair) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int first = mg_first_contact(c, pair), end = mg_first_contact(c, pair + 1);
-  const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
-  mg_founds found = {0};
+  const mg_real least = mg_parting(c, pair) - c->settings->start_gap * s->length;
+  mg_minima found = {0};
   for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
     mg_search_link(c, each, MG_GRID, 2, least, &found);
   c->run->failed_contact = first;
@@ -158,7 +158,7 @@ static int mg_start_shared(mg_context *c, int pair) {
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
-    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->set->reach * s->length);
+    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->reach * s->length);
     if (fits && found.list[k].undecided) return MG_NO_SIDE;
     mg_set_link(c, i, fits ? found.list[k].link : -1, found.list[fits ? k : 0].eta);
     k++;
@@ -167,7 +167,7 @@ static int mg_start_shared(mg_context *c, int pair) {
 }
 
 MG_INTERNAL int mg_start_pairs(mg_context *c) {
-  for (int pair = 0; pair < c->sys->n_pair; pair++) {
+  for (int pair = 0; pair < c->system->n_pair; pair++) {
     const int outcome = mg_has_own_links(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
     if (outcome) return outcome;
     c->run->moved[pair] = 0;

@@ -4,13 +4,13 @@
 #include "model/model.h"
 
 MG_INTERNAL int mg_dimension(const mg_context *c, int link, int side) {
-  return c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].dimension;
+  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].dimension;
 }
 
 /* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
    length 0 where the shape has none. */
 static void mg_sample_in(mg_context *c, int link, int side, const mg_real *uv, mg_real *in) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real *place = mg_side(c, link, side) + MG_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
   c->kernels->shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in, direction);
@@ -26,14 +26,14 @@ static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real 
 }
 
 MG_INTERNAL void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
-  mg_real in[MG_IN];
+  mg_real in[MG_SAMPLE_SIZE];
   mg_sample_in(c, link, side, uv, in);
   mg_sample_out(c->pose + 12 * mg_side_body(c, link, side), uv, in, at);
 }
 
 /* The parameter at which a curve without ends is farther than `reach` on both sides. */
 static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real *parameters = s->parameters + s->side_parameters[2 * link + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
   c->kernels->shape_point(s->side_shape[2 * link + side], zero, parameters, x, T);
@@ -63,14 +63,14 @@ MG_INTERNAL void mg_window(mg_context *c, int link, int side, mg_real reach, mg_
 /* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
    taken; 0 where none are kept of so many within this window. */
 static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real *window, int count, int *fresh) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real *domain = mg_side(c, link, side) + MG_DOMAIN;
   const int table = s->n_table ? s->side_table[2 * link + side] : -1;
   if (table < 0 || s->table_first[table + 1] - s->table_first[table] != count) return 0;
   for (int k = 0; k < 4; k++)
     if (window[k] != domain[k]) return 0;
-  *fresh = !c->tabled[table], c->tabled[table] = 1;
-  return c->table + (long)MG_IN * s->table_first[table];
+  *fresh = !c->search.table_filled[table], c->search.table_filled[table] = 1;
+  return c->search.table + (long)MG_SAMPLE_SIZE * s->table_first[table];
 }
 
 /* A grid of n by n samples over the window, as many along a curve, one of a point. */
@@ -79,12 +79,12 @@ MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real 
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
   int count = 0, fresh = 1;
-  mg_real lone[MG_IN], *kept = mg_kept_samples(c, link, side, window, along * across, &fresh);
+  mg_real lone[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, link, side, window, along * across, &fresh);
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
-      mg_real *in = kept ? kept + MG_IN * count : lone;
+      mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : lone;
       if (fresh) mg_sample_in(c, link, side, uv, in);
       mg_sample_out(pose, uv, in, out + count++);
     }

@@ -2,15 +2,15 @@
 #include "closest/closest.h"
 #include "model/model.h"
 
-/* The bodies as they will be in a moment, by the slope in K[0]; the state is in c->x_stage. */
+/* The bodies as they will be in a moment, by the slope in K[0]; the state is in c->step.stage. */
 MG_INTERNAL void mg_look_ahead(mg_context *c) {
-  const mg_real moment = sqrt(c->set->event) * c->sys->time;
-  for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->run->x[i] + moment * c->K[i];
-  mg_poses(c, c->run->t + moment, c->x_stage);
+  const mg_real moment = sqrt(c->settings->event) * c->system->time;
+  for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->run->x[i] + moment * c->step.slopes[i];
+  mg_poses(c, c->run->t + moment, c->step.stage);
 }
 
 /* In a moment the conditions of what was found hold no longer. */
-MG_INTERNAL int mg_goes_off(mg_context *c, const mg_found *found) {
+MG_INTERNAL int mg_goes_off(mg_context *c, const mg_minimum *found) {
   mg_real eta[6], next[6];
   int which;
   const int spare = mg_probe(c, found->link);
@@ -37,12 +37,12 @@ MG_INTERNAL int mg_crosses(const mg_context *c, int link) {
 /* The margin at which a contact ends: of a closed crossing it is of the size of what is left of the chord, squared. */
 MG_INTERNAL mg_real mg_fold_of(const mg_context *c, int contact) {
   const int crossing = c->run->closed[contact] && mg_crosses(c, c->run->link[contact]);
-  return crossing ? c->set->lost : c->set->margin_refuse;
+  return crossing ? c->settings->lost : c->settings->margin_refuse;
 }
 
 /* A closed contact too near to where its extremum is lost, unless it has just come from there. */
 MG_INTERNAL int mg_is_singular(const mg_context *c, int contact) {
   const mg_real margin = c->run->margin[contact];
-  if (!c->run->closed[contact] || c->run->fresh[contact] || margin >= c->set->margin_refuse) return 0;
+  if (!c->run->closed[contact] || c->run->fresh[contact] || margin >= c->settings->margin_refuse) return 0;
   return !(margin >= mg_fold_of(c, contact));
 }

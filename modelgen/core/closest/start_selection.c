@@ -28,7 +28,7 @@ static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curve
 /* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
 static int mg_has_foot(const mg_context *c, int link, int side) {
   const int carrier = mg_carrier(c, link, side);
-  return c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
+  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
 }
 
 static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) {
@@ -36,7 +36,7 @@ static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) 
   mg_real arm[3], turned[3];
   mg_sample_at(c, link, side, zero, &ground->base);
   ground->radius = 0;
-  if (c->kernels->shape_kinds[c->sys->side_shape[2 * link + side]].foot == MG_FLAT) return;
+  if (c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot == MG_FLAT) return;
   ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
   mg_out(mg_side(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
   mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
@@ -65,7 +65,7 @@ static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *fo
 /* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is tried
    first; as many of the others are passed over as lie too far away, no two in a row being farther apart than `widest`. */
 static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
-  const mg_sample *other = c->sample + MG_SAMPLES;
+  const mg_sample *other = c->search.samples + MG_SAMPLES;
   mg_real widest = 0;
   int mate = 0;
   for (int j = 1; j < others; j++) {
@@ -73,7 +73,7 @@ static void mg_match(mg_context *c, int n, int others, int curves, mg_real size)
     if (!(wide <= widest)) widest = wide;
   }
   for (int i = 0; i < n; i++) {
-    const mg_sample *own = c->sample + i;
+    const mg_sample *own = c->search.samples + i;
     mg_real best = mg_merit(own, other + mate, curves, size);
     if (!(best <= MG_MAX)) best = MG_MAX;
     for (int j = 0; j < others; j++) {
@@ -84,7 +84,7 @@ static void mg_match(mg_context *c, int n, int others, int curves, mg_real size)
       const mg_real merit = apart + size * mg_skew(own, other + j, curves);
       if (merit < best) best = merit, mate = j;
     }
-    c->merit[i] = best, c->mate[i] = mate;
+    c->search.merit[i] = best, c->search.mate[i] = mate;
   }
 }
 
@@ -95,9 +95,9 @@ static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, 
   const mg_real width = 2 * ground.radius;
   if (width > 0 && (width < size || !(size > 0))) size = width;
   for (int i = 0; i < n; i++) {
-    mg_foot(&ground, c->sample[i].point, c->sample + MG_SAMPLES + i);
-    c->mate[i] = i, c->merit[i] = mg_merit(c->sample + i, c->sample + MG_SAMPLES + i, curves, size);
-    if (!(c->merit[i] <= MG_MAX)) c->merit[i] = MG_MAX;
+    mg_foot(&ground, c->search.samples[i].point, c->search.samples + MG_SAMPLES + i);
+    c->search.mate[i] = i, c->search.merit[i] = mg_merit(c->search.samples + i, c->search.samples + MG_SAMPLES + i, curves, size);
+    if (!(c->search.merit[i] <= MG_MAX)) c->search.merit[i] = MG_MAX;
   }
 }
 
@@ -108,7 +108,7 @@ static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
     for (int b = -1; b <= 1; b++) {
       const int p = row + a, q = column + b;
       if (p < 0 || q < 0 || p >= rows || q >= across) continue;
-      if (c->merit[p * across + q] < c->merit[i]) return 0;
+      if (c->search.merit[p * across + q] < c->search.merit[i]) return 0;
     }
   return 1;
 }
@@ -132,7 +132,7 @@ static mg_real mg_extent_of(const mg_context *c, int from, int n) {
   for (int k = 0; k < 3; k++) low[k] = MG_MAX, high[k] = -MG_MAX;
   for (int i = from; i < from + n; i++)
     for (int k = 0; k < 3; k++) {
-      const mg_real x = c->sample[i].point[k];
+      const mg_real x = c->search.samples[i].point[k];
       if (x < low[k]) low[k] = x;
       if (x > high[k]) high[k] = x;
     }
@@ -142,7 +142,7 @@ static mg_real mg_extent_of(const mg_context *c, int from, int n) {
 }
 
 /* Inserts into the MG_STARTS starts kept in order of merit. */
-static void mg_keep_start(mg_starts *kept, mg_real merit, const mg_real *eta) {
+static void mg_keep_start(mg_newton_starts *kept, mg_real merit, const mg_real *eta) {
   int at = kept->count < MG_STARTS ? kept->count++ : MG_STARTS;
   for (; at > 0 && kept->merit[at - 1] > merit; at--)
     if (at < MG_STARTS) {
@@ -157,13 +157,13 @@ static void mg_keep_start(mg_starts *kept, mg_real merit, const mg_real *eta) {
 /* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
 static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_real window[2][4]) {
   const int curves = (mg_dimension(c, link, 0) < 2) + (mg_dimension(c, link, 1) < 2);
-  const int rows = mg_sample_side(c, link, row, window[row], n, c->sample);
+  const int rows = mg_sample_side(c, link, row, window[row], n, c->search.samples);
   const mg_real own = mg_extent_of(c, 0, rows);
   if (feet) {
     mg_match_feet(c, link, 1 - row, rows, curves, own);
     return rows;
   }
-  const int others = mg_sample_side(c, link, 1 - row, window[1 - row], n, c->sample + MG_SAMPLES);
+  const int others = mg_sample_side(c, link, 1 - row, window[1 - row], n, c->search.samples + MG_SAMPLES);
   const mg_real size = mg_extent_of(c, MG_SAMPLES, others);
   mg_match(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
   return rows;
@@ -176,14 +176,14 @@ static int mg_is_dense(const mg_context *c, int link, int feet) {
 
 /* A contact of the pair is on the link already, with its points next to sample i of the rows and its mate. */
 static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, int across) {
-  const int pair = c->sys->link_pair[link], beside = i + across < rows ? i + across : i - across;
-  const mg_sample *own = c->sample + i, *mate = c->sample + MG_SAMPLES + c->mate[i];
-  const mg_real near = beside >= 0 ? mg_between(own, c->sample + beside) : 0;
+  const int pair = c->system->link_pair[link], beside = i + across < rows ? i + across : i - across;
+  const mg_sample *own = c->search.samples + i, *mate = c->search.samples + MG_SAMPLES + c->search.mate[i];
+  const mg_real near = beside >= 0 ? mg_between(own, c->search.samples + beside) : 0;
   mg_real next[6];
   for (int k = mg_first_contact(c, pair); k < mg_first_contact(c, pair + 1); k++) {
     if (!mg_present(c, k) || c->run->link[k] != link) continue;
     mg_place(c, k, mg_eta_of(c, c->run->x, k), next);
-    const mg_real *points[2] = {c->place + 8, c->place + 11}, *p = points[row], *q = points[1 - row];
+    const mg_real *points[2] = {c->search.placement + 8, c->search.placement + 11}, *p = points[row], *q = points[1 - row];
     const mg_real a[3] = {own->point[0] - p[0], own->point[1] - p[1], own->point[2] - p[2]};
     const mg_real b[3] = {mate->point[0] - q[0], mate->point[1] - q[1], mate->point[2] - q[2]};
     if (mg_dot3(a, a) <= near * near && mg_dot3(b, b) <= 4 * near * near) return 1;
@@ -192,7 +192,7 @@ static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, 
 }
 
 /* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
-MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_starts *kept) {
+MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_newton_starts *kept) {
   const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
   const int across = mg_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};
@@ -202,15 +202,15 @@ MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_st
     const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
     int best = 0;
     for (int i = 0; i < rows; i++) {
-      mg_sample *own = c->sample + i, *other = c->sample + MG_SAMPLES + c->mate[i];
-      if (c->merit[i] < c->merit[best]) best = i;
+      mg_sample *own = c->search.samples + i, *other = c->search.samples + MG_SAMPLES + c->search.mate[i];
+      if (c->search.merit[i] < c->search.merit[best]) best = i;
       if (!mg_is_lowest(c, i, rows, across)) continue;
       if (feet) mg_point_in(c, link, 1 - row, other->point, other->local);
       mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
-      mg_keep_start(kept, c->merit[i], eta);
+      mg_keep_start(kept, c->search.merit[i], eta);
     }
     if (mg_is_dense(c, link, feet) && mg_is_known_start(c, link, row, best, rows, across)) return;
-    mg_zoom(window[row], c->sample[best].uv);
-    mg_zoom(window[1 - row], c->sample[MG_SAMPLES + c->mate[best]].uv);
+    mg_zoom(window[row], c->search.samples[best].uv);
+    mg_zoom(window[1 - row], c->search.samples[MG_SAMPLES + c->search.mate[best]].uv);
   }
 }

@@ -5,36 +5,36 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-#define MG_CORRECTIONS 8 /* of the time of an event at most */
+#define MG_EVENT_CORRECTIONS 8 /* of the time of an event at most */
 
-#define MG_NEARLY 1e-6   /* of a step: an event alone is found so near before its zero is sought */
+#define MG_EVENT_COARSE_PART 1e-6   /* of a step: an event alone is found so near before its zero is sought */
 
 typedef struct { /* an event: its function and the rate of that where it was seen; the time of a step to try first */
   int contact, cause;
   mg_real value, slope, start;
 } mg_crossing;
 
-static mg_real mg_speed_scale(const mg_context *c) { return c->sys->length / c->sys->time; }
+static mg_real mg_speed_scale(const mg_context *c) { return c->system->length / c->system->time; }
 
 static int mg_held(const mg_context *c, int contact) { return c->run->closed[contact] && !c->run->active[contact]; }
 
-/* Whether the contact leaves its link at the state x (MG_WALKS), or passes a watched border (MG_TIPS); which
-   condition says so is in c->way. */
+/* Whether the contact leaves its link at the state x (MG_LEAVES_FEATURE), or passes a watched border (MG_PASSES_BORDER); which
+   condition says so is in c->events.broken_condition. */
 MG_INTERNAL int mg_leaves(mg_context *c, int contact, mg_real *x) {
   const int link = c->run->link[contact];
   if (link < 0 || c->run->fresh[contact] || mg_is_endless(c, link) || mg_is_flat_far(c, contact)) return 0;
   const mg_real *eta = mg_eta_of(c, x, contact);
-  mg_place(c, contact, eta, c->place + 32);
-  if (mg_worst_condition(c, link, eta, c->way + contact) < -c->set->border) return MG_WALKS;
-  const int touching = !c->run->closed[contact] && c->d[contact] < c->set->start_gap * c->sys->length;
-  if (!c->upright[contact] || touching) return 0;
-  return mg_least_condition(c, link, eta, 1, c->way + contact) < -c->set->border ? MG_TIPS : 0;
+  mg_place(c, contact, eta, c->search.placement + 32);
+  if (mg_worst_condition(c, link, eta, c->events.broken_condition + contact) < -c->settings->border) return MG_LEAVES_FEATURE;
+  const int touching = !c->run->closed[contact] && c->d[contact] < c->settings->start_gap * c->system->length;
+  if (!c->events.within_border[contact] || touching) return 0;
+  return mg_least_condition(c, link, eta, 1, c->events.broken_condition + contact) < -c->settings->border ? MG_PASSES_BORDER : 0;
 }
 
 /* The least of the watched conditions of a contact at a state, and which it is; needs the poses there. */
 static mg_real mg_watched(mg_context *c, int contact, mg_real *x, int *which) {
   const mg_real *eta = mg_eta_of(c, x, contact);
-  mg_place(c, contact, eta, c->place + 32);
+  mg_place(c, contact, eta, c->search.placement + 32);
   return mg_least_condition(c, c->run->link[contact], eta, 1, which);
 }
 
@@ -42,7 +42,7 @@ static mg_real mg_watched(mg_context *c, int contact, mg_real *x, int *which) {
 static int mg_comes_back(mg_context *c, int contact, mg_real now) {
   int which;
   mg_look_ahead(c);
-  const mg_real then = mg_watched(c, contact, c->x_stage, &which);
+  const mg_real then = mg_watched(c, contact, c->step.stage, &which);
   mg_poses(c, c->run->t, c->run->x);
   return then > now;
 }
@@ -51,71 +51,71 @@ static int mg_comes_back(mg_context *c, int contact, mg_real now) {
    Needs the poses of run->x. */
 MG_INTERNAL void mg_mark_upright(mg_context *c) {
   int which;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->set->search * c->sys->length;
-    const int tipped = c->upright[i] == MG_TIPS;
-    c->upright[i] = 0;
+  for (int i = 0; i < c->system->n_contact; i++) {
+    const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->settings->search * c->system->length;
+    const int tipped = c->events.within_border[i] == MG_PASSES_BORDER;
+    c->events.within_border[i] = 0;
     if (link < 0 || !near || mg_is_endless(c, link)) continue;
     const mg_real value = mg_watched(c, i, c->run->x, &which);
     if (which < 0) continue;
     const int there = tipped && (value < 0 || !c->run->closed[i]);
-    c->upright[i] = value >= -c->set->border && (!there || mg_comes_back(c, i, value));
-    if (!c->upright[i]) c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+    c->events.within_border[i] = value >= -c->settings->border && (!there || mg_comes_back(c, i, value));
+    if (!c->events.within_border[i]) c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
   }
 }
 
 /* After mg_rhs and mg_gap_rates at x: a contact that leaves its link, an open gap that closes, an active force that
    turns to pulling, a gap held without force that accelerates. */
 MG_INTERNAL int mg_fired(mg_context *c, mg_real *x) {
-  const mg_real deep = -c->set->gap * c->sys->length, rest = -c->set->rest_speed * mg_speed_scale(c);
+  const mg_real deep = -c->settings->gap * c->system->length, rest = -c->settings->rest_speed * mg_speed_scale(c);
   int count = mg_patches_fired(c);
-  for (int i = 0; i < c->first_pad; i++) {
+  for (int i = 0; i < c->support_begin; i++) {
     if (mg_held(c, i))
-      c->fired[i] = fabs(mg_separation(c, i)) > c->set->leave * mg_slack(c);
+      c->events.triggered[i] = fabs(mg_separation(c, i)) > c->settings->leave * mg_slack(c);
     else if (c->run->closed[i])
-      c->fired[i] = c->force[i] < -mg_slack(c) * c->sys->mass;
+      c->events.triggered[i] = c->force[i] < -mg_slack(c) * c->system->mass;
     else
-      c->fired[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
+      c->events.triggered[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
     const int leaves = mg_leaves(c, i, x);
-    if (leaves == MG_WALKS || (leaves && (c->run->closed[i] || !c->fired[i]))) c->fired[i] = leaves;
-    count += c->fired[i] != 0;
+    if (leaves == MG_LEAVES_FEATURE || (leaves && (c->run->closed[i] || !c->events.triggered[i]))) c->events.triggered[i] = leaves;
+    count += c->events.triggered[i] != 0;
   }
-  return c->sys->n_grip ? count + mg_grips_fired(c) : count;
+  return c->system->n_grip ? count + mg_grips_fired(c) : count;
 }
 
 MG_INTERNAL int mg_fired_at(mg_context *c, mg_real h, mg_real theta) {
-  mg_interpolate(c, c->run->x, theta, c->x_stage);
-  mg_normalise(c, c->x_stage);
-  mg_rhs(c, c->run->t + theta * h, c->x_stage, c->K + 16 * c->n_x);
+  mg_interpolate(c, c->run->x, theta, c->step.stage);
+  mg_normalise(c, c->step.stage);
+  mg_rhs(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
   mg_gap_rates(c);
-  return mg_fired(c, c->x_stage);
+  return mg_fired(c, c->step.stage);
 }
 
 static int mg_first_fired(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->fired[i]) return i;
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (c->events.triggered[i]) return i;
   return -1;
 }
 
 /* Events are told by contact; those of grips follow. */
 static int mg_first_event(const mg_context *c) {
-  const int first = mg_first_fired(c), grip = first < 0 && c->sys->n_grip ? mg_first_slipped(c) : -1;
-  return grip < 0 ? first : c->sys->n_contact + grip;
+  const int first = mg_first_fired(c), grip = first < 0 && c->system->n_grip ? mg_first_slipped(c) : -1;
+  return grip < 0 ? first : c->system->n_contact + grip;
 }
 
-static int mg_is_grip(const mg_context *c, int event) { return event >= c->sys->n_contact; }
+static int mg_is_grip(const mg_context *c, int event) { return event >= c->system->n_contact; }
 
 /* The condition that a walking contact passed, with eta of the state x on the extremum. */
 static mg_real mg_border_value(mg_context *c, int contact, const mg_real *x) {
   mg_real next[6], beyond[6];
   mg_place(c, contact, x + (mg_eta_of(c, c->run->x, contact) - c->run->x), next);
   mg_place(c, contact, next, beyond);
-  return mg_condition(c, c->run->link[contact], c->way[contact], next);
+  return mg_condition(c, c->run->link[contact], c->events.broken_condition[contact], next);
 }
 
-/* The function whose zero is the event; `cause` as in c->fired where the contact leaves its link, or a patch ends. */
+/* The function whose zero is the event; `cause` as in c->events.triggered where the contact leaves its link, or a patch ends. */
 static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
-  const int grip = contact - c->sys->n_contact;
+  const int grip = contact - c->system->n_contact;
   if (grip >= 0) return mg_grip_value(c, mg_contact_of(c, grip), grip);
   if (mg_is_pad(c, contact)) return mg_patch_value(c, contact, cause);
   if (cause) return mg_border_value(c, contact, x);
@@ -127,22 +127,22 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 static int mg_tell_event(mg_context *c, mg_real h, mg_real theta, mg_crossing *event) {
   const int contact = mg_first_event(c), grip = mg_is_grip(c, contact);
   if (contact < 0) return 0;
-  const int way = grip ? 0 : c->way[contact], cause = !grip && c->fired[contact] >= MG_WALKS ? c->fired[contact] : 0;
+  const int way = grip ? 0 : c->events.broken_condition[contact], cause = !grip && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
   event->contact = contact, event->cause = cause, event->slope = 0;
   if (!grip && mg_held(c, contact) && !cause) return 1;
-  event->value = mg_event_value(c, contact, cause, c->x_stage), event->slope = grip ? 0 : c->d_dot[contact];
+  event->value = mg_event_value(c, contact, cause, c->step.stage), event->slope = grip ? 0 : c->d_dot[contact];
   if (!grip && !c->run->closed[contact] && !cause) return 1;
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
   mg_fired_at(c, h, theta - step);
-  if (!grip) c->way[contact] = way;
-  event->slope = (event->value - mg_event_value(c, contact, cause, c->x_stage)) / (step * h);
+  if (!grip) c->events.broken_condition[contact] = way;
+  event->slope = (event->value - mg_event_value(c, contact, cause, c->step.stage)) / (step * h);
   return 1;
 }
 
 /* The state at the end of a step h within the one that was tried: by its polynomial, or by a step of its own. */
 static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
-  c->suspect = 1;
-  if (collocated) mg_interpolate(c, c->run->x, h / tried, c->x_next);
+  c->step.sign_changed = 1;
+  if (collocated) mg_interpolate(c, c->run->x, h / tried, c->step.end);
   else mg_take_step(c, c->run->t, c->run->x, h);
   mg_finish_step(c, c->run->t, h);
 }
@@ -151,16 +151,16 @@ static void mg_go_to(mg_context *c, mg_real h, mg_real tried, int collocated) {
    steps once they differ. Where rounding hides the zero it is taken before it: bounces lose energy. Where corrections do not
    shrink, fast beyond what the interpolant may err, as at a jump of the loads, the event is where it was found. */
 static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, int collocated) {
-  const mg_real close = c->set->event * c->sys->time, reach = tried * c->set->polish, noise = tried * (mg_real)MG_NEARLY;
+  const mg_real close = c->settings->event * c->system->time, reach = tried * c->settings->polish, noise = tried * (mg_real)MG_EVENT_COARSE_PART;
   mg_real h = event.start, moved = 0, first = MG_MAX, change = MG_MAX, old = 0;
   for (int round = 1;; round++) {
     mg_go_to(c, h, tried, collocated);
-    const mg_real value = mg_event_value(c, event.contact, event.cause, c->x_next), before = fabs(change);
+    const mg_real value = mg_event_value(c, event.contact, event.cause, c->step.end), before = fabs(change);
     if (round > 1 && fabs(value) < fabs(old) / 2) event.slope = (value - old) / change;
     change = event.slope != 0 ? -value / event.slope : 0, old = value, moved += change;
     if (round == 1) first = fabs(change);
     else if (fabs(change) > (fabs(moved) > reach ? before / 4 : first > noise ? first : noise)) break;
-    if (fabs(change) <= close || round == MG_CORRECTIONS) return h;
+    if (fabs(change) <= close || round == MG_EVENT_CORRECTIONS) return h;
     if (h + change <= 0 || h + change > tried) return h;
     const int hidden = round > 2 && fabs(change) > before / 2;
     if (hidden && change > 0) return h;
@@ -175,7 +175,7 @@ static mg_real mg_event_step(mg_context *c, mg_crossing event, mg_real tried, in
 
 /* An open contact passes a watched border: there its pair is searched, beyond it, and no more happens. */
 static int mg_only_looks(const mg_context *c, const mg_crossing *event) {
-  return event->cause == MG_TIPS && !c->run->closed[event->contact];
+  return event->cause == MG_PASSES_BORDER && !c->run->closed[event->contact];
 }
 
 /* Steps again to an event. */
@@ -194,7 +194,7 @@ static mg_real mg_dip(mg_context *c, int contact, mg_real h, mg_real low, mg_rea
   for (int j = 0; j < 50; j++) {
     const mg_real middle = (low + high) / 2;
     mg_fired_at(c, h, middle);
-    if (c->fired[contact]) return middle;
+    if (c->events.triggered[contact]) return middle;
     if (c->d[contact] > fabs(c->d_dot[contact]) * (high - low) * h) return 0;
     if (c->d_dot[contact] < 0) low = middle;
     else high = middle;
@@ -205,8 +205,8 @@ static mg_real mg_dip(mg_context *c, int contact, mg_real h, mg_real low, mg_rea
 /* The first of the marked dips within a part of the step h; 0 when there is none. */
 static mg_real mg_first_dip(mg_context *c, mg_real h, mg_real low, mg_real high) {
   mg_real first = 0;
-  for (int i = 0; i < c->first_pad; i++) {
-    const mg_real dip = c->dips[i] ? mg_dip(c, i, h, low, first > 0 ? first : high) : 0;
+  for (int i = 0; i < c->support_begin; i++) {
+    const mg_real dip = c->events.gap_dips[i] ? mg_dip(c, i, h, low, first > 0 ? first : high) : 0;
     if (dip > 0) first = dip;
   }
   return first;
@@ -216,12 +216,12 @@ static mg_real mg_first_dip(mg_context *c, mg_real h, mg_real low, mg_real high)
    event: from *low to where that is, which is returned; 0 when there is none. Needs the gaps and what is left noted at the start
    of the step. */
 static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
-  const mg_real part = (mg_real)1 / c->set->scan;
-  for (int j = 1; j <= c->set->scan; j++) {
-    const mg_real at = (mg_real)j / c->set->scan;
+  const mg_real part = (mg_real)1 / c->settings->scan;
+  for (int j = 1; j <= c->settings->scan; j++) {
+    const mg_real at = (mg_real)j / c->settings->scan;
     const int fired = mg_fired_at(c, h, at), dips = mg_mark_dips(c, part * h);
     mg_note_gaps(c);
-    mg_take_strain(c, j % MG_STRAINS);
+    mg_take_strain(c, j % MG_MARGIN_SAMPLES);
     const mg_real strain = j > 1 ? mg_first_strain(c, h, j - 1, j + 1, part, low) : 0;
     if (strain > 0) return strain;
     *low = at - part;
@@ -229,7 +229,7 @@ static mg_real mg_scan(mg_context *c, mg_real h, mg_real *low) {
     if (dip > 0) return dip;
     if (fired) return at;
   }
-  return mg_first_strain(c, h, c->set->scan, c->set->scan + 1, part, low);
+  return mg_first_strain(c, h, c->settings->scan, c->settings->scan + 1, part, low);
 }
 
 /* Halves the part of the step h up to *high, where an event has fired, until it is no longer than `width`; returns how many
@@ -251,7 +251,7 @@ static int mg_narrow(mg_context *c, mg_real h, mg_real *low, mg_real *high, mg_r
 
 /* What fires at theta, or, if nothing does when asked again, what did. */
 static void mg_fire_again(mg_context *c, mg_real h, mg_real theta, const mg_crossing *event) {
-  if (!mg_fired_at(c, h, theta) && !mg_is_grip(c, event->contact)) c->fired[event->contact] = event->cause ? event->cause : 1;
+  if (!mg_fired_at(c, h, theta) && !mg_is_grip(c, event->contact)) c->events.triggered[event->contact] = event->cause ? event->cause : 1;
 }
 
 /* An event alone, whose function is nearly straight from `low` to `high`: its zero needs no further halving. That of a
@@ -259,24 +259,24 @@ static void mg_fire_again(mg_context *c, mg_real h, mg_real theta, const mg_cros
 static int mg_is_plain(mg_context *c, mg_crossing *event, int count, mg_real h, mg_real low, mg_real high) {
   const mg_real back = event->slope != 0 ? event->value / event->slope : MG_MAX;
   event->start = high * h;
-  if (count > 1 || !(back >= 0 && back <= 4 * (mg_real)MG_NEARLY * h && back < event->start)) return 0;
-  const int way = c->way[event->contact];
+  if (count > 1 || !(back >= 0 && back <= 4 * (mg_real)MG_EVENT_COARSE_PART * h && back < event->start)) return 0;
+  const int way = c->events.broken_condition[event->contact];
   mg_fired_at(c, h, low);
-  c->way[event->contact] = way;
-  const mg_real before = mg_event_value(c, event->contact, event->cause, c->x_stage);
+  c->events.broken_condition[event->contact] = way;
+  const mg_real before = mg_event_value(c, event->contact, event->cause, c->step.stage);
   const mg_real straight = (event->value - before) / ((high - low) * h * event->slope);
   if (!(straight > (mg_real)0.75 && straight < (mg_real)1.5)) return 0;
   event->start -= back;
   return 1;
 }
 
-/* The step to the first event within the step h just tried, its end state in c->x_next and its contacts in
-   c->fired; 0 when none fires. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
+/* The step to the first event within the step h just tried, its end state in c->step.end and its contacts in
+   c->events.triggered; 0 when none fires. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
    interpolant, and the dips of the step marked. */
 MG_INTERNAL mg_real mg_locate(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan(c, h, &low) : mg_first_dip(c, h, 0, 1);
   if (high == 0) return 0;
-  const mg_real width = c->set->event * c->sys->time / h, nearly = (mg_real)MG_NEARLY;
+  const mg_real width = c->settings->event * c->system->time / h, nearly = (mg_real)MG_EVENT_COARSE_PART;
   mg_crossing event, finer;
   const int count = mg_narrow(c, h, &low, &high, width > nearly ? width : nearly);
   if (!mg_tell_event(c, h, high, &event)) return 0;

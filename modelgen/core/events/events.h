@@ -5,7 +5,7 @@
 
 #include "model/context.h"
 
-enum { MG_DIPS = 1, MG_WAVES = 2 };
+enum { MG_GAP_MAY_CLOSE = 1, MG_GAP_OSCILLATES = 2 };
 
 /* step_limits.c */
 MG_INTERNAL mg_real mg_reach(const mg_context *c);

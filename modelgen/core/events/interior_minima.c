@@ -3,19 +3,19 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-enum { MG_STRAIN_LOOKS = 20 }; /* at a part of a step that seems to go below zero */
+enum { MG_MARGIN_LOOKS = 20 }; /* at a part of a step that seems to go below zero */
 
 /* Whether something may be below zero between the samples of the step. Needs mg_rhs and mg_gap_rates at its end. */
 MG_INTERNAL int mg_may_strain(mg_context *c) {
-  mg_strained p[4];
+  mg_margin_sample p[4];
   mg_real theta;
-  if (c->set->method != MG_DOP853) return 0;
-  if (mg_is_collocated(c)) return c->sys->n_grip > 0; /* none of its stages was taken */
-  mg_take_strain(c, MG_STRAINS - 1);
-  for (int which = 0; which < mg_count_strains(c->sys); which++) {
-    const int parts = mg_varies_little(c, which) ? 0 : MG_STRAINS - 1;
+  if (c->settings->method != MG_DOP853) return 0;
+  if (mg_is_collocated(c)) return c->system->n_grip > 0; /* none of its stages was taken */
+  mg_take_strain(c, MG_MARGIN_SAMPLES - 1);
+  for (int which = 0; which < mg_count_strains(c->system); which++) {
+    const int parts = mg_varies_little(c, which) ? 0 : MG_MARGIN_SAMPLES - 1;
     for (int end = 1; end <= parts; end++) {
-      mg_four_about(c, which, end, MG_STRAINS, 0, p);
+      mg_four_about(c, which, end, MG_MARGIN_SAMPLES, 0, p);
       if (mg_least_left(p, &theta) < 0) return 1;
     }
   }
@@ -23,15 +23,15 @@ MG_INTERNAL int mg_may_strain(mg_context *c) {
 }
 
 /* Where within the inner part of four samples of the step h an event has fired; 0 where none has. */
-static mg_real mg_seek_strain(mg_context *c, int which, mg_real h, mg_strained *p, mg_real *low) {
+static mg_real mg_seek_strain(mg_context *c, int which, mg_real h, mg_margin_sample *p, mg_real *low) {
   mg_real theta;
-  mg_strained half[2][4];
-  for (int look = 0; look < MG_STRAIN_LOOKS && mg_least_left(p, &theta) < 0; look++) {
+  mg_margin_sample half[2][4];
+  for (int look = 0; look < MG_MARGIN_LOOKS && mg_least_left(p, &theta) < 0; look++) {
     *low = p[1].theta;
     if (mg_fired_at(c, h, theta)) return theta;
-    mg_take_strain(c, MG_STRAINS);
-    const mg_strained middle = {theta, mg_strain_at(c, MG_STRAINS)[which]};
-    const mg_strained five[5] = {p[0], p[1], middle, p[2], p[3]};
+    mg_take_strain(c, MG_MARGIN_SAMPLES);
+    const mg_margin_sample middle = {theta, mg_strain_at(c, MG_MARGIN_SAMPLES)[which]};
+    const mg_margin_sample five[5] = {p[0], p[1], middle, p[2], p[3]};
     for (int k = 0; k < 4; k++) half[0][k] = five[k], half[1][k] = five[k + 1];
     mg_real unused;
     const int second = mg_least_left(half[1], &unused) < mg_least_left(half[0], &unused);
@@ -43,10 +43,10 @@ static mg_real mg_seek_strain(mg_context *c, int which, mg_real h, mg_strained *
 /* The first of all within the part of the step h that ends with the given one of n even samples, after *low; 0 where there is
    none. */
 MG_INTERNAL mg_real mg_first_strain(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low) {
-  mg_strained p[4];
+  mg_margin_sample p[4];
   mg_real first = 0, from = 0;
-  for (int which = 0; which < mg_count_strains(c->sys); which++) {
-    if (mg_strain_at(c, end % MG_STRAINS)[which].least >= MG_MAX) continue;
+  for (int which = 0; which < mg_count_strains(c->system); which++) {
+    if (mg_strain_at(c, end % MG_MARGIN_SAMPLES)[which].lower >= MG_MAX) continue;
     mg_four_about(c, which, end, n, part, p);
     const mg_real theta = mg_seek_strain(c, which, h, p, &from);
     if (theta > 0 && (first == 0 || theta < first)) first = theta, *low = from;

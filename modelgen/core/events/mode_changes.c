@@ -9,31 +9,31 @@
 #include "patch/patch.h"
 #include "impact/impact.h"
 
-#define MG_NEW 2 /* mark in c->fired: the contact has just closed */
+#define MG_JUST_CLOSED 2 /* mark in c->events.triggered: the contact has just closed */
 
 /* True if the active contacts and the joints hold this one's gap as well, so that it rests without force. */
 static int mg_held_by_others(mg_context *c, int contact) {
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->active[i]) c->list[n++] = i;
-  n = mg_list_joints(c, c->list, n);
-  if (c->sys->n_grip) n = mg_list_stuck(c, c->list, n);
-  c->list[n++] = contact;
-  mg_assemble(c, c->list, n);
-  const mg_real *column = c->A + (long)n * (n - 1);
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (c->run->active[i]) c->lcp.rows[n++] = i;
+  n = mg_list_joints(c, c->lcp.rows, n);
+  if (c->system->n_grip) n = mg_list_stuck(c, c->lcp.rows, n);
+  c->lcp.rows[n++] = contact;
+  mg_assemble(c, c->lcp.rows, n);
+  const mg_real *column = c->lcp.A + (long)n * (n - 1);
   mg_real own = column[n - 1];
-  for (int r = 0; r < n; r++) c->b[r] = column[r], c->mask[r] = r < n - 1;
-  mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
-  for (int r = 0; r < n - 1; r++) own += column[r] * c->z[r];
-  return own <= c->set->dependent * column[n - 1];
+  for (int r = 0; r < n; r++) c->lcp.b[r] = column[r], c->lcp.mask[r] = r < n - 1;
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z, c->lcp.work, c->lcp.iwork);
+  for (int r = 0; r < n - 1; r++) own += column[r] * c->lcp.z[r];
+  return own <= c->settings->dependent * column[n - 1];
 }
 
 /* Forces of least norm may pull where they are not unique: there the contact that pulls most carries none. */
 static void mg_drop_pulling(mg_context *c) {
   for (;;) {
-    const mg_real slack = mg_slack(c) * c->sys->mass;
+    const mg_real slack = mg_slack(c) * c->system->mass;
     int worst = -1;
-    for (int i = 0; i < c->first_pad; i++)
+    for (int i = 0; i < c->support_begin; i++)
       if (c->run->active[i] && c->force[i] < -slack && (worst < 0 || c->force[i] < c->force[worst])) worst = i;
     if (worst < 0) return;
     c->run->active[worst] = 0;
@@ -50,73 +50,73 @@ static void mg_drop_pulling(mg_context *c) {
 static int mg_opens(mg_context *c, int contact) {
   if (!c->run->closed[contact] || c->run->active[contact]) return 0;
   if (mg_separation(c, contact) > mg_slack(c)) return 1;
-  return c->fired[contact] && !mg_held_by_others(c, contact);
+  return c->events.triggered[contact] && !mg_held_by_others(c, contact);
 }
 
-/* Contacts marked in c->fired are tried open first: their force has just reached zero. */
+/* Contacts marked in c->events.triggered are tried open first: their force has just reached zero. */
 MG_INTERNAL int mg_solve_modes(mg_context *c, mg_events *events) {
-  const int m = c->sys->n_contact;
+  const int m = c->system->n_contact;
   int held = 0;
-  mg_rest_patches(c, events, c->set->start_gap * c->sys->length);
-  int outcome = mg_choose_active(c, c->fired);
+  mg_rest_patches(c, events, c->settings->start_gap * c->system->length);
+  int outcome = mg_choose_active(c, c->events.triggered);
   if (outcome) return outcome;
   for (int i = 0; i < m; i++)
-    if (c->fired[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);
+    if (c->events.triggered[i] && c->run->closed[i]) held += mg_separation(c, i) < -mg_slack(c);
   if (held) {
     mg_forget_events(c);
-    outcome = mg_choose_active(c, c->fired);
+    outcome = mg_choose_active(c, c->events.triggered);
     if (outcome) return outcome;
   }
-  if (!c->sys->n_grip) mg_drop_pulling(c);
+  if (!c->system->n_grip) mg_drop_pulling(c);
   for (int i = 0; i < m; i++)
-    if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
-  if (c->sys->n_grip) mg_report_grips(c, events), mg_report_rubs(c, events);
+    if (mg_opens(c, i)) mg_befalls(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
+  if (c->system->n_grip) mg_report_grips(c, events), mg_report_rubs(c, events);
   return MG_DONE;
 }
 
 /* A closed contact without force whose gap no longer stays at rest: the active set must be chosen anew. */
 MG_INTERNAL int mg_unsettled(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !c->run->active[i] && fabs(mg_separation(c, i)) > mg_slack(c)) return 1;
   return 0;
 }
 
 static int mg_too_many(mg_context *c) {
   mg_run *run = c->run;
-  if (run->t - run->t_event > c->set->event * c->sys->time) run->events_at_t = 0;
+  if (run->t - run->t_event > c->settings->event * c->system->time) run->events_at_t = 0;
   run->t_event = run->t;
-  return ++run->events_at_t > c->set->events_at_once;
+  return ++run->events_at_t > c->settings->events_at_once;
 }
 
 /* False when more contacts are closed than the caller gave room for. */
 MG_INTERNAL int mg_has_room(const mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) n += c->run->closed[i] != 0;
-  return n <= c->sys->n_closed;
+  for (int i = 0; i < c->system->n_contact; i++) n += c->run->closed[i] != 0;
+  return n <= c->system->n_closed;
 }
 
 /* A closed contact that has walked to where its gap is wide, or widens. */
 MG_INTERNAL void mg_open_far(mg_context *c, mg_events *events) {
-  const mg_real far = c->set->start_gap * c->sys->length, rest = c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->run->closed[i] && (c->d[i] > far || c->d_dot[i] > rest)) mg_befalls(c, events, i, MG_LIFTS, c->run->t, 0);
+  const mg_real far = c->settings->start_gap * c->system->length, rest = c->settings->rest_speed * c->system->length / c->system->time;
+  for (int i = 0; i < c->support_begin; i++)
+    if (c->run->closed[i] && (c->d[i] > far || c->d_dot[i] > rest)) mg_befalls(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
 }
 
 /* The contact is about to pass a border of its link, before it is any deeper than what counts as touching: there it does not
-   strike. Which border is in c->way. Needs the slope in K[0]. */
+   strike. Which border is in c->events.broken_condition. Needs the slope in K[0]. */
 static int mg_is_passing(mg_context *c, int contact) {
   const int link = c->run->link[contact];
-  const mg_real soon = sqrt(sqrt(c->set->event)) * c->sys->time, moment = sqrt(c->set->event) * c->sys->time;
-  const mg_real deep = c->set->start_gap * c->sys->length;
-  mg_real *x = c->x_stage, next[6];
+  const mg_real soon = sqrt(sqrt(c->settings->event)) * c->system->time, moment = sqrt(c->settings->event) * c->system->time;
+  const mg_real deep = c->settings->start_gap * c->system->length;
+  mg_real *x = c->step.stage, next[6];
   if (mg_is_endless(c, link)) return 0;
   mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
-  const mg_real now = mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->way + contact);
+  const mg_real now = mg_worst_condition(c, link, mg_eta_of(c, c->run->x, contact), c->events.broken_condition + contact);
   mg_look_ahead(c);
   mg_place(c, contact, mg_eta_of(c, x, contact), next);
-  const mg_real then = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->way + contact);
+  const mg_real then = mg_worst_condition(c, link, mg_eta_of(c, x, contact), c->events.broken_condition + contact);
   mg_poses(c, c->run->t, c->run->x);
-  if (now <= c->set->apart) return then < -c->set->border;
+  if (now <= c->settings->apart) return then < -c->settings->border;
   const mg_real left = then < now ? moment * now / (now - then) : MG_MAX;
   return left < soon && left * fabs(c->d_dot[contact]) < deep;
 }
@@ -126,26 +126,26 @@ static int mg_is_passing(mg_context *c, int contact) {
 static void mg_let_stay(mg_context *c) {
   mg_real eta[6];
   int which;
-  for (int i = 0; i < c->first_pad; i++) {
-    if (c->fired[i] != MG_WALKS) continue;
+  for (int i = 0; i < c->support_begin; i++) {
+    if (c->events.triggered[i] != MG_LEAVES_FEATURE) continue;
     for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_eta_of(c, c->run->x, i)[k];
-    if (mg_settle_in(c, i, eta) >= 0 && mg_worst_condition(c, c->run->link[i], eta, &which) > c->set->border) c->fired[i] = 0;
+    if (mg_settle_in(c, i, eta) >= 0 && mg_worst_condition(c, c->run->link[i], eta, &which) > c->settings->border) c->events.triggered[i] = 0;
   }
 }
 
 /* An open contact whose gap has closed, or is closed and goes on closing. */
 static int mg_is_about_to_strike(const mg_context *c, int contact) {
   if (c->run->closed[contact]) return 0;
-  return c->fired[contact] || (fabs(c->d[contact]) <= c->set->gap * c->sys->length && mg_approaching(c, contact));
+  return c->events.triggered[contact] || (fabs(c->d[contact]) <= c->settings->gap * c->system->length && mg_approaching(c, contact));
 }
 
 /* Open contacts whose gaps have closed where they leave their links walk. */
 static void mg_let_pass(mg_context *c) {
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->fired[i] <= 1 && mg_present(c, i) && mg_is_about_to_strike(c, i) && mg_is_passing(c, i)) c->fired[i] = MG_WALKS;
+  for (int i = 0; i < c->support_begin; i++)
+    if (c->events.triggered[i] <= 1 && mg_present(c, i) && mg_is_about_to_strike(c, i) && mg_is_passing(c, i)) c->events.triggered[i] = MG_LEAVES_FEATURE;
 }
 
-/* At run->x with its rows fresh: contacts in c->fired close (gaps) or open (forces). */
+/* At run->x with its rows fresh: contacts in c->events.triggered close (gaps) or open (forces). */
 static int mg_transition(mg_context *c, mg_events *events) {
   if (mg_too_many(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_refresh(c);
@@ -155,40 +155,40 @@ static int mg_transition(mg_context *c, mg_events *events) {
     mg_refresh(c);
     mg_open_far(c, events);
   }
-  for (int i = 0; i < c->first_pad; i++)
+  for (int i = 0; i < c->support_begin; i++)
     if (mg_is_about_to_strike(c, i)) {
-      mg_befalls(c, events, i, MG_STRIKES, c->run->t, 0);
-      c->fired[i] = MG_NEW;
+      mg_befalls(c, events, i, MG_IMPACT_INELASTIC, c->run->t, 0);
+      c->events.triggered[i] = MG_JUST_CLOSED;
     }
   if (!mg_has_room(c)) return MG_TOO_MANY_CLOSED;
   const int outcome = mg_impact(c, events);
   if (outcome) return outcome;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    if (c->fired[i] != MG_NEW) continue;
-    c->fired[i] = 0;
+  for (int i = 0; i < c->system->n_contact; i++) {
+    if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
+    c->events.triggered[i] = 0;
     if (c->run->closed[i])
-      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t + mg_bounces_left(c, i), fmax(0, -c->d_dot[i]));
+      mg_befalls(c, events, i, MG_TOUCHES_DOWN, c->run->t + mg_bounces_left(c, i), fmax(0, -c->d_dot[i]));
   }
   const int settled = mg_solve_modes(c, events);
-  for (int slot = 0; slot < c->sys->n_slot; slot++) c->barred[slot] = -1;
+  for (int slot = 0; slot < c->system->n_slot; slot++) c->patches.barred[slot] = -1;
   return settled;
 }
 
 /* Contacts at zero gap that already separate are open. */
 MG_INTERNAL void mg_open_leaving(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->closed[i] && c->d_dot[i] > c->set->rest_speed * c->sys->length / c->sys->time) c->run->closed[i] = 0;
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (c->run->closed[i] && c->d_dot[i] > c->settings->rest_speed * c->system->length / c->system->time) c->run->closed[i] = 0;
 }
 
 /* What an event left on the contacts that stay closed, too slow to open them, is removed at once. A contact that
    appeared below zero is lifted; what that does to the energy is booked as work. */
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {
   const int outcome = mg_transition(c, events);
-  if (outcome || !c->set->project) return outcome;
-  const int lifts = mg_largest(c, c->d) > c->set->border * c->sys->length;
+  if (outcome || !c->settings->project) return outcome;
+  const int lifts = mg_largest(c, c->d) > c->settings->border * c->system->length;
   mg_real kinetic;
   const mg_real before = lifts ? mg_energy(c, &kinetic) : 0;
   if (!mg_project(c)) return MG_NOT_FINITE;
-  if (lifts) c->run->x[c->work_index] += mg_energy(c, &kinetic) - before;
+  if (lifts) c->run->x[c->work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }

@@ -9,7 +9,7 @@ enum { MG_MOST_JERKS = 4096 }; /* parts of a step in which one is looked for */
 typedef struct { mg_real t, twist[6], accel[6]; } mg_swing; /* a driven body at a time */
 
 static mg_swing mg_swing_at(const mg_context *c, int body, mg_real t) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_swing swing = {t, {0}, {0}};
   mg_real pose[12];
   c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist, swing.accel);
@@ -21,7 +21,7 @@ static mg_swing mg_swing_at(const mg_context *c, int body, mg_real t) {
 static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing *to) {
   mg_real untold = 0, whole = 0;
   for (int k = 0; k < 6; k++) {
-    const mg_real arm = k < 3 ? 1 : c->sys->length, change = to->twist[k] - from->twist[k];
+    const mg_real arm = k < 3 ? 1 : c->system->length, change = to->twist[k] - from->twist[k];
     whole = fmax(whole, arm * fabs(change));
     untold = fmax(untold, arm * fabs(change - (to->t - from->t) / 2 * (from->accel[k] + to->accel[k])));
   }
@@ -30,15 +30,15 @@ static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing
 
 /* A time so short that nothing else happens in it: at a kink itself its functions have the mean of both slopes. */
 MG_INTERNAL mg_real mg_at_once(const mg_context *c) {
-  const mg_real close = c->set->event * c->sys->time, seen = 8 * MG_EPS * fabs(c->run->t);
+  const mg_real close = c->settings->event * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
 }
 
 /* Halves the time in which the velocity of a body seems to jump, until it does so at once, or goes over smoothly (0). */
 static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *to) {
-  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real jump = mg_jump(c, from, to);
-  while (jump > rest && to->t - from->t > c->set->event * c->sys->time) {
+  while (jump > rest && to->t - from->t > c->settings->event * c->system->time) {
     const mg_swing middle = mg_swing_at(c, body, from->t + (to->t - from->t) / 2);
     if (!(middle.t > from->t)) break;
     const mg_real first = mg_jump(c, from, &middle), second = mg_jump(c, &middle, to);
@@ -51,7 +51,7 @@ static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *
 
 /* The first jump of a body's velocity within a step h from now: the times before and after it. */
 static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
-  const mg_real parts = h / (c->set->look * c->sys->time);
+  const mg_real parts = h / (c->settings->look * c->system->time);
   const int n = parts < MG_MOST_JERKS ? (int)parts + 1 : MG_MOST_JERKS;
   mg_swing at = mg_swing_at(c, body, c->run->t - mg_at_once(c) / 4);
   for (int k = 1; k <= n; k++) {
@@ -69,8 +69,8 @@ static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *be
 /* The first within a step h from now, of all driven bodies. */
 MG_INTERNAL int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
-  for (int b = 0; b < c->sys->n_body && c->driven; b++)
-    if (mg_is_driven(c->sys, b) && mg_find_jerk_of(c, b, found ? *before - c->run->t : h, before, after)) found = 1;
+  for (int b = 0; b < c->system->n_body && c->n_driven; b++)
+    if (mg_is_driven(c->system, b) && mg_find_jerk_of(c, b, found ? *before - c->run->t : h, before, after)) found = 1;
   return found;
 }
 
@@ -79,7 +79,7 @@ MG_INTERNAL int mg_take_jerk(mg_context *c, mg_real after, mg_events *events) {
   mg_pass_time(c->run, after - c->run->t);
   mg_refresh(c);
   mg_forget_events(c);
-  if (c->sys->n_grip) mg_forget_slip(c);
+  if (c->system->n_grip) mg_forget_slip(c);
   mg_open_far(c, events);
   const int outcome = mg_change_mode(c, events);
   mg_ledger(c);

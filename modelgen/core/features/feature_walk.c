@@ -6,19 +6,19 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_HOPS 8 /* links passed in one walk: around a vertex, several */
+#define MG_FEATURE_CHANGES_MAX 8 /* links passed in one walk: around a vertex, several */
 
 /* The coordinates of a shape nearest to a point in its axes. */
 static void mg_nearest(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
   mg_real window[4];
   mg_window(c, link, side, mg_reach_of(c, link), window);
   for (int level = 0; level < 4; level++) {
-    const int n = mg_sample_side(c, link, side, window, 9, c->sample);
+    const int n = mg_sample_side(c, link, side, window, 9, c->search.samples);
     mg_real least = MG_MAX;
     for (int i = 0; i < n; i++) {
-      const mg_real *x = c->sample[i].local, span[3] = {x[0] - local[0], x[1] - local[1], x[2] - local[2]};
+      const mg_real *x = c->search.samples[i].local, span[3] = {x[0] - local[0], x[1] - local[1], x[2] - local[2]};
       const mg_real distance = mg_dot3(span, span);
-      if (distance < least) least = distance, uv[0] = c->sample[i].uv[0], uv[1] = c->sample[i].uv[1];
+      if (distance < least) least = distance, uv[0] = c->search.samples[i].uv[0], uv[1] = c->search.samples[i].uv[1];
     }
     mg_zoom(window, uv);
   }
@@ -43,16 +43,16 @@ static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, 
   mg_real next[6];
   *which = -1;
   mg_eta_near(c, to, at + (turned ? 11 : 8), at + (turned ? 8 : 11), eta);
-  if (mg_settle_in(c, spare, eta) < 0 || !(mg_margin_of(c) > c->set->lost)) return -MG_MAX;
-  if (mg_has_signs(c, to) && (mg_dot3(c->place + 5, at + 5) < 0) != turned)
+  if (mg_settle_in(c, spare, eta) < 0 || !(mg_margin_of(c) > c->settings->lost)) return -MG_MAX;
+  if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != turned)
     mg_turn_round(c, to, eta), mg_place(c, spare, eta, next);
   return mg_worst_condition(c, to, eta, which);
 }
 
 /* True if a contact of the pair other than this one is there already, or will be once its eta has settled. */
-MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found) {
+MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
-  mg_found other;
+  mg_minimum other;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     if (i == contact || !mg_present(c, i)) continue;
     for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_eta_of(c, c->run->x, i)[k];
@@ -67,12 +67,12 @@ MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_fo
 /* The contacts of the pair that are there keep steps short enough for those that are not: each link has its own, and one
    ends where the next begins. */
 static int mg_is_led(const mg_context *c, int pair) {
-  return mg_has_own_links(c, pair) && c->sys->pair_search[pair] != MG_SEARCH_AHEAD;
+  return mg_has_own_links(c, pair) && c->system->pair_search[pair] != MG_SEARCH_AHEAD;
 }
 
 /* It only keeps steps short enough for what it is to touch later. */
 static int mg_only_leads(const mg_context *c, int link, mg_real d) {
-  return d > c->set->reach * c->sys->length && mg_is_led(c, c->sys->link_pair[link]) && !mg_is_for_flat(c, link);
+  return d > c->settings->reach * c->system->length && mg_is_led(c, c->system->link_pair[link]) && !mg_is_for_flat(c, link);
 }
 
 /* Its coming and going is not told. */
@@ -81,16 +81,16 @@ static int mg_is_untold(const mg_context *c, int link, mg_real d) { return mg_is
 MG_INTERNAL void mg_leave(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
-  if (c->left.count < MG_FOUNDS) {
-    mg_found *left = c->left.list + c->left.count++;
+  if (c->search.abandoned.count < MG_MINIMA) {
+    mg_minimum *left = c->search.abandoned.list + c->search.abandoned.count++;
     mg_place(c, contact, mg_eta_of(c, c->run->x, contact), next);
     left->link = c->run->link[contact];
     mg_note_place(c, left);
   }
   const int untold = mg_is_untold(c, c->run->link[contact], c->d[contact]);
   mg_set_link(c, contact, -1, none);
-  c->run->moved[c->sys->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
-  if (!untold) mg_befalls(c, events, contact, MG_VANISHES, c->run->t, 0);
+  c->run->moved[c->system->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
+  if (!untold) mg_befalls(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
 static int mg_is_pointed(const mg_context *c, int link) { return mg_dimension(c, link, 0) + mg_dimension(c, link, 1) < 2; }
@@ -98,21 +98,21 @@ static int mg_is_pointed(const mg_context *c, int link) { return mg_dimension(c,
 /* Around a vertex that is on an edge: the link with the least gap of those whose conditions will hold in a moment, or -1.
    `at` is where the contact is. */
 static int mg_link_around(mg_context *c, int from, int corner, const mg_real *at) {
-  mg_real least = c->set->apart * c->sys->length, eta[6];
+  mg_real least = c->settings->apart * c->system->length, eta[6];
   int best = -1, which;
   mg_look_ahead(c);
-  for (int k = c->sys->link_condition[corner]; k < c->sys->link_condition[corner + 1]; k++) {
-    const int to = c->sys->condition_next[k];
+  for (int k = c->system->link_condition[corner]; k < c->system->link_condition[corner + 1]; k++) {
+    const int to = c->system->condition_next[k];
     if (to < 0 || to == from || mg_is_pointed(c, to) || mg_is_covered(c, to)) continue;
-    if (mg_step_over(c, from, to, at, eta, &which) < -c->set->border || !(fabs(c->place[0]) < least)) continue;
-    least = fabs(c->place[0]), best = to;
+    if (mg_step_over(c, from, to, at, eta, &which) < -c->settings->border || !(fabs(c->search.placement[0]) < least)) continue;
+    least = fabs(c->search.placement[0]), best = to;
   }
   mg_poses(c, c->run->t, c->run->x);
   return best;
 }
 
 /* From a link over a corner, where they touch, to another; returns 0 where there is none. */
-static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_found *found) {
+static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_minimum *found) {
   int which;
   const int to = mg_link_around(c, from, corner, at);
   if (to < 0 || mg_step_over(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;
@@ -121,18 +121,18 @@ static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at
   return 1;
 }
 
-/* Needs the poses at run->x and c->way of the contact; hops until the conditions of a link hold. */
+/* Needs the poses at run->x and c->events.broken_condition of the contact; hops until the conditions of a link hold. */
 static void mg_walk(mg_context *c, mg_events *events, int contact) {
   mg_real eta[6] = {0}, at[14], best = -MG_MAX;
-  mg_found found = {0};
-  int link = c->run->link[contact], way = c->way[contact];
+  mg_minimum found = {0};
+  int link = c->run->link[contact], way = c->events.broken_condition[contact];
   mg_place(c, contact, mg_eta_of(c, c->run->x, contact), eta);
-  for (int k = 0; k < 14; k++) at[k] = c->place[k];
+  for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
   found.link = -1;
-  for (int hop = 0; hop < MG_HOPS && way >= 0; hop++) {
-    const int to = c->sys->condition_next[way];
+  for (int hop = 0; hop < MG_FEATURE_CHANGES_MAX && way >= 0; hop++) {
+    const int to = c->system->condition_next[way];
     if (to < 0 || mg_is_covered(c, to)) break;
-    if (mg_is_pointed(c, to) && fabs(at[0]) < c->set->apart * c->sys->length && mg_pass_corner(c, link, to, at, &found)) {
+    if (mg_is_pointed(c, to) && fabs(at[0]) < c->settings->apart * c->system->length && mg_pass_corner(c, link, to, at, &found)) {
       best = 0;
       break;
     }
@@ -143,29 +143,29 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
       mg_note_place(c, &found);
       for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
     }
-    if (worst >= -c->set->border) break;
-    for (int k = 0; k < 14; k++) at[k] = c->place[k];
+    if (worst >= -c->settings->border) break;
+    for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
     link = to;
   }
-  const int nowhere = found.link < 0 || best < -100 * c->set->border;
-  if (nowhere || mg_is_followed(c, c->sys->contact_pair[contact], contact, &found)) {
+  const int nowhere = found.link < 0 || best < -100 * c->settings->border;
+  if (nowhere || mg_is_followed(c, c->system->contact_pair[contact], contact, &found)) {
     mg_leave(c, events, contact);
     return;
   }
   mg_set_link(c, contact, found.link, found.eta);
-  mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
+  mg_befalls(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
-/* Walks for all contacts marked MG_WALKS in c->fired, and sees to the marks MG_TIPS. Returns how many changed. */
+/* Walks for all contacts marked MG_LEAVES_FEATURE in c->events.triggered, and sees to the marks MG_PASSES_BORDER. Returns how many changed. */
 MG_INTERNAL int mg_walk_all(mg_context *c, mg_events *events) {
   int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    const int cause = c->fired[i];
-    if (cause != MG_WALKS && cause != MG_TIPS) continue;
-    c->fired[i] = 0;
-    if (cause == MG_WALKS) mg_walk(c, events, i);
-    else c->upright[i] = MG_TIPS, c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
-    count += cause == MG_WALKS;
+  for (int i = 0; i < c->system->n_contact; i++) {
+    const int cause = c->events.triggered[i];
+    if (cause != MG_LEAVES_FEATURE && cause != MG_PASSES_BORDER) continue;
+    c->events.triggered[i] = 0;
+    if (cause == MG_LEAVES_FEATURE) mg_walk(c, events, i);
+    else c->events.within_border[i] = MG_PASSES_BORDER, c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    count += cause == MG_LEAVES_FEATURE;
   }
   return count;
 }
@@ -176,21 +176,21 @@ static void mg_leave_far(mg_context *c) {
   const mg_real none[6] = {0};
   mg_real next[6];
   int which;
-  for (int i = 0; i < c->first_pad; i++) {
+  for (int i = 0; i < c->support_begin; i++) {
     if (!mg_present(c, i) || c->run->closed[i] || !mg_is_flat_far(c, i)) continue;
     mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
-    if (mg_worst_condition(c, c->run->link[i], none, &which) >= -c->set->border) continue;
+    if (mg_worst_condition(c, c->run->link[i], none, &which) >= -c->settings->border) continue;
     mg_set_link(c, i, -1, none);
-    c->run->moved[c->sys->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
   }
 }
 
 /* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
-MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_found *found) {
+MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_minimum *found) {
   int slot = -1;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
-    if (c->sys->contact_link[i] == found->link) return mg_present(c, i) ? -1 : i;
-    if (c->sys->contact_link[i] >= 0 || c->run->closed[i] || c->d[i] <= found->d) continue;
+    if (c->system->contact_link[i] == found->link) return mg_present(c, i) ? -1 : i;
+    if (c->system->contact_link[i] >= 0 || c->run->closed[i] || c->d[i] <= found->d) continue;
     if (slot < 0 || c->d[i] > c->d[slot]) slot = i;
   }
   return slot;
@@ -198,28 +198,28 @@ MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_found *found
 
 /* What a search during a run takes up: within reach unless it is to keep steps short, not below the depth, not about to
    end. */
-MG_INTERNAL int mg_is_taken_up(const mg_context *c, const mg_found *found) {
-  const mg_real length = c->sys->length;
-  const int own = mg_has_own_links(c, c->sys->link_pair[found->link]);
-  const int far = found->d > c->set->reach * length && !mg_only_leads(c, found->link, found->d);
-  if (found->undecided || far || found->d < -c->set->depth * length) return 0;
+MG_INTERNAL int mg_is_taken_up(const mg_context *c, const mg_minimum *found) {
+  const mg_real length = c->system->length;
+  const int own = mg_has_own_links(c, c->system->link_pair[found->link]);
+  const int far = found->d > c->settings->reach * length && !mg_only_leads(c, found->link, found->d);
+  if (found->undecided || far || found->d < -c->settings->depth * length) return 0;
   const int flat = mg_is_for_leaning(c, found->link); /* its margin is small near flat, not near a fold */
-  return found->margin >= (own || flat ? c->set->margin_refuse : c->set->margin_appear);
+  return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->margin_appear);
 }
 
 /* The link has a contact of its own, which is on it. */
 static int mg_is_taken(const mg_context *c, int pair, int link) {
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++)
-    if (c->sys->contact_link[i] == link) return mg_present(c, i);
+    if (c->system->contact_link[i] == link) return mg_present(c, i);
   return 0;
 }
 
 /* Its point of one of the bodies touches the other already: that it is below another face there is no matter. */
-static int mg_touches_there(mg_context *c, const mg_found *found) {
-  const mg_real near = c->set->apart * c->sys->length;
-  const int pair = c->sys->link_pair[found->link];
+static int mg_touches_there(mg_context *c, const mg_minimum *found) {
+  const mg_real near = c->settings->apart * c->system->length;
+  const int pair = c->system->link_pair[found->link];
   mg_real eta[6];
-  mg_found other;
+  mg_minimum other;
   for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
     if (!c->run->closed[i]) continue;
     mg_place(c, i, mg_eta_of(c, c->run->x, i), eta);
@@ -236,27 +236,27 @@ static int mg_touches_there(mg_context *c, const mg_found *found) {
 }
 
 /* What was found touches there already, and as itself is below zero, or ends in a moment. */
-static int mg_is_idle(mg_context *c, const mg_found *found) {
-  if (found->d > c->set->start_gap * c->sys->length || !mg_touches_there(c, found)) return 0;
-  return found->d < -c->set->start_gap * c->sys->length || mg_goes_off(c, found);
+static int mg_is_idle(mg_context *c, const mg_minimum *found) {
+  if (found->d > c->settings->start_gap * c->system->length || !mg_touches_there(c, found)) return 0;
+  return found->d < -c->settings->start_gap * c->system->length || mg_goes_off(c, found);
 }
 
 MG_INTERNAL int mg_search_pair(mg_context *c, mg_events *events, int pair) {
-  const mg_system *s = c->sys;
-  if (mg_pair_clearance(c, pair) > c->set->reach * s->length) return 0;
-  const mg_real least = mg_parting(c, pair) - c->set->start_gap * s->length;
-  mg_founds found;
+  const mg_system *s = c->system;
+  if (mg_pair_clearance(c, pair) > c->settings->reach * s->length) return 0;
+  const mg_real least = mg_parting(c, pair) - c->settings->start_gap * s->length;
+  mg_minima found;
   int count = found.count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
     if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_far(c, link)) mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
-    const mg_found *each = found.list + k;
+    const mg_minimum *each = found.list + k;
     if (!mg_is_taken_up(c, each) || mg_is_idle(c, each)) continue;
     const int slot = mg_is_followed(c, pair, -1, each) ? -1 : mg_slot_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    if (!mg_is_untold(c, each->link, each->d)) mg_befalls(c, events, slot, MG_APPEARS, c->run->t, 0);
+    if (!mg_is_untold(c, each->link, each->d)) mg_befalls(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
@@ -271,22 +271,22 @@ static int mg_is_unwatched(const mg_context *c, int pair) {
 
 /* What the last search of a pair has seen all of, less what the pair has moved since. */
 static mg_real mg_still_seen(const mg_context *c, int pair) {
-  const mg_real length = c->sys->length, most = c->set->search * length, moved = c->run->moved[pair];
-  return c->set->reach * length - (moved < most ? moved : most);
+  const mg_real length = c->system->length, most = c->settings->search * length, moved = c->run->moved[pair];
+  return c->settings->reach * length - (moved < most ? moved : most);
 }
 
 /* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
    its own and one ends where the next begins, those that are there do for the others. */
 MG_INTERNAL mg_real mg_sight(const mg_context *c) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_real sight = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     const int unwatched = mg_is_unwatched(c, pair);
     if (!unwatched && mg_is_led(c, pair)) continue;
     const mg_real way = mg_still_seen(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_motion motion = mg_pair_motion(c, pair);
-    const mg_real speed = motion.speed, pull = unwatched ? motion.pull : 0;
+    const mg_motion_bound motion = mg_pair_motion(c, pair);
+    const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
     if (mean * sight > way) sight = way / mean;
   }
@@ -295,13 +295,13 @@ MG_INTERNAL mg_real mg_sight(const mg_context *c) {
 
 /* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */
 MG_INTERNAL int mg_search_all(mg_context *c, mg_events *events, mg_real h) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   int count = mg_leave_folds(c, events);
   mg_leave_far(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_motion(c, pair).speed;
-    if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->set->search * s->length) continue;
+    if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->settings->search * s->length) continue;
     c->run->moved[pair] = mg_pair_unfolds(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair(c, events, pair);
   }

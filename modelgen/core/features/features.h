@@ -6,11 +6,11 @@
 #include "model/context.h"
 
 /* feature_walk.c */
-MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_found *found);
+MG_INTERNAL int mg_is_followed(mg_context *c, int pair, int contact, const mg_minimum *found);
 MG_INTERNAL void mg_leave(mg_context *c, mg_events *events, int contact);
 MG_INTERNAL int mg_walk_all(mg_context *c, mg_events *events);
-MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_found *found);
-MG_INTERNAL int mg_is_taken_up(const mg_context *c, const mg_found *found);
+MG_INTERNAL int mg_slot_for(const mg_context *c, int pair, const mg_minimum *found);
+MG_INTERNAL int mg_is_taken_up(const mg_context *c, const mg_minimum *found);
 MG_INTERNAL int mg_search_pair(mg_context *c, mg_events *events, int pair);
 MG_INTERNAL mg_real mg_sight(const mg_context *c);
 MG_INTERNAL int mg_search_all(mg_context *c, mg_events *events, mg_real h);
@@ -19,7 +19,7 @@ MG_INTERNAL int mg_search_all(mg_context *c, mg_events *events, mg_real h);
 MG_INTERNAL int mg_leave_folds(mg_context *c, mg_events *events);
 
 /* contact_merging.c */
-MG_INTERNAL void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_founds *kept);
+MG_INTERNAL void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_minima *kept);
 MG_INTERNAL void mg_merge(mg_context *c, mg_events *events);
 MG_INTERNAL void mg_touch_at_all(mg_context *c, mg_events *events, int contact);
 MG_INTERNAL int mg_gives_way_to_others(mg_context *c, mg_events *events, int contact);

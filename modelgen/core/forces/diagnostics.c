@@ -4,7 +4,7 @@
 #include "closest/closest.h"
 
 MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_real total = 0;
   *kinetic = 0;
   for (int b = 0; b < s->n_body; b++) {
@@ -24,11 +24,11 @@ static void mg_raise(mg_real *largest, mg_real value) {
 
 /* Needs the rows at run->x. */
 MG_INTERNAL void mg_ledger(mg_context *c) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
-  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_index];
+  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_state];
   mg_raise(&run->energy_error_max, fabs(error));
   mg_raise(&run->kinetic_max, kinetic);
   if (s->n_row) mg_watch_joints(c);
@@ -43,7 +43,7 @@ MG_INTERNAL void mg_ledger(mg_context *c) {
 }
 
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_singular(c, i)) {
       c->run->failed_contact = i;
       mg_befalls(c, events, i, MG_ENDS_RUN, c->run->t, 0);

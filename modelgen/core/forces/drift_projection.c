@@ -4,26 +4,26 @@
 
 MG_INTERNAL mg_real mg_largest(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
-  for (int i = c->bilateral; i < c->n_rows; i++)
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
     if (fabs(value[i]) > largest) largest = fabs(value[i]);
-  const int n = c->sys->n_grip ? mg_list_stuck(c, c->list, 0) : 0;
+  const int n = c->system->n_grip ? mg_list_stuck(c, c->lcp.rows, 0) : 0;
   for (int r = 0; r < n; r++)
-    if (fabs(value[c->list[r]]) > largest) largest = fabs(value[c->list[r]]);
+    if (fabs(value[c->lcp.rows[r]]) > largest) largest = fabs(value[c->lcp.rows[r]]);
   return largest;
 }
 
 static void mg_clear(mg_context *c) {
-  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
 }
 
 /* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how many
-   rows that are, in c->list; their z are in c->amount. */
+   rows that are, in c->lcp.rows; their z are in c->impulse. */
 MG_INTERNAL int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
-  const int n = mg_hold(c, marked, value, c->amount);
+  const int n = mg_hold(c, marked, value, c->impulse);
   mg_clear(c);
-  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->amount[c->list[r]], c->wrench);
+  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->wrench);
   return n;
 }
 
@@ -37,7 +37,7 @@ MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle) {
 }
 
 MG_INTERNAL void mg_move(mg_context *c) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
@@ -49,7 +49,7 @@ MG_INTERNAL void mg_move(mg_context *c) {
 }
 
 MG_INTERNAL void mg_push(mg_context *c) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
@@ -58,14 +58,14 @@ MG_INTERNAL void mg_push(mg_context *c) {
 
 /* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
 MG_INTERNAL int mg_project(mg_context *c) {
-  const mg_real drift = c->set->drift * c->sys->length;
+  const mg_real drift = c->settings->drift * c->system->length;
   if (mg_largest(c, c->d) > drift) {
     mg_correction(c, c->run->closed, c->d);
     mg_move(c);
     if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
     mg_refresh(c);
   }
-  if (mg_largest(c, c->d_dot) > drift / c->sys->time) {
+  if (mg_largest(c, c->d_dot) > drift / c->system->time) {
     mg_correction(c, c->run->closed, c->d_dot);
     mg_push(c);
     mg_refresh(c);
@@ -76,7 +76,7 @@ MG_INTERNAL int mg_project(mg_context *c) {
 /* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
 MG_INTERNAL int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    if (mg_largest(c, c->d) <= c->set->drift * c->sys->length) return 1;
+    if (mg_largest(c, c->d) <= c->settings->drift * c->system->length) return 1;
     mg_correction(c, c->run->closed, c->d);
     mg_move(c);
     for (int extra = 0; extra < 3; extra++)
@@ -88,8 +88,8 @@ MG_INTERNAL int mg_project_start(mg_context *c) {
 
 /* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
 static void mg_join_velocities(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) c->dips[i] = 0;
-  mg_correction(c, c->dips, c->d_dot);
+  for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
+  mg_correction(c, c->events.gap_dips, c->d_dot);
   mg_push(c);
   mg_refresh(c);
 }
@@ -98,9 +98,9 @@ static void mg_join_velocities(mg_context *c) {
    do not fit. */
 MG_INTERNAL int mg_start_joints(mg_context *c) {
   mg_run *run = c->run;
-  if (!c->sys->n_row) return 1;
+  if (!c->system->n_row) return 1;
   run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);
-  if (!(run->joint_error_max <= c->set->start_joint * c->sys->length)) return 0;
+  if (!(run->joint_error_max <= c->settings->start_joint * c->system->length)) return 0;
   run->failed_joint = mg_worst_joint(c, c->d_dot, &run->joint_speed);
   mg_join_velocities(c);
   if (!mg_project_start(c)) return 0;

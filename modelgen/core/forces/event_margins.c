@@ -6,56 +6,56 @@
 #include "forces/forces.h"
 #include "base/base.h"
 
-static const mg_real mg_strained_at[MG_STRAINS] = { /* times of a step, in parts of it: its start, those of its stages, its end */
+static const mg_real mg_strained_at[MG_MARGIN_SAMPLES] = { /* times of a step, in parts of it: its start, those of its stages, its end */
   0, (mg_real)0.1184, (mg_real)0.25, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.8571, 1};
 
 static const int mg_strain_of[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
 
 MG_INTERNAL int mg_count_strains(const mg_system *s) { return s->n_contact + s->n_grip; }
 
-MG_INTERNAL long mg_strain_size(const mg_system *s) { return mg_reals((MG_STRAINS + 1L) * mg_count_strains(s), sizeof(mg_strain)); }
+MG_INTERNAL long mg_strain_size(const mg_system *s) { return mg_reals((MG_MARGIN_SAMPLES + 1L) * mg_count_strains(s), sizeof(mg_event_margin)); }
 
-MG_INTERNAL mg_strain *mg_strain_at(const mg_context *c, int sample) { return c->strain + (long)sample * mg_count_strains(c->sys); }
+MG_INTERNAL mg_event_margin *mg_strain_at(const mg_context *c, int sample) { return c->events.margins + (long)sample * mg_count_strains(c->system); }
 
 /* Takes what is left now for a sample of the step. Of slots it has been noted. Needs mg_rhs and mg_gap_rates. */
 MG_INTERNAL void mg_take_strain(mg_context *c, int sample) {
-  const mg_system *s = c->sys;
-  const mg_strain *now = mg_strain_at(c, MG_STRAINS);
-  mg_strain *taken = mg_strain_at(c, sample), *grips = taken + s->n_contact;
-  for (int i = 0; i < c->first_pad; i++) {
-    taken[i].least = c->run->closed[i] && c->run->active[i] ? c->force[i] + mg_slack(c) * s->mass : MG_MAX;
-    taken[i].most = taken[i].least;
+  const mg_system *s = c->system;
+  const mg_event_margin *now = mg_strain_at(c, MG_MARGIN_SAMPLES);
+  mg_event_margin *taken = mg_strain_at(c, sample), *grips = taken + s->n_contact;
+  for (int i = 0; i < c->support_begin; i++) {
+    taken[i].lower = c->run->closed[i] && c->run->active[i] ? c->force[i] + mg_slack(c) * s->mass : MG_MAX;
+    taken[i].upper = taken[i].lower;
     for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++)
-      grips[g].least = grips[g].most = mg_grip_strain(c, i, g);
+      grips[g].lower = grips[g].upper = mg_grip_strain(c, i, g);
   }
-  for (int pad = c->first_pad; pad < s->n_contact; pad++) taken[pad] = now[pad];
+  for (int pad = c->support_begin; pad < s->n_contact; pad++) taken[pad] = now[pad];
 }
 
 /* The same at the start of a step; needs the forces there. */
 MG_INTERNAL void mg_begin_strain(mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) mg_slot_ends(c, slot);
+  for (int slot = 0; slot < c->system->n_slot; slot++) mg_slot_ends(c, slot);
   mg_take_strain(c, 0);
 }
 
 /* At a stage of the step, at each of which mg_watch notes the slots; of no use where an event has been seen. */
 MG_INTERNAL void mg_strain_stage(mg_context *c, int stage) {
-  if (mg_strain_of[stage] > 0 && !c->suspect) mg_take_strain(c, mg_strain_of[stage]);
+  if (mg_strain_of[stage] > 0 && !c->step.sign_changed) mg_take_strain(c, mg_strain_of[stage]);
 }
 
-static mg_real mg_slope_between(const mg_strained *a, mg_real from, const mg_strained *b, mg_real to) {
+static mg_real mg_slope_between(const mg_margin_sample *a, mg_real from, const mg_margin_sample *b, mg_real to) {
   return (to - from) / (b->theta - a->theta);
 }
 
 /* A lower bound between the inner two of four samples, and where it is; 0 or more: nothing is below zero. What is known between
    bounds only is taken as low as it may be, its neighbours as high, unless all are. */
-MG_INTERNAL mg_real mg_least_left(const mg_strained *p, mg_real *theta) {
-  const mg_real b = p[1].left.least, d = p[2].left.least, width = p[2].theta - p[1].theta;
+MG_INTERNAL mg_real mg_least_left(const mg_margin_sample *p, mg_real *theta) {
+  const mg_real b = p[1].left.lower, d = p[2].left.lower, width = p[2].theta - p[1].theta;
   const int before = p[0].theta >= 0, after = p[3].theta <= 1;
   if (b >= MG_MAX || d >= MG_MAX) return 0;
   int rough = 1;
-  for (int k = !before; k < 3 + after; k++) rough &= p[k].left.least < p[k].left.most;
-  const mg_real falls = before ? mg_slope_between(p, rough ? p->left.least : p->left.most, p + 1, b) : -MG_MAX;
-  const mg_real grows = after ? mg_slope_between(p + 2, d, p + 3, rough ? p[3].left.least : p[3].left.most) : MG_MAX;
+  for (int k = !before; k < 3 + after; k++) rough &= p[k].left.lower < p[k].left.upper;
+  const mg_real falls = before ? mg_slope_between(p, rough ? p->left.lower : p->left.upper, p + 1, b) : -MG_MAX;
+  const mg_real grows = after ? mg_slope_between(p + 2, d, p + 3, rough ? p[3].left.lower : p[3].left.upper) : MG_MAX;
   if (falls >= 0 || grows <= 0) return 0;
   mg_real part = before ? after ? (d - b - grows * width) / (falls - grows) : width : 0;
   if (part < 0 || !(part <= width)) part = part < 0 ? width / 4 : 3 * width / 4;
@@ -67,11 +67,11 @@ MG_INTERNAL mg_real mg_least_left(const mg_strained *p, mg_real *theta) {
 
 /* Four samples about the part of the step that ends with the given one of n, of which the last are kept; `part`: their spacing
    if it is even, else 0. */
-MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, mg_real part, mg_strained *p) {
+MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, mg_real part, mg_margin_sample *p) {
   for (int k = 0; k < 4; k++) {
     const int sample = end - 2 + k;
     p[k].theta = sample < 0 ? -1 : sample >= n ? 2 : part > 0 ? sample * part : mg_strained_at[sample];
-    if (sample >= 0 && sample < n) p[k].left = mg_strain_at(c, sample % MG_STRAINS)[which];
+    if (sample >= 0 && sample < n) p[k].left = mg_strain_at(c, sample % MG_MARGIN_SAMPLES)[which];
   }
 }
 
@@ -79,10 +79,10 @@ MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, m
    the least by no more than all it varies. */
 MG_INTERNAL int mg_varies_little(const mg_context *c, int which) {
   mg_real low = MG_MAX, high = -MG_MAX;
-  for (int sample = 0; sample < MG_STRAINS; sample++) {
-    const mg_strain *left = mg_strain_at(c, sample) + which;
-    if (left->least < low) low = left->least;
-    if (left->most > high) high = left->most;
+  for (int sample = 0; sample < MG_MARGIN_SAMPLES; sample++) {
+    const mg_event_margin *left = mg_strain_at(c, sample) + which;
+    if (left->lower < low) low = left->lower;
+    if (left->upper > high) high = left->upper;
   }
   return low >= high - low;
 }

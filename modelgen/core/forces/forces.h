@@ -8,28 +8,28 @@
 #include "solve/friction/solvers.h"
 #include "solve/lcp/solvers.h"
 
-enum { MG_STRAINS = 7 }; /* samples of a step */
+enum { MG_MARGIN_SAMPLES = 7 }; /* samples of a step */
 
-enum { MG_KNOWN = 0, MG_STATIC = 1, MG_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
+enum { MG_BOUND_SLIP = 0, MG_BOUND_STATIC = 1, MG_BOUND_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
 
-enum { MG_RUB_ROWS = 3 }; /* below the first pad's normal row: slip of its point along t1, t2, spin about N */
+enum { MG_PATCH_ROWS = 3 }; /* below the first pad's normal row: slip of its point along t1, t2, spin about N */
 
-struct mg_rub_state { /* a patch with friction in a slot */
-  int leans;                 /* it slips */
-  int known, cut, clipped;   /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
+struct mg_patch_friction { /* a patch with friction in a slot */
+  int slips;                 /* it slips */
+  int centre_known, partly_unloaded, force_outside;   /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
   mg_real centre[2], extent; /* of pressure, axes of the hull; m, of what is pressed about it */
-  mg_real spread, spread_at[2]; /* m, mean distance of the pressure from that centre, its own; 0: not known */
-  mg_real lean[MG_RUB_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
-  int fired, before, stopped; /* its event has fired; its mode before; slip has died */
-  mg_real over;              /* s, slip that was stopped had left */
-  mg_real steer[2];          /* while slip begins: its direction is the course and so much of each across it */
+  mg_real mean_distance, mean_point[2]; /* m, mean distance of the pressure from that centre, its own; 0: not known */
+  mg_real force_ratio[MG_PATCH_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
+  int triggered, mode_before, slip_stopped; /* its event has fired; its mode before; slip has died */
+  mg_real slip_time_left;              /* s, slip that was stopped had left */
+  mg_real slip_direction[2];          /* while slip begins: its direction is the course and so much of each across it */
 };
 
 typedef struct { /* rows and axes of a hull: t1, t2 and the pads in it, N along its z or against */
   mg_real pose[12], t[2][2], pad[3][2], sign;
-} mg_rub_frame;
+} mg_patch_frame;
 
-typedef struct { mg_real theta; mg_strain left; } mg_strained; /* theta < 0 or > 1: no sample */
+typedef struct { mg_real theta; mg_event_margin left; } mg_margin_sample; /* theta < 0 or > 1: no sample */
 
 /* smooth_dynamics.c */
 MG_INTERNAL int mg_a_path_ends(const mg_context *c);
@@ -75,10 +75,10 @@ MG_INTERNAL mg_real mg_resultant(const mg_context *c, int slot, const mg_real *a
 MG_INTERNAL int mg_most_arcs(const mg_system *s);
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 MG_INTERNAL int mg_lay_patch(mg_context *c, int patch);
-MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink);
+MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink);
 MG_INTERNAL mg_real mg_weight_scale(const mg_context *c);
 MG_INTERNAL int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
-MG_INTERNAL mg_strain *mg_strain_of_slot(const mg_context *c, int slot);
+MG_INTERNAL mg_event_margin *mg_strain_of_slot(const mg_context *c, int slot);
 MG_INTERNAL int mg_slot_ends(mg_context *c, int slot);
 MG_INTERNAL int mg_patches_fired(mg_context *c);
 MG_INTERNAL int mg_any_patch_ends(mg_context *c);
@@ -90,7 +90,7 @@ MG_INTERNAL int mg_rubs(const mg_context *c, int slot);
 MG_INTERNAL int mg_rub_row(const mg_context *c, int slot);
 MG_INTERNAL int mg_rub_leans(const mg_context *c, int row);
 MG_INTERNAL mg_real mg_rub_radius(const mg_context *c, int slot);
-MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at);
+MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_patch_frame *at);
 MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot);
 MG_INTERNAL void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist);
 MG_INTERNAL void mg_across(const mg_real *e, mg_real across[2][3]);
@@ -146,12 +146,12 @@ MG_INTERNAL int mg_start_joints(mg_context *c);
 /* event_margins.c */
 MG_INTERNAL int mg_count_strains(const mg_system *s);
 MG_INTERNAL long mg_strain_size(const mg_system *s);
-MG_INTERNAL mg_strain *mg_strain_at(const mg_context *c, int sample);
+MG_INTERNAL mg_event_margin *mg_strain_at(const mg_context *c, int sample);
 MG_INTERNAL void mg_take_strain(mg_context *c, int sample);
 MG_INTERNAL void mg_begin_strain(mg_context *c);
 MG_INTERNAL void mg_strain_stage(mg_context *c, int stage);
-MG_INTERNAL mg_real mg_least_left(const mg_strained *p, mg_real *theta);
-MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, mg_real part, mg_strained *p);
+MG_INTERNAL mg_real mg_least_left(const mg_margin_sample *p, mg_real *theta);
+MG_INTERNAL void mg_four_about(const mg_context *c, int which, int end, int n, mg_real part, mg_margin_sample *p);
 MG_INTERNAL int mg_varies_little(const mg_context *c, int which);
 
 /* diagnostics.c */

@@ -8,8 +8,8 @@
 
 /* The time in which slip, as it is going, is over; 0 if it is already. */
 static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
-  const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
-  const int row = mg_grip_row(c, contact, grip), spins = c->sys->grip_aspect[grip] == MG_SPIN;
+  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
+  const int row = mg_grip_row(c, contact, grip), spins = c->system->grip_aspect[grip] == MG_SPIN;
   mg_real slip[2], braking = -mg_separation(c, row) * (spins ? course[0] : mg_dot3(t, course));
   if (!spins) braking -= mg_separation(c, row + 1) * mg_dot3(t + 3, course);
   const mg_real along = mg_slip_along(c, contact, grip, slip);
@@ -25,10 +25,10 @@ static mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
 /* The course of a grip along its slip, in world axes. */
 static void mg_set_on_course(mg_context *c, int contact, int grip) {
   const mg_real *t = c->tangents + 6 * contact, size = mg_slip_size(c, contact, grip);
-  mg_real slip[2], *course = c->run->course + 3 * grip;
+  mg_real slip[2], *course = c->run->slip_direction + 3 * grip;
   mg_slip_along(c, contact, grip, slip);
   for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
-  if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
+  if (c->system->grip_aspect[grip] == MG_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
 }
 
 /* Notes where a grip slips. Returns 0 where it hardly does. */
@@ -42,19 +42,19 @@ static int mg_aim(mg_context *c, int contact, int grip) {
    at one contact dies or begins at others of the body as well. */
 static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
-  if (!c->run->closed[contact]) *mode = MG_LOOSE;
-  else if (*mode == MG_LOOSE && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
-  else if (*mode >= MG_ONSET) {
+  if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
+  else if (*mode == MG_FRICTION_OFF && mg_aim(c, contact, grip)) *mode = MG_SLIPPING;
+  else if (*mode >= MG_SLIP_ONSET) {
     const int slips = mg_aim(c, contact, grip); /* if its event has fired, it has only left its course */
-    if (c->slipped[grip] && !slips) c->over[grip] = mg_slip_left(c, contact, grip);
-    *mode = slips ? MG_SLIPPING : MG_STUCK, c->slipped[grip] &= !slips;
+    if (c->friction.triggered[grip] && !slips) c->friction.slip_time_left[grip] = mg_slip_left(c, contact, grip);
+    *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[grip] &= !slips;
   }
 }
 
-/* The kinetic energy that the correction of the first n rows of c->list takes. */
+/* The kinetic energy that the correction of the first n rows of c->lcp.rows takes. */
 static mg_real mg_energy_taken(const mg_context *c, int n) {
   mg_real sum = 0;
-  for (int r = 0; r < n; r++) sum -= c->amount[c->list[r]] * c->d_dot[c->list[r]] / 2;
+  for (int r = 0; r < n; r++) sum -= c->impulse[c->lcp.rows[r]] * c->d_dot[c->lcp.rows[r]] / 2;
   return sum;
 }
 
@@ -62,43 +62,43 @@ static mg_real mg_energy_taken(const mg_context *c, int n) {
 static int mg_release_fastest(mg_context *c) {
   mg_real most = 0;
   int contact = -1, fastest = -1;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      if (!c->run->active[i] || c->run->grip[g] != MG_STUCK) continue;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
+      if (!c->run->active[i] || c->run->grip[g] != MG_STICKING) continue;
       const mg_real size = mg_slip_size(c, i, g) / mg_slip_rest(c, g);
       if (size > most) most = size, contact = i, fastest = g;
     }
   if (fastest < 0) return 0;
   mg_set_on_course(c, contact, fastest);
-  c->run->grip[fastest] = MG_STARTING;
+  c->run->grip[fastest] = MG_SLIP_STARTING;
   return 1;
 }
 
 /* Takes the slip of stuck grips away, as an impulse would. Where that would take far more energy than so little slip has, as
    at two points that nearly are one, a grip slips on. */
 static void mg_arrest(mg_context *c) {
-  const mg_real fast = c->set->arrest * c->set->slip_speed * c->sys->length / c->sys->time;
+  const mg_real fast = c->settings->arrest * c->settings->slip_speed * c->system->length / c->system->time;
   do {
     mg_real worst = 0;
-    const int n = mg_list_stuck(c, c->list, 0);
+    const int n = mg_list_stuck(c, c->lcp.rows, 0);
     for (int r = 0; r < n; r++)
-      if (fabs(c->d_dot[c->list[r]]) > worst) worst = fabs(c->d_dot[c->list[r]]);
-    if (!(worst > c->set->drift * c->sys->length / c->sys->time)) return;
-  } while (mg_energy_taken(c, mg_correction(c, c->run->closed, c->d_dot)) > c->sys->mass * fast * fast / 2 && mg_release_fastest(c));
+      if (fabs(c->d_dot[c->lcp.rows[r]]) > worst) worst = fabs(c->d_dot[c->lcp.rows[r]]);
+    if (!(worst > c->settings->drift * c->system->length / c->system->time)) return;
+  } while (mg_energy_taken(c, mg_correction(c, c->run->closed, c->d_dot)) > c->system->mass * fast * fast / 2 && mg_release_fastest(c));
   mg_push(c);
   mg_refresh(c);
 }
 
 /* The rows and accelerations without contact forces. */
 static void mg_let_go(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) c->run->active[i] = 0;
+  for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
   mg_refresh(c);
 }
 
 /* The leans of slips under way, of contacts that carry no force as yet. */
 static void mg_lean_known(mg_context *c, int contact) {
-  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++) {
-    if (c->bound_of[g] != MG_KNOWN) continue;
+  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
+    if (c->friction.bound[g] != MG_BOUND_SLIP) continue;
     mg_slip_lean(c, contact, g);
     for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, contact, g) + k);
   }
@@ -106,32 +106,32 @@ static void mg_lean_known(mg_context *c, int contact) {
 
 /* The matrix and the accelerations of the closed contacts that are not skipped, of pads and of joints. */
 static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
-  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->cone_first, c->cone_rows, c->cone, c->A, c->b, 0, 0};
-  for (int i = 0; i < c->first_pad; i++)
+  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
+  for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
   mg_activate_pads(c);
-  p.n = mg_list_stuck_rubs(c, c->list, mg_list_bilateral(c, c->list, p.n));
-  mg_assemble(c, c->list, p.n);
-  for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->cone_contact[k]);
+  p.n = mg_list_stuck_rubs(c, c->lcp.rows, mg_list_bilateral(c, c->lcp.rows, p.n));
+  mg_assemble(c, c->lcp.rows, p.n);
+  for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->friction.cone_contact[k]);
   mg_begin_rubs(c);
-  mg_lean_columns(c, c->list, p.n);
-  for (int r = 0; r < p.n; r++) c->b[r] = mg_separation(c, c->list[r]);
+  mg_lean_columns(c, c->lcp.rows, p.n);
+  for (int r = 0; r < p.n; r++) c->lcp.b[r] = mg_separation(c, c->lcp.rows[r]);
   return p;
 }
 
 /* Notes a contact that slips on under its forces, and parts without: by itself it would do either (Painleve). */
 static void mg_note_paradox(mg_context *c, const mg_friction_problem *p) {
-  for (int k = 0; k < p->n_contact && c->run->paradox < 0; k++) {
-    const int first = p->first[k], contact = c->cone_contact[k];
+  for (int k = 0; k < p->n_contact && c->run->paradox_contact < 0; k++) {
+    const int first = p->first[k], contact = c->friction.cone_contact[k];
     if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_slack(c))
-      c->run->paradox = contact, c->run->paradox_t = c->run->t;
+      c->run->paradox_contact = contact, c->run->paradox_t = c->run->t;
   }
 }
 
 static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                         mg_friction_report *report) {
   c->run->lcp_solves++;
-  for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->cone_contact[k], part, c->cone + MG_CONE * k);
+  for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
   return mg_friction_held(c, p, z, report) == MG_FRICTION_SOLVED;
 }
@@ -148,29 +148,29 @@ static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
   mg_real size = 0;
   for (int r = 0; r < p->n; r++)
     if (fabs(p->b[r]) > size) size = fabs(p->b[r]);
-  return 10 * c->set->cone * size;
+  return 10 * c->settings->cone * size;
 }
 
 /* A grip of contact k of the problem is on its bound and moves off, against what its force at the bound does to it. */
 static int mg_gives_way(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
-  const int first = p->first[k], row = first + 1 + c->sys->grip_row[grip], aspect = c->sys->grip_aspect[grip];
-  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_at(aspect), N = c->z[first];
+  const int first = p->first[k], row = first + 1 + c->system->grip_row[grip], aspect = c->system->grip_aspect[grip];
+  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_at(aspect), N = c->lcp.z[first];
   mg_real way = 0, own = 0, size = 0;
-  if (!(c->marks[k] & MG_PRESSES)) return 0;
+  if (!(c->friction.marks[k] & MG_PRESSES)) return 0;
   for (int j = 0; j < mg_grip_rows(c, grip); j++) {
-    const mg_real mu = cone[aspect == MG_SLIP ? j : 0], part = c->z[row + j] / mu;
-    way += fabs(mg_way_of(p, c->z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, size += part * part;
+    const mg_real mu = cone[aspect == MG_SLIP ? j : 0], part = c->lcp.z[row + j] / mu;
+    way += fabs(mg_way_of(p, c->lcp.z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, size += part * part;
   }
-  return way > c->set->cone / 10 * own && sqrt(size) > (1 - c->set->polish) * N;
+  return way > c->settings->cone / 10 * own && sqrt(size) > (1 - c->settings->polish) * N;
 }
 
 /* Marks the grips found to slip; returns their number. */
 static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
   int count = 0;
   for (int k = 0; k < p->n_contact; k++) {
-    const int i = c->cone_contact[k];
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
-      count += c->gives[g] = c->bound_of[g] != MG_KNOWN && mg_gives_way(c, p, k, g);
+    const int i = c->friction.cone_contact[k];
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      count += c->friction.is_yielding[g] = c->friction.bound[g] != MG_BOUND_SLIP && mg_gives_way(c, p, k, g);
   }
   return count;
 }
@@ -178,55 +178,55 @@ static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
 /* Those that slip get their kinetic bounds; returns how many bounds that changes. */
 MG_INTERNAL int mg_loosen_giving(mg_context *c) {
   int count = 0;
-  for (int g = 0; g < c->sys->n_grip; g++) {
-    const mg_real *s = c->sys->grip_static + 2 * g, *d = c->sys->grip_kinetic + 2 * g;
-    if (!c->gives[g] || c->bound_of[g] == MG_KINETIC) continue;
-    c->bound_of[g] = MG_KINETIC;
+  for (int g = 0; g < c->system->n_grip; g++) {
+    const mg_real *s = c->system->grip_static + 2 * g, *d = c->system->grip_kinetic + 2 * g;
+    if (!c->friction.is_yielding[g] || c->friction.bound[g] == MG_BOUND_KINETIC) continue;
+    c->friction.bound[g] = MG_BOUND_KINETIC;
     count += s[0] != d[0] || s[1] != d[1];
   }
   return count;
 }
 
 static void mg_set_course(mg_context *c, int contact, int grip, const mg_real *force) {
-  const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *t = c->tangents + 6 * contact;
+  const mg_real *mu = c->system->grip_kinetic + 2 * grip, *t = c->tangents + 6 * contact;
   const mg_real a = -force[0] / (mu[0] * mu[0]), b = mg_grip_rows(c, grip) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
   const mg_real size = sqrt(a * a + b * b);
-  mg_real *course = c->run->course + 3 * grip;
+  mg_real *course = c->run->slip_direction + 3 * grip;
   for (int k = 0; k < 3; k++) course[k] = (a * t[k] + b * t[3 + k]) / size;
-  if (c->sys->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
+  if (c->system->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
 }
 
 /* Slip begins where the force has reached its bound, which stays as it is: there may be no acceleration at first. */
 static int mg_begins_gently(const mg_context *c, int grip) {
-  const mg_real *s = c->sys->grip_static + 2 * grip, *d = c->sys->grip_kinetic + 2 * grip;
-  return c->before[grip] == MG_STUCK && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
+  const mg_real *s = c->system->grip_static + 2 * grip, *d = c->system->grip_kinetic + 2 * grip;
+  return c->friction.mode_before[grip] == MG_STICKING && s[0] == d[0] && s[1] == d[1] && mg_grip_rows(c, grip) == 2;
 }
 
 static void mg_take_modes(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++) {
-    const int i = c->cone_contact[k];
-    c->run->active[i] = (c->marks[k] & MG_PRESSES) != 0;
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      if (!c->gives[g]) continue;
-      mg_set_course(c, i, g, c->z + c->cone_first[k] + 1 + c->sys->grip_row[g]);
-      c->run->grip[g] = mg_begins_gently(c, g) ? MG_ONSET : MG_STARTING;
+    const int i = c->friction.cone_contact[k];
+    c->run->active[i] = (c->friction.marks[k] & MG_PRESSES) != 0;
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
+      if (!c->friction.is_yielding[g]) continue;
+      mg_set_course(c, i, g, c->lcp.z + c->friction.cone_first[k] + 1 + c->system->grip_row[g]);
+      c->run->grip[g] = mg_begins_gently(c, g) ? MG_SLIP_ONSET : MG_SLIP_STARTING;
     }
   }
 }
 
 /* The solution is added to what the joints hold by themselves. */
 static void mg_take_shares(mg_context *c, const mg_friction_problem *p) {
-  for (int i = 0; i < c->n_all; i++) c->run->share[i] = 0;
-  for (int r = 0; r < p->n; r++) c->run->share[c->list[r]] = c->force[c->list[r]] + c->z[r];
-  c->run->shared = 1;
+  for (int i = 0; i < c->friction_row_end; i++) c->run->reference_force[i] = 0;
+  for (int r = 0; r < p->n; r++) c->run->reference_force[c->lcp.rows[r]] = c->force[c->lcp.rows[r]] + c->lcp.z[r];
+  c->run->forces_redundant = 1;
 }
 
 static int mg_is_admissible(const mg_context *c) {
-  for (int i = 0; i < c->first_pad; i++) {
+  for (int i = 0; i < c->support_begin; i++) {
     if (!c->run->active[i]) continue;
     if (!(c->force[i] > 0)) return 0;
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
-      if (c->run->grip[g] == MG_STUCK && !(mg_grip_value(c, i, g) > c->set->cone * c->force[i])) return 0;
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      if (c->run->grip[g] == MG_STICKING && !(mg_grip_value(c, i, g) > c->settings->cone * c->force[i])) return 0;
   }
   return 1;
 }
@@ -235,12 +235,12 @@ static int mg_is_admissible(const mg_context *c) {
    left as they were. */
 static int mg_spread(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++)
-    if (mg_way_of(p, c->z, c->cone_first[k]) < mg_certain(c, p)) c->run->active[c->cone_contact[k]] = 1;
-  c->run->shared = 0;
+    if (mg_way_of(p, c->lcp.z, c->friction.cone_first[k]) < mg_certain(c, p)) c->run->active[c->friction.cone_contact[k]] = 1;
+  c->run->forces_redundant = 0;
   mg_refresh(c);
   if (mg_is_admissible(c)) return 1;
-  for (int k = 0; k < p->n_contact; k++) c->run->active[c->cone_contact[k]] = (c->marks[k] & MG_PRESSES) != 0;
-  c->run->shared = 1;
+  for (int k = 0; k < p->n_contact; k++) c->run->active[c->friction.cone_contact[k]] = (c->friction.marks[k] & MG_PRESSES) != 0;
+  c->run->forces_redundant = 1;
   return 0;
 }
 
@@ -248,13 +248,13 @@ static int mg_spread(mg_context *c, const mg_friction_problem *p) {
 static void mg_relieve(mg_context *c, const int *skip) {
   mg_friction_report report;
   const mg_friction_problem p = mg_pose_problem(c, skip);
-  for (mg_real less = (mg_real)0.5; less > c->set->cone; less /= 4) {
-    if (!mg_try_cones(c, &p, 1 - less, c->z, &report) || mg_mark_giving(c, &p)) continue;
+  for (mg_real less = (mg_real)0.5; less > c->settings->cone; less /= 4) {
+    if (!mg_try_cones(c, &p, 1 - less, c->lcp.z, &report) || mg_mark_giving(c, &p)) continue;
     mg_take_modes(c, &p);
     mg_take_shares(c, &p);
     return;
   }
-  for (int k = 0; k < p.n_contact; k++) c->run->active[c->cone_contact[k]] = 1;
+  for (int k = 0; k < p.n_contact; k++) c->run->active[c->friction.cone_contact[k]] = 1;
 }
 
 /* Which of the forces that make the same motion are meant. Needs the problem as it was solved. */
@@ -276,30 +276,30 @@ static void mg_note_report(mg_context *c, const mg_friction_report *report, int 
 MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int giving, redundant, idle = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->gives[g] = 0;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->friction.is_yielding[g] = 0;
   mg_arrest(c);
   mg_bound_all(c);
   mg_let_go(c);
-  if (c->sys->n_row) idle = c->sys->n_row - mg_rank_joints(c, 0);
+  if (c->system->n_row) idle = c->system->n_row - mg_rank_joints(c, 0);
   const mg_friction_problem p = mg_pose_problem(c, skip);
   if (p.n_contact == 0) {
     mg_refresh(c);
     return MG_DONE;
   }
-  redundant = mg_oblique_rank(c, c->list, p.n) < p.n - idle;
+  redundant = mg_oblique_rank(c, c->lcp.rows, p.n) < p.n - idle;
   do {
-    if (!mg_try_cones(c, &p, redundant ? 1 - c->set->cone : 1, c->z, &report)) return MG_NO_FRICTION;
+    if (!mg_try_cones(c, &p, redundant ? 1 - c->settings->cone : 1, c->lcp.z, &report)) return MG_NO_FRICTION;
     giving = mg_mark_giving(c, &p);
   } while (mg_loosen_giving(c));
   mg_note_report(c, &report, idle);
   mg_note_paradox(c, &p);
   mg_take_modes(c, &p);
-  c->run->shared = 0;
+  c->run->forces_redundant = 0;
   if (redundant) mg_settle_shares(c, skip, &p, giving);
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; !c->run->active[i] && g < c->sys->contact_grip[i + 1]; g++)
-      c->run->grip[g] = MG_LOOSE;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; !c->run->active[i] && g < c->system->contact_grip[i + 1]; g++)
+      c->run->grip[g] = MG_FRICTION_OFF;
   mg_refresh(c);
   mg_arrest(c);
   return MG_DONE;
@@ -307,22 +307,22 @@ MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip) {
 
 /* Tells of slip that begins, dies, or dies and begins anew. */
 MG_INTERNAL void mg_report_grips(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++) {
-      const int before = c->before[g], now = c->run->grip[g];
-      const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->sys->grip_aspect[g];
-      if (before == MG_STUCK && now >= MG_ONSET) mg_emit(c, events, c->run->t, first, i, 0);
-      if (before >= MG_ONSET && now == MG_STUCK) mg_emit(c, events, c->run->t + c->over[g], first + 1, i, 0);
-      if (before >= MG_ONSET && now >= MG_ONSET && now != MG_SLIPPING && c->slipped[g])
-        mg_emit(c, events, c->run->t + c->over[g], first + 2, i, 0);
-      c->over[g] = 0;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
+      const int before = c->friction.mode_before[g], now = c->run->grip[g];
+      const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->system->grip_aspect[g];
+      if (before == MG_STICKING && now >= MG_SLIP_ONSET) mg_emit(c, events, c->run->t, first, i, 0);
+      if (before >= MG_SLIP_ONSET && now == MG_STICKING) mg_emit(c, events, c->run->t + c->friction.slip_time_left[g], first + 1, i, 0);
+      if (before >= MG_SLIP_ONSET && now >= MG_SLIP_ONSET && now != MG_SLIPPING && c->friction.triggered[g])
+        mg_emit(c, events, c->run->t + c->friction.slip_time_left[g], first + 2, i, 0);
+      c->friction.slip_time_left[g] = 0;
     }
 }
 
 /* N - |f / mu|, N: what is left of the bound of a stuck grip. */
 static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip);
-  const mg_real *mu = c->sys->grip_static + 2 * grip;
+  const mg_real *mu = c->system->grip_static + 2 * grip;
   const mg_real a = c->force[row] / mu[0], b = mg_grip_rows(c, grip) == 2 ? c->force[row + 1] / mu[1] : 0;
   return c->force[contact] - sqrt(a * a + b * b);
 }
@@ -330,49 +330,49 @@ static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
 /* The event function of a grip, which falls through zero: force left, or slip left along the course. */
 MG_INTERNAL mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
-  return c->run->grip[grip] == MG_STUCK ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
+  return c->run->grip[grip] == MG_STICKING ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
 }
 
 /* What is left before the event of a grip; MG_MAX where it has none. Slip that has reached slip_speed is over below it; one that
    has not, once it goes back as fast. */
 MG_INTERNAL mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
   const int mode = c->run->grip[grip];
-  if (!c->run->active[contact] || mode == MG_LOOSE) return MG_MAX;
-  const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->sys->mass;
-  const mg_real least = mode == MG_STUCK ? -slack : mode == MG_SLIPPING ? rest : -rest;
+  if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
+  const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->system->mass;
+  const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -rest;
   return mg_grip_value(c, contact, grip) - least;
 }
 
 static int mg_has_fired(const mg_context *c, int contact, int grip) { return mg_grip_strain(c, contact, grip) < 0; }
 
-/* Marks in c->slipped the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates. */
+/* Marks in c->friction.triggered the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates. */
 MG_INTERNAL int mg_grips_fired(mg_context *c) {
   int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
-      count += c->slipped[g] = mg_has_fired(c, i, g);
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      count += c->friction.triggered[g] = mg_has_fired(c, i, g);
   return count;
 }
 
 /* As mg_grips_fired at a stage, without marks. */
 MG_INTERNAL int mg_grips_suspect(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
       if (mg_has_fired(c, i, g)) return 1;
   return 0;
 }
 
 MG_INTERNAL int mg_first_slipped(const mg_context *c) {
-  for (int g = 0; g < c->sys->n_grip; g++)
-    if (c->slipped[g]) return g;
+  for (int g = 0; g < c->system->n_grip; g++)
+    if (c->friction.triggered[g]) return g;
   return -1;
 }
 
 /* At the start of a step: the courses that tell its forces, the modes that its events are told by. Needs the rows at
    run->x. */
 MG_INTERNAL void mg_aim_all(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
-      if (c->run->active[i] && c->run->grip[g] >= MG_STARTING && mg_aim(c, i, g)) c->run->grip[g] = MG_SLIPPING;
-  for (int g = 0; g < c->sys->n_grip; g++) c->before[g] = c->run->grip[g];
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      if (c->run->active[i] && c->run->grip[g] >= MG_SLIP_STARTING && mg_aim(c, i, g)) c->run->grip[g] = MG_SLIPPING;
+  for (int g = 0; g < c->system->n_grip; g++) c->friction.mode_before[g] = c->run->grip[g];
 }

@@ -8,27 +8,27 @@
 
 /* y = -A_jj^+ (right side) over the joints, of minimum norm; the first n entries are 0. */
 static void mg_hold_joints(mg_context *c, int size, const mg_real *right) {
-  mg_active_above(size, c->A, right, c->bound, c->set->singular, c->y, c->lcp, c->lcp_i);
+  mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->singular, c->lcp.reduced_z, c->lcp.work, c->lcp.iwork);
 }
 
 static mg_real mg_through_joints(const mg_context *c, int row, int n, int size) {
   mg_real sum = 0;
-  for (int k = n; k < size; k++) sum += c->A[row + size * k] * c->y[k];
+  for (int k = n; k < size; k++) sum += c->lcp.A[row + size * k] * c->lcp.reduced_z[k];
   return sum;
 }
 
 static void mg_reduce(mg_context *c, int n, int size) {
   for (int j = 0; j < n; j++) {
-    mg_hold_joints(c, size, c->A + (long)size * j);
-    for (int i = 0; i < n; i++) c->S[i + n * j] = c->A[i + size * j] + mg_through_joints(c, i, n, size);
+    mg_hold_joints(c, size, c->lcp.A + (long)size * j);
+    for (int i = 0; i < n; i++) c->lcp.reduced_A[i + n * j] = c->lcp.A[i + size * j] + mg_through_joints(c, i, n, size);
   }
-  mg_hold_joints(c, size, c->b);
-  for (int i = 0; i < n; i++) c->s[i] = c->b[i] + mg_through_joints(c, i, n, size);
+  mg_hold_joints(c, size, c->lcp.b);
+  for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_through_joints(c, i, n, size);
 }
 
 /* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
 MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n) {
-  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+  for (int i = c->support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_edged(c, i)) list[n++] = i;
   return mg_list_joints(c, list, n);
 }
@@ -37,67 +37,67 @@ MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n) {
 static void mg_pass_held(mg_context *c, int n, int size) {
   mg_real most = 0;
   for (int r = 0; r < size; r++)
-    if (fabs(c->b[r]) > most) most = fabs(c->b[r]);
+    if (fabs(c->lcp.b[r]) > most) most = fabs(c->lcp.b[r]);
   for (int j = 0; j < n; j++) {
-    const int held = c->S[j + n * j] <= c->set->dependent * c->A[j + size * j];
-    if (!held || fabs(c->s[j]) > c->set->dependent * most) continue;
-    for (int k = 0; k < n; k++) c->S[j + n * k] = c->S[k + n * j] = 0;
-    c->s[j] = 0, c->mask[j] = 0;
+    const int held = c->lcp.reduced_A[j + n * j] <= c->settings->dependent * c->lcp.A[j + size * j];
+    if (!held || fabs(c->lcp.reduced_b[j]) > c->settings->dependent * most) continue;
+    for (int k = 0; k < n; k++) c->lcp.reduced_A[j + n * k] = c->lcp.reduced_A[k + n * j] = 0;
+    c->lcp.reduced_b[j] = 0, c->lcp.mask[j] = 0;
   }
 }
 
-/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->list with the pads' and the joints' rows held at
-   zero. Starts from the active set in c->mask and leaves that of the answer there. Appends pads and joints to c->list;
-   z of all is in c->z. Returns the solver's outcome. */
+/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->lcp.rows with the pads' and the joints' rows held at
+   zero. Starts from the active set in c->lcp.mask and leaves that of the answer there. Appends pads and joints to c->lcp.rows;
+   z of all is in c->lcp.z. Returns the solver's outcome. */
 MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
-  const int size = mg_list_bilateral(c, c->list, n), limit = c->set->lcp_iterations;
+  const int size = mg_list_bilateral(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
   c->run->lcp_solves++;
-  mg_assemble(c, c->list, size);
-  for (int r = 0; r < size; r++) c->b[r] = value[c->list[r]], c->bound[r] = r >= n;
+  mg_assemble(c, c->lcp.rows, size);
+  for (int r = 0; r < size; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.joint_mask[r] = r >= n;
   if (size == n) {
-    mg_qp(n, c->A, c->b, limit, c->z, c->mask, report, c->lcp, c->lcp_i);
+    mg_qp(n, c->lcp.A, c->lcp.b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
     return report->outcome;
   }
   mg_reduce(c, n, size);
   mg_pass_held(c, n, size);
-  mg_qp(n, c->S, c->s, limit, c->z, c->mask, report, c->lcp, c->lcp_i);
+  mg_qp(n, c->lcp.reduced_A, c->lcp.reduced_b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
   for (int j = 0; j < n; j++)
-    for (int r = n; r < size; r++) c->b[r] += c->A[r + size * j] * c->z[j];
-  mg_hold_joints(c, size, c->b);
-  for (int r = n; r < size; r++) c->z[r] = c->y[r];
+    for (int r = n; r < size; r++) c->lcp.b[r] += c->lcp.A[r + size * j] * c->lcp.z[j];
+  mg_hold_joints(c, size, c->lcp.b);
+  for (int r = n; r < size; r++) c->lcp.z[r] = c->lcp.reduced_z[r];
   return report->outcome;
 }
 
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `singular` is passed over. Writes into c->part how much of its own each row has, 0..1, and the independent
+   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and the independent
    rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
-  const int n = mg_list_joints(c, c->list, 0);
+  const int n = mg_list_joints(c, c->lcp.rows, 0);
   int total = 0;
-  mg_assemble(c, c->list, n);
+  mg_assemble(c, c->lcp.rows, n);
   for (int r = 0; r < n; r++) {
-    const mg_real own = c->A[r + n * r];
+    const mg_real own = c->lcp.A[r + n * r];
     mg_real left = own;
     for (int k = 0; k < r; k++) {
-      if (!c->bound[k]) continue;
-      mg_real entry = c->A[r + n * k];
+      if (!c->lcp.joint_mask[k]) continue;
+      mg_real entry = c->lcp.A[r + n * k];
       for (int j = 0; j < k; j++)
-        if (c->bound[j]) entry -= c->A[r + n * j] * c->A[k + n * j];
-      c->A[r + n * k] = entry / c->A[k + n * k];
-      left -= c->A[r + n * k] * c->A[r + n * k];
+        if (c->lcp.joint_mask[j]) entry -= c->lcp.A[r + n * j] * c->lcp.A[k + n * j];
+      c->lcp.A[r + n * k] = entry / c->lcp.A[k + n * k];
+      left -= c->lcp.A[r + n * k] * c->lcp.A[r + n * k];
     }
-    c->part[r] = own > 0 && left > 0 ? left / own : 0;
-    c->bound[r] = c->part[r] > c->set->singular;
-    total += c->bound[r];
-    if (rank) rank[mg_joint_of(c, c->list[r])] += c->bound[r];
-    if (c->bound[r]) c->A[r + n * r] = sqrt(left);
+    c->joints.independence[r] = own > 0 && left > 0 ? left / own : 0;
+    c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->singular;
+    total += c->lcp.joint_mask[r];
+    if (rank) rank[mg_joint_of(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
+    if (c->lcp.joint_mask[r]) c->lcp.A[r + n * r] = sqrt(left);
   }
   return total;
 }
 
 /* J_row M^-1 J_column^T, of the rows now with those of the step before. */
 static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
-  const mg_real *J = c->J + 12 * row, *MJ = c->MJ_before + 12 * (column - c->bilateral);
+  const mg_real *J = c->J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->joint_row_begin);
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++)
@@ -122,25 +122,25 @@ static int mg_has_turned(mg_real *A, int n) {
 /* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for the
    next step. */
 static int mg_passed_dead_centre(mg_context *c) {
-  const int n = c->sys->n_row, first = c->run->rank_min < 0;
+  const int n = c->system->n_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
-  for (int r = 0; r < n; r++) same &= c->bound[r] == c->kept[r], lost += c->kept[r] - c->bound[r];
+  for (int r = 0; r < n; r++) same &= c->lcp.joint_mask[r] == c->joints.was_independent[r], lost += c->joints.was_independent[r] - c->lcp.joint_mask[r];
   for (int r = 0; r < n && same; r++)
-    if (c->bound[r]) c->list[independent++] = c->bilateral + r;
+    if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->joint_row_begin + r;
   for (int j = 0; j < independent; j++)
     for (int i = 0; i < independent; i++)
-      c->A[i + independent * j] = mg_product_with_before(c, c->list[i], c->list[j]);
-  for (int r = 0; r < n; r++) c->kept[r] = c->bound[r];
-  for (int k = 0; k < 12 * n; k++) c->MJ_before[k] = c->MJ[12 * c->bilateral + k];
-  return same ? mg_has_turned(c->A, independent) : !first && lost > 0;
+      c->lcp.A[i + independent * j] = mg_product_with_before(c, c->lcp.rows[i], c->lcp.rows[j]);
+  for (int r = 0; r < n; r++) c->joints.was_independent[r] = c->lcp.joint_mask[r];
+  for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->MJ[12 * c->joint_row_begin + k];
+  return same ? mg_has_turned(c->lcp.A, independent) : !first && lost > 0;
 }
 
 /* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway. */
 static mg_real mg_left_of(const mg_context *c, int joint) {
-  const int first = c->sys->joint_row[joint];
+  const int first = c->system->joint_row[joint];
   mg_real product = 1;
-  for (int r = first; r < first + c->kernels->joint_kinds[c->sys->joint_kind[joint]].n_rows; r++)
-    if (c->free[r]) product *= c->part[r];
+  for (int r = first; r < first + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows; r++)
+    if (c->joints.is_independent[r]) product *= c->joints.independence[r];
   return product;
 }
 
@@ -148,11 +148,11 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
 static int mg_faintest(mg_context *c, mg_real *least) {
   int faintest = -1;
   *least = 1;
-  for (int r = 0; r < c->sys->n_row; r++) c->free[r] = c->bound[r] || (c->run->rank_min >= 0 && c->free[r]);
-  for (int j = 0; j < c->sys->n_joint; j++) {
+  for (int r = 0; r < c->system->n_row; r++) c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
+  for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_left_of(c, j);
-    if (c->run->rank_min < 0 || left > c->most[j]) c->most[j] = left;
-    if (left < *least * c->most[j]) *least = left / c->most[j], faintest = j;
+    if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
+    if (left < *least * c->joints.best_independence[j]) *least = left / c->joints.best_independence[j], faintest = j;
   }
   return faintest;
 }

@@ -8,33 +8,33 @@
 #include "solve/friction/solvers.h"
 
 static int mg_any_rub_leans(const mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++)
-    if (c->rub[slot].leans) return 1;
+  for (int slot = 0; slot < c->system->n_slot; slot++)
+    if (c->patches.friction[slot].slips) return 1;
   return 0;
 }
 
-/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp on. */
+/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp.work on. */
 static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y, mg_real *x) {
   const int k = p->n - m;
-  mg_real *R = c->lcp, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
+  mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
   for (int i = 0; i < k; i++) {
-    const int row = c->list[m + i];
+    const int row = c->lcp.rows[m + i];
     d[i] = 1 / mg_diagonal_scale(mg_product(c, row, row)), b[i] = -y[i] * d[i];
   }
   for (int j = 0; j < k; j++)
     for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
-  const int rank = mg_triangle(k, R, b, c->lcp_i, MG_LCP_RANK(k));
+  const int rank = mg_triangle(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
   mg_solve_triangle(k, rank, R, b, scaled, beta);
-  for (int i = 0; i < k; i++) x[c->lcp_i[i]] = scaled[i] * d[c->lcp_i[i]];
+  for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
 }
 
-/* As mg_friction; needs the rows in c->list, those of contacts first. */
+/* As mg_friction; needs the rows in c->lcp.rows, those of contacts first. */
 MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report) {
   int m = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
-  if (!mg_any_rub_leans(c) || m == p->n) return mg_friction(p, z, c->marks, report, c->coulomb, c->coulomb_i);
+  if (!mg_any_rub_leans(c) || m == p->n) return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   const int k = p->n - m;
-  mg_real *A = c->reduced, *b = A + m * m, *x = b + m;
+  mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
   for (int j = 0; j <= m; j++) {
     const mg_real *column = j < m ? p->A + p->n * j : p->b;
     mg_real *out = j < m ? A + m * j : b;
@@ -46,7 +46,7 @@ MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg
   }
   mg_friction_problem own = *p;
   own.n = m, own.A = A, own.b = b;
-  const int outcome = mg_friction(&own, z, c->marks, report, c->coulomb, c->coulomb_i);
+  const int outcome = mg_friction(&own, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   for (int r = 0; r < k; r++) {
     b[r] = p->b[m + r];
     for (int j = 0; j < m; j++) b[r] += p->A[m + r + p->n * j] * z[j];
@@ -127,22 +127,22 @@ MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y
   for (int i = 0; i < rank; i++) mg_reflect(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
 }
 
-/* The triangle of c->A and c->b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
+/* The triangle of c->lcp.A and c->lcp.b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
 static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
-  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_product(c, list[i], list[i])), y[i] = -c->b[i] * d[i];
+  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_product(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
   for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++) R[i + n * j] = c->A[i + n * j] * d[i] * d[j];
-  return mg_triangle(n, R, y, c->lcp_i, MG_LCP_RANK(n));
+    for (int i = 0; i < n; i++) R[i + n * j] = c->lcp.A[i + n * j] * d[i] * d[j];
+  return mg_triangle(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
 }
 
 MG_INTERNAL int mg_oblique_rank(mg_context *c, const int *list, int n) {
-  return mg_scaled_triangle(c, list, n, c->lcp, c->lcp + n * n, c->lcp + n * n + n);
+  return mg_scaled_triangle(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
 }
 
 /* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
 MG_INTERNAL void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
-  mg_real *R = c->lcp, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+  mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
   const int rank = mg_scaled_triangle(c, list, n, R, y, d);
   mg_solve_triangle(n, rank, R, y, x, beta);
-  for (int i = 0; i < n; i++) z[c->lcp_i[i]] = x[i] * d[c->lcp_i[i]];
+  for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
 }

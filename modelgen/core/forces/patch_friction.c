@@ -5,9 +5,9 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_RUB_ROUNDS 40
+#define MG_PRESSURE_ROUNDS 40
 
-MG_INTERNAL int mg_has_rubbing(const mg_context *c, int patch) { return c->sys->patch_friction[2 * patch + 1] > 0; }
+MG_INTERNAL int mg_has_rubbing(const mg_context *c, int patch) { return c->system->patch_friction[2 * patch + 1] > 0; }
 
 /* The slot holds a patch with friction. */
 MG_INTERNAL int mg_rubs(const mg_context *c, int slot) {
@@ -15,12 +15,12 @@ MG_INTERNAL int mg_rubs(const mg_context *c, int slot) {
   return patch >= 0 && mg_has_rubbing(c, patch) && c->run->active[mg_pad_of(c, slot)];
 }
 
-MG_INTERNAL int mg_rub_row(const mg_context *c, int slot) { return c->below + c->sys->contact_below[mg_pad_of(c, slot)]; }
+MG_INTERNAL int mg_rub_row(const mg_context *c, int slot) { return c->friction_row_begin + c->system->contact_below[mg_pad_of(c, slot)]; }
 
 /* The slot of a row that is a pad's of a patch that slips, or -1. */
 MG_INTERNAL int mg_rub_leans(const mg_context *c, int row) {
-  const int slot = row >= c->first_pad && row < c->sys->n_contact ? (row - c->first_pad) / 3 : -1;
-  return slot >= 0 && c->rub[slot].leans ? slot : -1;
+  const int slot = row >= c->support_begin && row < c->system->n_contact ? (row - c->support_begin) / 3 : -1;
+  return slot >= 0 && c->patches.friction[slot].slips ? slot : -1;
 }
 
 /* The distance of the pads from the middle of the face. */
@@ -30,7 +30,7 @@ MG_INTERNAL mg_real mg_rub_radius(const mg_context *c, int slot) {
   return sqrt(mg_dot3(arm, arm) / 3);
 }
 
-MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at) {
+MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_patch_frame *at) {
   const int pad = mg_pad_of(c, slot);
   mg_real world[3], local[3];
   mg_hull_pose(c, mg_patch_in(c, slot), at->pose);
@@ -45,7 +45,7 @@ MG_INTERNAL void mg_rub_axes(const mg_context *c, int slot, mg_rub_frame *at) {
 
 /* Slip and spin along the course of a patch. */
 MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot) {
-  const mg_real *course = c->run->rub_course + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
   const mg_real *slip = c->d_dot + mg_rub_row(c, slot);
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) + slip[2] * mg_rub_radius(c, slot) * course[3];
 }
@@ -54,7 +54,7 @@ MG_INTERNAL mg_real mg_rub_along(const mg_context *c, int slot) {
 MG_INTERNAL void mg_set_rub_course(mg_context *c, int slot, const mg_real *twist) {
   const mg_real *t = c->tangents + 6 * mg_pad_of(c, slot), turn = twist[2] * mg_rub_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
-  mg_real *course = c->run->rub_course + 4 * slot;
+  mg_real *course = c->run->patch_slip_direction + 4 * slot;
   for (int k = 0; k < 3; k++) course[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
   course[3] = turn / size;
 }
@@ -70,7 +70,7 @@ MG_INTERNAL void mg_across(const mg_real *e, mg_real across[2][3]) {
 
 /* The course and two directions across it: along t1, t2, and spin in units of 1/radius. */
 MG_INTERNAL void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *course = c->run->rub_course + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_pad_of(c, slot);
   e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
   mg_across(e[0], e + 1);
 }
@@ -78,12 +78,12 @@ MG_INTERNAL void mg_rub_basis(const mg_context *c, int slot, mg_real e[3][3]) {
 /* The twist that tells friction: the slip, taken round where it points against its course; the course, where there is so
    little of it that rounding would turn it; as steered, where it begins. */
 static void mg_rub_twist(const mg_context *c, int slot, mg_real *twist) {
-  const mg_real *slip = c->d_dot + mg_rub_row(c, slot), *steer = c->rub[slot].steer;
+  const mg_real *slip = c->d_dot + mg_rub_row(c, slot), *steer = c->patches.friction[slot].slip_direction;
   const mg_real radius = mg_rub_radius(c, slot), turn = slip[2] * radius;
   const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + turn * turn);
-  const int small = size <= 2 * c->set->slip_speed * c->sys->length / c->sys->time;
+  const int small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
   const mg_real sign = !small && mg_rub_along(c, slot) < 0 ? -1 : 1;
-  const int steered = c->steering && c->run->rub[slot] == MG_ONSET;
+  const int steered = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3];
   for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
   if (!small && !steered) return;
@@ -94,31 +94,31 @@ static void mg_rub_twist(const mg_context *c, int slot, mg_real *twist) {
 
 /* The pressure in a slot, of a resultant of 1 at its centre; of all of the face while that is not known. */
 MG_INTERNAL void mg_press_rub(mg_context *c, int slot) {
-  mg_rub_state *r = c->rub + slot;
-  mg_press *p = &c->press;
-  mg_rub_frame at;
+  mg_patch_friction *r = c->patches.friction + slot;
+  mg_pressure *p = &c->patches.pressure;
+  mg_patch_frame at;
   mg_lay_patch(c, mg_patch_in(c, slot));
-  mg_open_press(p, &c->hull, c->press_room, c->strips);
-  r->clipped = r->known && mg_inside_hull(&c->hull, r->centre);
-  if (!r->known || !mg_press_at(p, 1, r->centre)) {
+  mg_open_press(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
+  r->force_outside = r->centre_known && mg_inside_hull(&c->patches.hull, r->centre);
+  if (!r->centre_known || !mg_press_at(p, 1, r->centre)) {
     mg_rub_axes(c, slot, &at);
     for (int k = 0; k < 2; k++) r->centre[k] = (at.pad[0][k] + at.pad[1][k] + at.pad[2][k]) / 3;
     mg_press_whole(p, r->centre);
-    r->clipped = 0;
+    r->force_outside = 0;
   }
-  r->cut = p->cut, r->extent = p->extent;
+  r->partly_unloaded = p->partly_unloaded, r->extent = p->reach;
 }
 
 /* How the friction of a slot goes with the forces on its pads. */
 static void mg_lean_rub(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot), row = mg_rub_row(c, slot);
-  const mg_real mu = c->sys->patch_friction[2 * patch + 1];
-  mg_rub_state *r = c->rub + slot;
-  mg_rub_frame at;
+  const mg_real mu = c->system->patch_friction[2 * patch + 1];
+  mg_patch_friction *r = c->patches.friction + slot;
+  mg_patch_frame at;
   mg_real own[3], twist[3], G[3][3], level[3];
   mg_press_rub(c, slot);
   mg_rub_axes(c, slot, &at);
-  const mg_press *p = &c->press;
+  const mg_pressure *p = &c->patches.pressure;
   const mg_real arm[2] = {p->centre[0] - at.pad[0][0], p->centre[1] - at.pad[0][1]};
   mg_rub_twist(c, slot, own);
   twist[2] = at.sign * own[2];
@@ -128,74 +128,74 @@ static void mg_lean_rub(mg_context *c, int slot) {
   for (int i = 0; i < 3; i++) {
     const mg_real moment[3] = {1, at.pad[i][0] - p->centre[0], at.pad[i][1] - p->centre[1]};
     mg_real force[3];
-    if (r->clipped || !mg_solve_moments(p, moment, level))
-      for (int k = 0; k < 3; k++) level[k] = p->level[k];
+    if (r->force_outside || !mg_solve_moments(p, moment, level))
+      for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
     for (int k = 0; k < 3; k++) force[k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);
-    r->lean[0][i] = at.t[0][0] * force[0] + at.t[0][1] * force[1];
-    r->lean[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
-    r->lean[2][i] = at.sign * (force[2] + mg_cross2(arm, force));
+    r->force_ratio[0][i] = at.t[0][0] * force[0] + at.t[0][1] * force[1];
+    r->force_ratio[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
+    r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(arm, force));
   }
-  for (int k = 0; k < MG_RUB_ROWS; k++) mg_weigh(c, row + k);
+  for (int k = 0; k < MG_PATCH_ROWS; k++) mg_weigh(c, row + k);
 }
 
 /* The leans of all slots; needs the rates of the rows. */
 MG_INTERNAL void mg_begin_rubs(mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    mg_rub_state *r = c->rub + slot;
-    r->leans = mg_rubs(c, slot) && c->run->rub[slot] >= MG_ONSET;
-    if (!r->leans) continue;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    mg_patch_friction *r = c->patches.friction + slot;
+    r->slips = mg_rubs(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_ONSET;
+    if (!r->slips) continue;
     mg_lean_rub(c, slot);
-    for (int k = 0; k < MG_RUB_ROWS; k++) c->lean[mg_rub_row(c, slot) - c->below + k] = 1;
+    for (int k = 0; k < MG_PATCH_ROWS; k++) c->friction.force_ratio[mg_rub_row(c, slot) - c->friction_row_begin + k] = 1;
   }
 }
 
 /* The lean is for this centre of pressure: both leave nothing of the face alone, or they are the same. Takes the centre. */
 static int mg_rub_is_settled(mg_context *c, int slot, const mg_real *centre) {
-  mg_rub_state *r = c->rub + slot;
+  mg_patch_friction *r = c->patches.friction + slot;
   const mg_real made[2] = {r->centre[0], r->centre[1]};
-  const int was_cut = r->cut || r->clipped;
-  r->centre[0] = centre[0], r->centre[1] = centre[1], r->known = 1;
+  const int was_cut = r->partly_unloaded || r->force_outside;
+  r->centre[0] = centre[0], r->centre[1] = centre[1], r->centre_known = 1;
   if (!was_cut) {
     mg_press_rub(c, slot);
-    return !r->cut && !r->clipped;
+    return !r->partly_unloaded && !r->force_outside;
   }
-  mg_inside_hull(&c->hull, r->centre);
+  mg_inside_hull(&c->patches.hull, r->centre);
   return mg_apart2(r->centre, made) <= sqrt(MG_EPS) * r->extent;
 }
 
 /* After forces: 1 where leans were for another pressure, and have been made anew for this one. */
 MG_INTERNAL int mg_rubs_unsettled(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     mg_real world[3], pose[12], centre[3];
-    if (!c->rub[slot].leans || !(mg_resultant(c, slot, c->force, world) > 0)) continue;
+    if (!c->patches.friction[slot].slips || !(mg_resultant(c, slot, c->force, world) > 0)) continue;
     mg_hull_pose(c, mg_patch_in(c, slot), pose);
     mg_into(pose, world, centre);
     if (mg_rub_is_settled(c, slot, centre)) continue;
     mg_lean_rub(c, slot);
     count++;
   }
-  return count > 0 && ++c->rub_rounds < MG_RUB_ROUNDS;
+  return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
 }
 
-/* Takes the leans of patches into the columns of pads among the n assembled in c->A. */
+/* Takes the leans of patches into the columns of pads among the n assembled in c->lcp.A. */
 MG_INTERNAL void mg_lean_pads(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
-    const int slot = mg_rub_leans(c, list[j]), pad = (list[j] - c->first_pad) % 3;
-    for (int k = 0; k < MG_RUB_ROWS && slot >= 0; k++)
+    const int slot = mg_rub_leans(c, list[j]), pad = (list[j] - c->support_begin) % 3;
+    for (int k = 0; k < MG_PATCH_ROWS && slot >= 0; k++)
       for (int r = 0; r < n; r++)
-        c->A[r + n * j] -= c->rub[slot].lean[k][pad] * mg_product(c, list[r], mg_rub_row(c, slot) + k);
+        c->lcp.A[r + n * j] -= c->patches.friction[slot].force_ratio[k][pad] * mg_product(c, list[r], mg_rub_row(c, slot) + k);
   }
 }
 
 /* The friction of patches that slip, from the forces on their pads, into c->force and c->accel. */
 MG_INTERNAL void mg_add_rubs(mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    const mg_rub_state *r = c->rub + slot;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    const mg_patch_friction *r = c->patches.friction + slot;
     const mg_real *N = c->force + mg_pad_of(c, slot);
-    for (int k = 0; k < MG_RUB_ROWS && r->leans; k++) {
+    for (int k = 0; k < MG_PATCH_ROWS && r->slips; k++) {
       const int row = mg_rub_row(c, slot) + k;
-      c->force[row] = -(r->lean[k][0] * N[0] + r->lean[k][1] * N[1] + r->lean[k][2] * N[2]);
+      c->force[row] = -(r->force_ratio[k][0] * N[0] + r->force_ratio[k][1] * N[1] + r->force_ratio[k][2] * N[2]);
       mg_add(c, row, c->force[row], c->accel);
     }
   }
@@ -203,8 +203,8 @@ MG_INTERNAL void mg_add_rubs(mg_context *c) {
 
 /* Appends the rows of stuck patches to a list of n; returns its length. */
 MG_INTERNAL int mg_list_stuck_rubs(const mg_context *c, int *list, int n) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++)
-    for (int k = 0; k < MG_RUB_ROWS && mg_rubs(c, slot) && c->run->rub[slot] == MG_STUCK; k++)
+  for (int slot = 0; slot < c->system->n_slot; slot++)
+    for (int k = 0; k < MG_PATCH_ROWS && mg_rubs(c, slot) && c->run->patch_mode[slot] == MG_STICKING; k++)
       list[n++] = mg_rub_row(c, slot) + k;
   return n;
 }

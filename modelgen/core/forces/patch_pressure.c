@@ -30,7 +30,7 @@ MG_INTERNAL int mg_most_arcs(const mg_system *s) {
   return most;
 }
 
-static int mg_is_whole(const mg_context *c, int patch) { return c->sys->patch_arc[patch] == c->sys->patch_arc_f[patch]; }
+static int mg_is_whole(const mg_context *c, int patch) { return c->system->patch_arc[patch] == c->system->patch_arc_f[patch]; }
 
 /* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out) { mg_face_pose(c, patch, mg_is_whole(c, patch), out); }
@@ -49,101 +49,101 @@ static void mg_place_between(mg_context *c, int patch, mg_real *between) {
 }
 
 static void mg_set_patch(mg_context *c, int patch) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
   for (int i = 0; i < n; i++) {
     const mg_real *numbers = s->numbers + s->arc_numbers[first + i];
     const mg_arc arc = {s->arc_shape[first + i], s->arc_loop[first + i], s->parameters + s->arc_parameters[first + i],
                         numbers, numbers[12], numbers[13]};
-    c->arc[i] = arc;
+    c->patches.arcs[i] = arc;
   }
-  const mg_regions regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->arc, c->set->shared * s->length};
-  c->regions = regions, c->laid = patch, c->shelter = 0;
-  mg_set_regions(&c->hull, &c->regions, c->lay);
+  const mg_regions regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->patches.arcs, c->settings->shared * s->length};
+  c->patches.regions = regions, c->patches.hull_patch = patch, c->patches.deepest = 0;
+  mg_set_regions(&c->patches.hull, &c->patches.regions, c->patches.hull_memory);
 }
 
 /* Lays the faces of a patch on each other; returns the number of sides of their hull. */
 MG_INTERNAL int mg_lay_patch(mg_context *c, int patch) {
-  const int known = c->laid == patch;
+  const int known = c->patches.hull_patch == patch;
   mg_real between[12];
-  if (known && mg_is_whole(c, patch)) return c->hull.n_edge;
+  if (known && mg_is_whole(c, patch)) return c->patches.hull.n_edge;
   if (!known) mg_set_patch(c, patch);
   mg_place_between(c, patch, between);
-  return mg_lay(&c->hull, between);
+  return mg_lay(&c->patches.hull, between);
 }
 
 /* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. In a hull that stays,
    all points as near as that are inside too. */
-MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_brink *brink) {
+MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
   mg_into(hull, world, x);
   mg_lay_patch(c, patch);
-  const mg_real margin = mg_hull_margin(&c->hull, x, brink);
-  if (mg_is_whole(c, patch) && margin > c->shelter)
-    c->shelter = margin, c->sheltered[0] = x[0], c->sheltered[1] = x[1];
+  const mg_real margin = mg_hull_margin(&c->patches.hull, x, brink);
+  if (mg_is_whole(c, patch) && margin > c->patches.deepest)
+    c->patches.deepest = margin, c->patches.deepest_point[0] = x[0], c->patches.deepest_point[1] = x[1];
   return margin;
 }
 
 /* How far inside the hull a point of the world is known to lie at least, m; negative where it is not. */
 static mg_real mg_sheltered_by(const mg_context *c, int patch, const mg_real *world) {
   mg_real hull[12], x[3];
-  if (c->laid != patch || !(c->shelter > 0)) return -1;
+  if (c->patches.hull_patch != patch || !(c->patches.deepest > 0)) return -1;
   mg_hull_pose(c, patch, hull);
   mg_into(hull, world, x);
-  const mg_real dx = x[0] - c->sheltered[0], dy = x[1] - c->sheltered[1];
-  return (mg_real)0.99 * c->shelter - sqrt(dx * dx + dy * dy);
+  const mg_real dx = x[0] - c->patches.deepest_point[0], dy = x[1] - c->patches.deepest_point[1];
+  return (mg_real)0.99 * c->patches.deepest - sqrt(dx * dx + dy * dy);
 }
 
-MG_INTERNAL mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->sys->mass; }
+MG_INTERNAL mg_real mg_weight_scale(const mg_context *c) { return mg_slack(c) * c->system->mass; }
 
 /* The cause for which a slot's patch ends with these amounts on its pads, or 0; how far it is from there. */
 MG_INTERNAL int mg_ends_with(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin) {
   mg_real centre[3];
-  mg_brink brink;
+  mg_nearest_boundary brink;
   const mg_real N = mg_resultant(c, slot, amount, centre);
   *margin = -MG_MAX;
-  if (!(N > floor)) return MG_PARTS;
+  if (!(N > floor)) return MG_FACES_SEPARATE;
   if (mg_pivots(c, slot)) return mg_edge_ends(c, slot, amount, floor);
   *margin = mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
-  return *margin < -c->set->border * c->sys->length ? MG_TURNS : 0;
+  return *margin < -c->settings->border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
 }
 
 /* What is left before the events of a slot: its force, the margin of its centre of pressure, friction. */
-MG_INTERNAL mg_strain *mg_strain_of_slot(const mg_context *c, int slot) { return mg_strain_at(c, MG_STRAINS) + mg_pad_of(c, slot); }
+MG_INTERNAL mg_event_margin *mg_strain_of_slot(const mg_context *c, int slot) { return mg_strain_at(c, MG_MARGIN_SAMPLES) + mg_pad_of(c, slot); }
 
 /* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0; notes what is left before it
    does. */
 MG_INTERNAL int mg_slot_ends(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
-  const mg_real floor = -mg_weight_scale(c), border = c->set->border * c->sys->length;
-  mg_strain *left = mg_strain_of_slot(c, slot);
+  const mg_real floor = -mg_weight_scale(c), border = c->settings->border * c->system->length;
+  mg_event_margin *left = mg_strain_of_slot(c, slot);
   mg_real margin, centre[3];
-  for (int k = 0; k < 3; k++) left[k].least = left[k].most = MG_MAX;
+  for (int k = 0; k < 3; k++) left[k].lower = left[k].upper = MG_MAX;
   if (patch < 0) return 0;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
   const mg_real shelter = !mg_pivots(c, slot) && N > floor ? mg_sheltered_by(c, patch, centre) : -1;
   const int cause = shelter > 0 ? 0 : mg_ends_with(c, slot, c->force, floor, &margin);
-  left[0].least = left[0].most = N - floor;
-  if (shelter > 0) left[1].least = shelter + border, left[1].most = 2 * c->shelter - shelter + border;
-  else if (!mg_pivots(c, slot)) left[1].least = left[1].most = margin + border;
+  left[0].lower = left[0].upper = N - floor;
+  if (shelter > 0) left[1].lower = shelter + border, left[1].upper = 2 * c->patches.deepest - shelter + border;
+  else if (!mg_pivots(c, slot)) left[1].lower = left[1].upper = margin + border;
   return cause ? cause : mg_rub_fires(c, slot);
 }
 
 /* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
 MG_INTERNAL int mg_patches_fired(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
-    for (int k = 0; k < 3; k++) c->fired[pad + k] = 0;
-    c->fired[pad] = mg_slot_ends(c, slot);
-    count += c->fired[pad] != 0;
+    for (int k = 0; k < 3; k++) c->events.triggered[pad + k] = 0;
+    c->events.triggered[pad] = mg_slot_ends(c, slot);
+    count += c->events.triggered[pad] != 0;
   }
   return count;
 }
 
 MG_INTERNAL int mg_any_patch_ends(mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_slot; slot++)
     if (mg_slot_ends(c, slot)) return 1;
   return 0;
 }
@@ -151,10 +151,10 @@ MG_INTERNAL int mg_any_patch_ends(mg_context *c) {
 /* The function whose zero ends a patch. */
 MG_INTERNAL mg_real mg_patch_value(mg_context *c, int pad, int cause) {
   mg_real centre[3];
-  mg_brink brink;
-  const int slot = (pad - c->first_pad) / 3;
+  mg_nearest_boundary brink;
+  const int slot = (pad - c->support_begin) / 3;
   const mg_real N = mg_resultant(c, slot, c->force, centre);
-  if (cause >= MG_GIVES) return mg_rub_value(c, slot, cause);
-  if (cause >= MG_ROLLS_OFF) return mg_edge_value(c, slot, cause);
-  return cause == MG_PARTS ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
+  if (cause >= MG_FRICTION_EXCEEDED) return mg_rub_value(c, slot, cause);
+  if (cause >= MG_ROLLS_ONTO_RIM) return mg_edge_value(c, slot, cause);
+  return cause == MG_FACES_SEPARATE ? N : mg_patch_margin(c, mg_patch_in(c, slot), centre, &brink);
 }

@@ -9,33 +9,33 @@
 
 MG_INTERNAL int mg_contact_of(const mg_context *c, int grip) {
   int contact = 0;
-  while (c->sys->contact_grip[contact + 1] <= grip) contact++;
+  while (c->system->contact_grip[contact + 1] <= grip) contact++;
   return contact;
 }
 
-MG_INTERNAL int mg_grip_rows(const mg_context *c, int grip) { return c->sys->grip_aspect[grip] == MG_SPIN ? 1 : 2; }
+MG_INTERNAL int mg_grip_rows(const mg_context *c, int grip) { return c->system->grip_aspect[grip] == MG_SPIN ? 1 : 2; }
 
 /* Appends the rows of stuck grips to a list of n; returns its length. */
 MG_INTERNAL int mg_list_stuck(const mg_context *c, int *list, int n) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    for (int g = c->sys->contact_grip[i]; g < c->sys->contact_grip[i + 1]; g++)
-      for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STUCK; k++) list[n++] = mg_grip_row(c, i, g) + k;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STICKING; k++) list[n++] = mg_grip_row(c, i, g) + k;
   return mg_list_stuck_rubs(c, list, n);
 }
 
 /* The size of the slip of a grip: m/s, of spin and rolling rad/s. */
 MG_INTERNAL mg_real mg_slip_scale(const mg_context *c, int grip) {
-  return (c->sys->grip_aspect[grip] == MG_SLIP ? c->sys->length : 1) / c->sys->time;
+  return (c->system->grip_aspect[grip] == MG_SLIP ? c->system->length : 1) / c->system->time;
 }
 
-MG_INTERNAL mg_real mg_slip_rest(const mg_context *c, int grip) { return c->set->slip_speed * mg_slip_scale(c, grip); }
+MG_INTERNAL mg_real mg_slip_rest(const mg_context *c, int grip) { return c->settings->slip_speed * mg_slip_scale(c, grip); }
 
 /* The slip of a grip past its course: its components s, and returned s.course. */
 MG_INTERNAL mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg_real *slip) {
   const int row = mg_grip_row(c, contact, grip);
-  const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
+  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
   slip[0] = c->d_dot[row], slip[1] = 0;
-  if (c->sys->grip_aspect[grip] == MG_SPIN) return slip[0] * course[0];
+  if (c->system->grip_aspect[grip] == MG_SPIN) return slip[0] * course[0];
   slip[1] = c->d_dot[row + 1];
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course);
 }
@@ -44,28 +44,28 @@ MG_INTERNAL mg_real mg_slip_along(const mg_context *c, int contact, int grip, mg
    stays on a line passes zero; along the course where there is so little of it that rounding would turn it. */
 MG_INTERNAL void mg_slip_lean(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip), rows = mg_grip_rows(c, grip);
-  const mg_real *mu = c->sys->grip_kinetic + 2 * grip, *course = c->run->course + 3 * grip;
+  const mg_real *mu = c->system->grip_kinetic + 2 * grip, *course = c->run->slip_direction + 3 * grip;
   const mg_real *t = c->tangents + 6 * contact;
   mg_real slip[2], sign = mg_slip_along(c, contact, grip, slip) < 0 ? -1 : 1;
   const mg_real least = 2 * mg_slip_rest(c, grip);
   if (rows == 1) slip[0] = course[0], sign = 1;
-  else if (c->steering && c->run->grip[grip] == MG_ONSET) mg_steered(c, contact, grip, c->steer[grip], slip), sign = 1;
+  else if (c->friction.follows_angle && c->run->grip[grip] == MG_SLIP_ONSET) mg_steered(c, contact, grip, c->friction.slip_angle[grip], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= least * least)
     slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
   const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], size = sqrt(a * a + b * b);
-  c->lean[row - c->below] = size > 0 ? sign * mu[0] * a / size : 0;
-  if (rows == 2) c->lean[row + 1 - c->below] = size > 0 ? sign * mu[1] * b / size : 0;
+  c->friction.force_ratio[row - c->friction_row_begin] = size > 0 ? sign * mu[0] * a / size : 0;
+  if (rows == 2) c->friction.force_ratio[row + 1 - c->friction_row_begin] = size > 0 ? sign * mu[1] * b / size : 0;
 }
 
 static int mg_is_slipping(const mg_context *c, int contact, int grip) {
-  return c->run->active[contact] && c->run->grip[grip] >= MG_ONSET;
+  return c->run->active[contact] && c->run->grip[grip] >= MG_SLIP_ONSET;
 }
 
 /* The leans of all rows below, 0 of those that do not slip, with M^-1 J^T of those that do. */
 MG_INTERNAL void mg_lean_all(mg_context *c) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_slip_rates(c);
-  for (int i = 0; i < s->n_below; i++) c->lean[i] = 0;
+  for (int i = 0; i < s->n_below; i++) c->friction.force_ratio[i] = 0;
   for (int i = 0; i < s->n_contact; i++)
     for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
@@ -89,16 +89,16 @@ MG_INTERNAL mg_real mg_product(const mg_context *c, int row, int column) {
 
 /* Of a contact; those of patches go with three normal rows. */
 MG_INTERNAL int mg_rows_below(const mg_context *c, int row) {
-  return row < c->first_pad ? c->kernels->contact_kinds[c->kind[row]].rows - 1 : 0;
+  return row < c->support_begin ? c->kernels->contact_kinds[c->kind[row]].rows - 1 : 0;
 }
 
-/* Takes the leans into the columns of the normal rows among the n assembled in c->A. */
+/* Takes the leans into the columns of the normal rows among the n assembled in c->lcp.A. */
 MG_INTERNAL void mg_lean_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
-    const int first = c->below + (mg_rows_below(c, list[j]) ? c->sys->contact_below[list[j]] : 0);
+    const int first = c->friction_row_begin + (mg_rows_below(c, list[j]) ? c->system->contact_below[list[j]] : 0);
     for (int k = first; k < first + mg_rows_below(c, list[j]); k++) {
-      const mg_real lean = c->lean[k - c->below];
-      for (int r = 0; r < n && lean != 0; r++) c->A[r + n * j] -= lean * mg_product(c, list[r], k);
+      const mg_real lean = c->friction.force_ratio[k - c->friction_row_begin];
+      for (int r = 0; r < n && lean != 0; r++) c->lcp.A[r + n * j] -= lean * mg_product(c, list[r], k);
     }
   }
   mg_lean_pads(c, list, n);
@@ -109,29 +109,29 @@ static int mg_leans(const mg_context *c, const int *list, int n) {
     if (mg_rub_leans(c, list[j]) >= 0) return 1;
   for (int j = 0; j < n; j++)
     for (int k = 0; k < mg_rows_below(c, list[j]); k++)
-      if (c->lean[c->sys->contact_below[list[j]] + k] != 0) return 1;
+      if (c->friction.force_ratio[c->system->contact_below[list[j]] + k] != 0) return 1;
   return 0;
 }
 
-/* The forces of an island whose n rows are assembled in c->A, c->b: those nearest to their shares where they are not
+/* The forces of an island whose n rows are assembled in c->lcp.A, c->lcp.b: those nearest to their shares where they are not
    unique. */
 MG_INTERNAL void mg_hold_leaning(mg_context *c, int n, mg_real *amount) {
-  const int oblique = mg_leans(c, c->island, n);
-  if (oblique) mg_lean_columns(c, c->island, n);
-  for (int j = 0; j < n && c->run->shared; j++)
-    for (int r = 0; r < n; r++) c->b[r] += c->A[r + n * j] * c->run->share[c->island[j]];
-  if (oblique) mg_oblique_solve(c, c->island, n, c->z);
-  else mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
+  const int oblique = mg_leans(c, c->islands.rows, n);
+  if (oblique) mg_lean_columns(c, c->islands.rows, n);
+  for (int j = 0; j < n && c->run->forces_redundant; j++)
+    for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
+  if (oblique) mg_oblique_solve(c, c->islands.rows, n, c->lcp.z);
+  else mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z, c->lcp.work, c->lcp.iwork);
   for (int r = 0; r < n; r++)
-    amount[c->island[r]] = c->z[r] + (c->run->shared ? c->run->share[c->island[r]] : 0);
+    amount[c->islands.rows[r]] = c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
 }
 
 /* The forces of slipping grips, from the normal forces, into c->force and c->accel. */
 MG_INTERNAL void mg_add_slipping(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_rows_below(c, i); k++) {
-      const int row = c->below + c->sys->contact_below[i] + k;
-      const mg_real lean = c->lean[row - c->below];
+      const int row = c->friction_row_begin + c->system->contact_below[i] + k;
+      const mg_real lean = c->friction.force_ratio[row - c->friction_row_begin];
       if (lean == 0) continue;
       c->force[row] = -c->force[i] * lean;
       mg_add(c, row, c->force[row], c->accel);
@@ -142,16 +142,16 @@ MG_INTERNAL void mg_add_slipping(mg_context *c) {
 /* Power of the rows below into the moving bodies; the slip of a stuck grip is an error, which is no work. */
 MG_INTERNAL mg_real mg_slipping_power(const mg_context *c) {
   mg_real power = 0;
-  for (int i = c->below; i < c->n_all; i++) {
+  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) {
     if (c->force[i] == 0) continue;
-    power += c->force[i] * ((c->lean[i - c->below] != 0 ? c->d_dot[i] : 0) - mg_driven_rate(c, i));
+    power += c->force[i] * ((c->friction.force_ratio[i - c->friction_row_begin] != 0 ? c->d_dot[i] : 0) - mg_driven_rate(c, i));
   }
   return power;
 }
 
 /* Along a direction at an angle from the course, in the coordinates of the grip's rows. */
 MG_INTERNAL void mg_steered(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
-  const mg_real *course = c->run->course + 3 * grip, *t = c->tangents + 6 * contact;
+  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
   const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
 }

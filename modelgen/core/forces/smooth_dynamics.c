@@ -8,17 +8,17 @@
 
 /* Forces on the active contacts: A force = -(J a + Gamma2), the unconstrained accelerations a in c->accel. */
 static void mg_forces(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->active[i]) c->rate[i] = mg_separation(c, i);
-  for (int i = c->bilateral; i < c->n_all; i++) c->rate[i] = mg_separation(c, i);
-  c->leaning = c->sys->n_grip > 0;
-  if (c->leaning) mg_lean_all(c);
-  c->rub_rounds = 0;
-  int n = mg_hold(c, c->run->active, c->rate, c->force);
-  while (c->leaning && mg_rubs_unsettled(c)) n = mg_hold(c, c->run->active, c->rate, c->force);
-  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->force[c->list[r]], c->accel);
-  if (c->leaning) mg_add_slipping(c);
-  c->leaning = 0;
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (c->run->active[i]) c->row_rate[i] = mg_separation(c, i);
+  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_separation(c, i);
+  c->friction.couples_normal = c->system->n_grip > 0;
+  if (c->friction.couples_normal) mg_lean_all(c);
+  c->patches.pressure_rounds = 0;
+  int n = mg_hold(c, c->run->active, c->row_rate, c->force);
+  while (c->friction.couples_normal && mg_rubs_unsettled(c)) n = mg_hold(c, c->run->active, c->row_rate, c->force);
+  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->force[c->lcp.rows[r]], c->accel);
+  if (c->friction.couples_normal) mg_add_slipping(c);
+  c->friction.couples_normal = 0;
 }
 
 static int mg_is_somewhere(const mg_context *c, int body) {
@@ -27,8 +27,8 @@ static int mg_is_somewhere(const mg_context *c, int body) {
 
 /* Whether a driven body is nowhere. */
 MG_INTERNAL int mg_a_path_ends(const mg_context *c) {
-  for (int b = 0; b < c->sys->n_body && c->driven; b++)
-    if (mg_is_driven(c->sys, b) && !mg_is_somewhere(c, b)) return 1;
+  for (int b = 0; b < c->system->n_body && c->n_driven; b++)
+    if (mg_is_driven(c->system, b) && !mg_is_somewhere(c, b)) return 1;
   return 0;
 }
 
@@ -37,14 +37,14 @@ MG_INTERNAL int mg_a_path_ends(const mg_context *c) {
 MG_INTERNAL mg_real mg_driven_power(const mg_context *c) {
   mg_real power = 0;
   if (mg_a_path_ends(c)) return INFINITY;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->active[i]) power -= c->force[i] * mg_driven_rate(c, i);
-  for (int i = c->bilateral; i < c->n_rows; i++) power -= c->force[i] * mg_driven_rate(c, i);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) power -= c->force[i] * mg_driven_rate(c, i);
   return power;
 }
 
 MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_poses(c, t, x);
   mg_accelerations(c, t, x, x_dot);
   mg_rates(c, x);
@@ -52,8 +52,8 @@ MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_d
   mg_forces(c);
   for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
   for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
-  if (c->driven || c->prescribed) x_dot[c->work_index] += mg_driven_power(c);
-  if (s->n_grip) x_dot[c->work_index] += mg_slipping_power(c);
+  if (c->n_driven || c->has_prescribed_joint) x_dot[c->work_state] += mg_driven_power(c);
+  if (s->n_grip) x_dot[c->work_state] += mg_slipping_power(c);
   c->run->rhs_evals++;
 }
 
@@ -65,59 +65,59 @@ static int mg_root(int *parent, int body) {
   return body;
 }
 
-/* Chains the n rows of c->list by island: c->head[root] is the first, c->next[row] the one after, else -1. */
+/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after, else -1. */
 static void mg_chain(mg_context *c, int n) {
-  const mg_system *s = c->sys;
-  for (int b = 0; b < s->n_body; b++) c->parent[b] = b, c->head[b] = -1;
+  const mg_system *s = c->system;
+  for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
   for (int r = 0; r < n; r++) {
-    const int o = c->o[c->list[r]], f = c->f[c->list[r]];
-    if (mg_moves(c, o) && mg_moves(c, f)) c->parent[mg_root(c->parent, o)] = mg_root(c->parent, f);
+    const int o = c->o[c->lcp.rows[r]], f = c->f[c->lcp.rows[r]];
+    if (mg_moves(c, o) && mg_moves(c, f)) c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {
-    const int root = mg_root(c->parent, mg_moving_side(c, c->list[r]));
-    c->next[c->list[r]] = c->head[root];
-    c->head[root] = c->list[r];
+    const int root = mg_root(c->islands.parent, mg_moving_side(c, c->lcp.rows[r]));
+    c->islands.next[c->lcp.rows[r]] = c->islands.head[root];
+    c->islands.head[root] = c->lcp.rows[r];
   }
 }
 
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
   int n = 0;
-  for (int i = first; i >= 0; i = c->next[i]) c->island[n++] = i;
-  mg_assemble(c, c->island, n);
-  for (int r = 0; r < n; r++) c->b[r] = rate[c->island[r]], c->mask[r] = 1;
-  if (c->leaning) {
+  for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
+  mg_assemble(c, c->islands.rows, n);
+  for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
+  if (c->friction.couples_normal) {
     mg_hold_leaning(c, n, amount);
     return;
   }
-  mg_active_above(n, c->A, c->b, c->mask, c->sys->n_row ? c->set->singular : 0, c->z, c->lcp, c->lcp_i);
-  for (int r = 0; r < n; r++) amount[c->island[r]] = c->z[r];
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z, c->lcp.work, c->lcp.iwork);
+  for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
 }
 
 /* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
-   Leaves the rows in c->list and returns their number. */
+   Leaves the rows in c->lcp.rows and returns their number. */
 MG_INTERNAL int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
+  for (int i = 0; i < c->system->n_contact; i++) {
     amount[i] = 0;
-    if (marked[i]) c->list[n++] = i;
+    if (marked[i]) c->lcp.rows[n++] = i;
   }
-  n = mg_list_joints(c, c->list, n);
-  for (int i = c->below; i < c->n_all; i++) amount[i] = 0;
-  if (c->sys->n_grip) n = mg_list_stuck(c, c->list, n);
-  if (n == 1 && !c->leaning) {
-    const mg_real weight = mg_weigh(c, c->list[0]);
-    amount[c->list[0]] = weight > 0 ? -rate[c->list[0]] / weight : 0;
+  n = mg_list_joints(c, c->lcp.rows, n);
+  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) amount[i] = 0;
+  if (c->system->n_grip) n = mg_list_stuck(c, c->lcp.rows, n);
+  if (n == 1 && !c->friction.couples_normal) {
+    const mg_real weight = mg_weigh(c, c->lcp.rows[0]);
+    amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0) {
     mg_chain(c, n);
-    for (int b = 0; b < c->sys->n_body; b++)
-      if (c->head[b] >= 0) mg_hold_island(c, c->head[b], rate, amount);
+    for (int b = 0; b < c->system->n_body; b++)
+      if (c->islands.head[b] >= 0) mg_hold_island(c, c->islands.head[b], rate, amount);
   }
   return n;
 }
 
 /* The rows at run->x with the slope in K[0]. */
 MG_INTERNAL void mg_refresh(mg_context *c) {
-  mg_rhs(c, c->run->t, c->run->x, c->K);
+  mg_rhs(c, c->run->t, c->run->x, c->step.slopes);
   mg_gap_rates(c);
-  for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
+  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];
 }

@@ -7,33 +7,33 @@
 #include "patch/patch.h"
 
 MG_INTERNAL int mg_approaching(const mg_context *c, int contact) {
-  return c->d_dot[contact] < -c->set->rest_speed * c->sys->length / c->sys->time;
+  return c->d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
 }
 
 /* Newton's law for an approach that bounces. A rebound too slow to leave is none at all. Nor is that of an approach which only
    just counts: an open gap that begins to be pressed closes as soon as it does, and at restitution 1 would for ever. */
 MG_INTERNAL mg_real mg_rebound(const mg_context *c, int contact) {
-  const mg_real e = c->sys->restitution[contact], approach = -c->d_dot[contact];
-  const mg_real least = c->set->rest_speed * c->sys->length / c->sys->time;
+  const mg_real e = c->system->restitution[contact], approach = -c->d_dot[contact];
+  const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
   return e * approach > least && 4 * approach > 5 * least && !mg_has_unfolded(c, contact) ? e : 0;
 }
 
 static int mg_list_closed(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->run->closed[i] && !c->hidden[i]) c->list[n++] = i;
-  return mg_list_edged(c, c->list, n);
+  for (int i = 0; i < c->support_begin; i++)
+    if (c->run->closed[i] && !c->patches.is_covered[i]) c->lcp.rows[n++] = i;
+  return mg_list_edged(c, c->lcp.rows, n);
 }
 
 /* Adds the impulses to u, and their work on the bodies that they move to the ledger. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < n; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
   for (int r = 0; r < n; r++) {
-    const int i = c->list[r];
+    const int i = c->lcp.rows[r];
     const mg_real before = c->d_dot[i], after = before + mg_row(c, i, c->wrench);
-    c->run->x[c->work_index] += c->z[r] * ((before + after) / 2 - mg_driven_rate(c, i));
+    c->run->x[c->work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_driven_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
@@ -44,83 +44,83 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
 /* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time. Where
    hardly anything presses it, it does not bounce. */
 MG_INTERNAL mg_real mg_bounces_left(mg_context *c, int contact) {
-  const mg_real e = c->sys->restitution[contact], pull = -mg_separation(c, contact), most = c->set->look * c->sys->time;
+  const mg_real e = c->system->restitution[contact], pull = -mg_separation(c, contact), most = c->settings->look * c->system->time;
   const mg_real flights = -2 * e * c->d_dot[contact];
   return e < 1 && flights > 0 && pull > mg_slack(c) && flights < most * pull * (1 - e) ? flights / (pull * (1 - e)) : 0;
 }
 
 /* Opens the contacts that rebound, and reports every contact that was struck. */
 static void mg_after_impact(mg_context *c, mg_events *events) {
-  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->first_pad; i++) {
+  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
+  for (int i = 0; i < c->support_begin; i++) {
     const int bounces = c->run->closed[i] && mg_row(c, i, c->twist) > rest;
-    if (bounces && mg_approaching(c, i)) mg_befalls(c, events, i, MG_REBOUNDS, c->run->t, -c->d_dot[i]);
-    else if (bounces) mg_befalls(c, events, i, MG_IS_PUSHED_OFF, c->run->t, 0);
+    if (bounces && mg_approaching(c, i)) mg_befalls(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->d_dot[i]);
+    else if (bounces) mg_befalls(c, events, i, MG_PUSHED_OPEN, c->run->t, 0);
   }
 }
 
 /* The pads of a face that comes down flat rebound together. */
 MG_INTERNAL void mg_rate_pads(mg_context *c) {
-  for (int i = c->first_pad; i < c->n_rows; i++) c->rate[i] = c->d_dot[i];
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int i = c->support_begin; i < c->joint_row_end; i++) c->row_rate[i] = c->d_dot[i];
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     const int pad = mg_pad_of(c, slot);
     mg_real e = 0;
-    for (int k = 0; k < 3 && c->trying[slot] == 1; k++) e = mg_rebound(c, pad + k) > e ? mg_rebound(c, pad + k) : e;
-    for (int k = 0; k < 3; k++) c->rate[pad + k] *= 1 + e;
+    for (int k = 0; k < 3 && c->patches.trial[slot] == 1; k++) e = mg_rebound(c, pad + k) > e ? mg_rebound(c, pad + k) : e;
+    for (int k = 0; k < 3; k++) c->row_rate[pad + k] *= 1 + e;
   }
 }
 
-/* The impulses on closed contacts that are not hidden, and on pads and joints, into c->z in the order of c->list, and
-   of each contact into c->amount. Returns how many of the list can only push, -1 without a solution. */
+/* The impulses on closed contacts that are not hidden, and on pads and joints, into c->lcp.z in the order of c->lcp.rows, and
+   of each contact into c->impulse. Returns how many of the list can only push, -1 without a solution. */
 static int mg_find_impulses(mg_context *c) {
-  if (c->sys->n_grip) return mg_find_impulses_with_friction(c);
+  if (c->system->n_grip) return mg_find_impulses_with_friction(c);
   const int n = mg_list_closed(c);
   mg_lcp_report report;
   mg_rate_pads(c);
   for (int r = 0; r < n; r++) {
-    const int i = c->list[r];
-    c->rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->mask[r] = 1;
+    const int i = c->lcp.rows[r];
+    c->row_rate[i] = c->d_dot[i] * (1 + mg_rebound(c, i)), c->lcp.mask[r] = 1;
   }
-  if (mg_complement(c, n, c->rate, &report) != MG_LCP_SOLVED) return -1;
-  for (int i = c->first_pad; i < c->sys->n_contact; i++) c->amount[i] = 0;
-  const int size = mg_list_bilateral(c, c->list, n);
+  if (mg_complement(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return -1;
+  for (int i = c->support_begin; i < c->system->n_contact; i++) c->impulse[i] = 0;
+  const int size = mg_list_bilateral(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++)
-    if (mg_is_pad(c, c->list[r])) c->amount[c->list[r]] = c->z[r];
+    if (mg_is_pad(c, c->lcp.rows[r])) c->impulse[c->lcp.rows[r]] = c->lcp.z[r];
   return n;
 }
 
 /* A closed contact approaches, or a held patch is torn. */
 static int mg_is_struck(const mg_context *c) {
-  const mg_real drift = c->set->drift * c->sys->length / c->sys->time;
-  for (int i = 0; i < c->first_pad; i++)
+  const mg_real drift = c->settings->drift * c->system->length / c->system->time;
+  for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && mg_nearing(c, i)) return 1;
-  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+  for (int i = c->support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(c->d_dot[i]) > drift) return 1;
   return 0;
 }
 
 /* Notes a contact at rest, of one that restores, that a blow elsewhere has pressed: at once with it, or after it, the
-   bodies part otherwise. The first n of c->list are rows of contacts. */
+   bodies part otherwise. The first n of c->lcp.rows are rows of contacts. */
 static void mg_note_chain(mg_context *c, int n) {
   int chain = -1, struck = 0;
   for (int r = 0; r < n; r++) {
-    const int i = c->list[r];
-    if (i >= c->first_pad || !(c->z[r] > 0) || !(c->sys->restitution[i] > 0)) continue;
+    const int i = c->lcp.rows[r];
+    if (i >= c->support_begin || !(c->lcp.z[r] > 0) || !(c->system->restitution[i] > 0)) continue;
     if (mg_approaching(c, i)) struck = 1;
     else chain = i;
   }
-  if (struck && chain >= 0 && c->run->chain < 0) c->run->chain = chain, c->run->chain_t = c->run->t;
+  if (struck && chain >= 0 && c->run->chain_contact < 0) c->run->chain_contact = chain, c->run->chain_t = c->run->t;
 }
 
 /* Faces that come down flat are struck as one, if the impulse presses them together within their hull; else, and where
    an impulse tears a patch off, what they cover is struck singly. Needs the rows at run->x. */
 MG_INTERNAL int mg_impact(mg_context *c, mg_events *events) {
-  const mg_real floor = c->set->rest_speed * c->sys->mass * c->sys->length / c->sys->time;
+  const mg_real floor = c->settings->rest_speed * c->system->mass * c->system->length / c->system->time;
   int n;
-  for (int i = 0; i < c->sys->n_contact; i++) c->hidden[i] = 0;
+  for (int i = 0; i < c->system->n_contact; i++) c->patches.is_covered[i] = 0;
   if (mg_stand_on_points(c)) mg_refresh(c);
   if (mg_takes_turns(c) && !mg_strike_in_turn(c, events)) return MG_COMPLEMENTARITY;
-  if (mg_try_flat(c, c->set->start_gap * c->sys->length, 1)) mg_refresh(c);
+  if (mg_try_flat(c, c->settings->start_gap * c->system->length, 1)) mg_refresh(c);
   if (!mg_is_struck(c)) {
     mg_drop_tried(c);
     return MG_DONE;
@@ -129,12 +129,12 @@ MG_INTERNAL int mg_impact(mg_context *c, mg_events *events) {
     mg_hide_covered(c);
     n = mg_find_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
-  } while (mg_reject(c, c->amount, floor, 1) || mg_tear_off(c, c->amount, floor) || mg_exchange(c, n));
+  } while (mg_reject(c, c->impulse, floor, 1) || mg_tear_off(c, c->impulse, floor) || mg_exchange(c, n));
   mg_note_chain(c, n);
-  if (c->sys->n_grip) mg_note_gain(c, n);
-  mg_apply_impulses(c, mg_list_bilateral(c, c->list, n));
+  if (c->system->n_grip) mg_note_gain(c, n);
+  mg_apply_impulses(c, mg_list_bilateral(c, c->lcp.rows, n));
   mg_poses(c, c->run->t, c->run->x);
-  if (c->sys->n_grip) mg_forget_slip(c);
+  if (c->system->n_grip) mg_forget_slip(c);
   mg_leave_edges(c, events);
   mg_after_impact(c, events);
   mg_drop_tried(c);

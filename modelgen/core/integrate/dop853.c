@@ -6,12 +6,12 @@
 
 /* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, sums in registers. */
 static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
-  const int n = c->n_x, first = mg_dop_row[row], end = mg_dop_row[row + 1];
+  const int n = c->n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
   int i = 0;
   for (; i + 4 <= n; i += 4) {
     mg_real sum[4] = {0, 0, 0, 0};
     for (int k = first; k < end; k++) {
-      const mg_real weight = mg_dop_value[k], *slope = c->K + mg_dop_column[k] * n + i;
+      const mg_real weight = mg_dop_value[k], *slope = c->step.slopes + mg_dop_column[k] * n + i;
       sum[0] += weight * slope[0], sum[1] += weight * slope[1];
       sum[2] += weight * slope[2], sum[3] += weight * slope[3];
     }
@@ -19,59 +19,59 @@ static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_re
   }
   for (; i < n; i++) {
     mg_real sum = 0;
-    for (int k = first; k < end; k++) sum += mg_dop_value[k] * c->K[mg_dop_column[k] * n + i];
+    for (int k = first; k < end; k++) sum += mg_dop_value[k] * c->step.slopes[mg_dop_column[k] * n + i];
     out[i] = x[i] + h * sum;
   }
 }
 
 static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
   const mg_real time = t + mg_dop_time[stage] * h;
-  mg_dop_combine(c, stage, x, h, c->x_stage);
-  if (c->set->newton > 1) mg_place_all(c, time, c->x_stage);
-  mg_rhs(c, time, c->x_stage, c->K + stage * c->n_x);
+  mg_dop_combine(c, stage, x, h, c->step.stage);
+  if (c->settings->newton > 1) mg_place_all(c, time, c->step.stage);
+  mg_rhs(c, time, c->step.stage, c->step.slopes + stage * c->n_states);
 }
 
 /* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
 static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->n_x;
+  const int n = c->n_states;
   mg_real fifth = 0, third = 0;
   for (int i = 0; i < n; i++) {
-    mg_real e5 = 0, e3 = (c->x_next[i] - x[i]) / h;
+    mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
     for (int j = 0; j < 12; j++) {
-      const mg_real slope = c->K[j * n + i];
+      const mg_real slope = c->step.slopes[j * n + i];
       e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
     }
-    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
-    const mg_real weight = 1 / (c->set->tolerance * size);
+    const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+    const mg_real weight = 1 / (c->settings->tolerance * size);
     fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }
   if (fifth == 0) return 0;
-  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->n_live);
+  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->n_live_states);
 }
 
-/* K[0] holds the slope at (t, x); writes c->x_next. Returns the error relative to the tolerance. */
+/* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
     mg_dop_stage(c, stage, t, x, h);
     if (stage > 2) mg_watch(c), mg_strain_stage(c, stage);
   }
-  mg_dop_combine(c, 12, x, h, c->x_next);
+  mg_dop_combine(c, 12, x, h, c->step.end);
   return mg_dop_error(c, x, h);
 }
 
-/* The interpolant's rows in c->dense; needs the slope at the end of the step in K[12]. */
+/* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  const int n = c->n_x;
+  const int n = c->n_states;
   for (int stage = 13; stage < 16; stage++) mg_dop_stage(c, stage, t, x, h);
   for (int i = 0; i < n; i++) {
-    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[12 * n + i];
-    c->dense[i] = delta;
-    c->dense[n + i] = h * first - delta;
-    c->dense[2 * n + i] = 2 * delta - h * (first + last);
+    const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];
+    c->step.interpolant[i] = delta;
+    c->step.interpolant[n + i] = h * first - delta;
+    c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
     for (int row = 0; row < 4; row++) {
       mg_real sum = 0;
-      for (int j = 0; j < 16; j++) sum += mg_dop_dense[row][j] * c->K[j * n + i];
-      c->dense[(3 + row) * n + i] = h * sum;
+      for (int j = 0; j < 16; j++) sum += mg_dop_dense[row][j] * c->step.slopes[j * n + i];
+      c->step.interpolant[(3 + row) * n + i] = h * sum;
     }
   }
 }

@@ -24,20 +24,20 @@ MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, 
 MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x);
 MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share);
 MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share);
-MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b);
+MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
 MG_INTERNAL int mg_is_lost(const mg_context *c, mg_real tilt);
 MG_INTERNAL int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
-MG_INTERNAL mg_lean mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
+MG_INTERNAL mg_contact_tilt mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
 MG_INTERNAL void mg_note_rate(mg_context *c, int contact, int stage);
 MG_INTERNAL void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
-MG_INTERNAL void mg_lean_to(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real *x);
-MG_INTERNAL mg_real mg_misses(const mg_lean *at, mg_real tilt);
-MG_INTERNAL void mg_lean_at_rate(const mg_context *c, int contact, const mg_lean *at, mg_real tilt, mg_real rate,
+MG_INTERNAL void mg_lean_to(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real *x);
+MG_INTERNAL mg_real mg_misses(const mg_contact_tilt *at, mg_real tilt);
+MG_INTERNAL void mg_lean_at_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real rate,
                                  mg_real *x);
 MG_INTERNAL mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
-MG_INTERNAL int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_lean *at, mg_real *x);
+MG_INTERNAL int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
 /* rolling_start.c */
 MG_INTERNAL int mg_starts_rolling(const mg_context *c);

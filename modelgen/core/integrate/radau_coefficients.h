@@ -7,14 +7,14 @@
 
 #include "model/context.h"
 
-static const mg_real mg_radau_time[MG_RADAU] = {
+static const mg_real mg_radau_time[MG_RADAU_STAGES] = {
     (mg_real)0.02931642715978489197205028L, (mg_real)0.1480785996684842918499769L,
     (mg_real)0.336984690281154299097053L, (mg_real)0.5586715187715501320813933L,
     (mg_real)0.7692338620300545009168834L, (mg_real)0.926945671319741114851874L,
     1,
 };
 
-static const mg_real mg_radau_weight[MG_RADAU][MG_RADAU] = {
+static const mg_real mg_radau_weight[MG_RADAU_STAGES][MG_RADAU_STAGES] = {
     {(mg_real)0.03754626499392133133368613L, (mg_real)-0.01403933455646040153762657L,
      (mg_real)0.01035278960074230093675548L, (mg_real)-0.008158322540275011909204544L,
      (mg_real)0.006388413879534684943755951L, (mg_real)-0.004602326779148655499352026L,
@@ -45,7 +45,7 @@ static const mg_real mg_radau_weight[MG_RADAU][MG_RADAU] = {
      (mg_real)0.02040816326530612244897959L},
 };
 
-static const mg_real mg_radau_dense[MG_RADAU][MG_RADAU] = {
+static const mg_real mg_radau_dense[MG_RADAU_STAGES][MG_RADAU_STAGES] = {
     {0, 0,
      0, 0,
      0, 0,
@@ -76,7 +76,7 @@ static const mg_real mg_radau_dense[MG_RADAU][MG_RADAU] = {
      (mg_real)-245.1428571428571428571429L},
 };
 
-static const mg_real mg_radau_slope[MG_RADAU][MG_RADAU] = {
+static const mg_real mg_radau_slope[MG_RADAU_STAGES][MG_RADAU_STAGES] = {
     {(mg_real)-17.0552843044216554720458L, (mg_real)27.65598550297258747780673L,
      (mg_real)-18.60516799863847799544797L, (mg_real)14.28586123724095521114258L,
      (mg_real)-11.07000968214062683666951L, (mg_real)7.937867329850124555107143L,

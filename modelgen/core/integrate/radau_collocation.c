@@ -4,9 +4,9 @@
 #include "model/model.h"
 #include "integrate/radau_coefficients.h"
 
-MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) { return c->K + (1 + stage) * c->n_x; }
+MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) { return c->step.slopes + (1 + stage) * c->n_states; }
 
-MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->K + (1 + MG_RADAU + stage) * c->n_x; }
+MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->step.slopes + (1 + MG_RADAU_STAGES + stage) * c->n_states; }
 
 MG_INTERNAL mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
 
@@ -15,23 +15,23 @@ MG_INTERNAL mg_real mg_stage_weight(int row, int column) { return mg_radau_weigh
 /* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by. */
 MG_INTERNAL mg_real mg_twice(int row, int column) {
   mg_real sum = 0;
-  for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
+  for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
   return sum;
 }
 
 /* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage) {
   mg_real sum = 0;
-  for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_slope[stage][k] * (value[k] - value[stage]);
+  for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_slope[stage][k] * (value[k] - value[stage]);
   return sum;
 }
 
 /* The stages' Lagrange polynomials at theta. */
 static void mg_lagrange(mg_real theta, mg_real *value) {
   const mg_real *time = mg_radau_time;
-  for (int k = 0; k < MG_RADAU; k++) {
+  for (int k = 0; k < MG_RADAU_STAGES; k++) {
     mg_real above = 1, below = 1;
-    for (int j = 0; j < MG_RADAU; j++)
+    for (int j = 0; j < MG_RADAU_STAGES; j++)
       if (j != k) above *= theta - time[j], below *= time[k] - time[j];
     value[k] = above / below;
   }
@@ -40,25 +40,25 @@ static void mg_lagrange(mg_real theta, mg_real *value) {
 /* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
    step. */
 static void mg_restage(mg_real *value, mg_real share) {
-  mg_real old[MG_RADAU], part[MG_RADAU];
-  for (int k = 0; k < MG_RADAU; k++) old[k] = value[k], value[k] = 0;
-  for (int stage = 0; stage < MG_RADAU; stage++) {
+  mg_real old[MG_RADAU_STAGES], part[MG_RADAU_STAGES];
+  for (int k = 0; k < MG_RADAU_STAGES; k++) old[k] = value[k], value[k] = 0;
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     mg_lagrange(share * mg_radau_time[stage], part);
-    for (int k = 0; k < MG_RADAU; k++) value[stage] += part[k] * old[k];
+    for (int k = 0; k < MG_RADAU_STAGES; k++) value[stage] += part[k] * old[k];
   }
 }
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
-  const int n = c->n_x;
+  const int n = c->n_states;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
   for (int i = from; i < to; i++) {
-    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
-    mg_real slopes[MG_RADAU], all = 0;
-    for (int k = 0; k < MG_RADAU; k++) slopes[k] = h * slope[k * n + i];
-    for (int stage = 0; stage < MG_RADAU; stage++) {
+    const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+    mg_real slopes[MG_RADAU_STAGES], all = 0;
+    for (int k = 0; k < MG_RADAU_STAGES; k++) slopes[k] = h * slope[k * n + i];
+    for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
       mg_real next = x[i];
-      for (int k = 0; k < MG_RADAU; k++) next += mg_radau_weight[stage][k] * slopes[k];
+      for (int k = 0; k < MG_RADAU_STAGES; k++) next += mg_radau_weight[stage][k] * slopes[k];
       const mg_real change = fabs(next - state[stage * n + i]);
       if (!(change <= all)) all = change;
       state[stage * n + i] = next;
@@ -71,12 +71,12 @@ MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int f
 /* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at the
    start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
 MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  const mg_system *s = c->sys;
-  mg_real *slope = c->K + (1 + 2 * MG_RADAU) * c->n_x, *miss = c->K + (2 + 2 * MG_RADAU) * c->n_x;
-  mg_real share[MG_RADAU], sum = 0;
+  const mg_system *s = c->system;
+  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states, *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->n_states;
+  mg_real share[MG_RADAU_STAGES], sum = 0;
   mg_lagrange(0, share);
-  for (int i = 0; i < c->n_x; i++) miss[i] = 0;
-  for (int stage = -1; stage < MG_RADAU; stage++) {
+  for (int i = 0; i < c->n_states; i++) miss[i] = 0;
+  for (int stage = -1; stage < MG_RADAU_STAGES; stage++) {
     const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage), time = stage < 0 ? t : t + mg_stage_time(stage) * h;
     mg_poses(c, time, state);
     mg_accelerations(c, time, state, slope);
@@ -84,22 +84,22 @@ MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, 
     for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[stage]);
   }
   for (int i = s->n_q; i < s->n_q + s->n_u; i++) {
-    const mg_real size = fabs(x[i]) > c->scale[i] ? fabs(x[i]) : c->scale[i];
-    const mg_real error = mg_stage_time(0) * h * miss[i] / (c->set->tolerance * size);
+    const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+    const mg_real error = mg_stage_time(0) * h * miss[i] / (c->settings->tolerance * size);
     sum += error * error;
   }
-  return sqrt(sum / c->n_live);
+  return sqrt(sum / c->n_live_states);
 }
 
 /* The end of the step and the interpolant of the polynomial through x and the stages. */
 MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
-  const int n = c->n_x;
+  const int n = c->n_states;
   for (int i = 0; i < n; i++) {
-    c->x_next[i] = mg_stage_state(c, MG_RADAU - 1)[i];
-    for (int row = 0; row < MG_RADAU; row++) {
+    c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
+    for (int row = 0; row < MG_RADAU_STAGES; row++) {
       mg_real sum = 0;
-      for (int k = 0; k < MG_RADAU; k++) sum += mg_radau_dense[row][k] * (mg_stage_state(c, k)[i] - x[i]);
-      c->dense[row * n + i] = sum;
+      for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_dense[row][k] * (mg_stage_state(c, k)[i] - x[i]);
+      c->step.interpolant[row * n + i] = sum;
     }
   }
 }
@@ -107,10 +107,10 @@ MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
 /* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
    polynomial. */
 MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
-  for (int stage = 0; stage < MG_RADAU; stage++)
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (c->run->fresh[i] == MG_FRESH) mg_restage(c->onset[i].azimuth, share), mg_restage(c->onset[i].stiffness, share);
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (c->run->fresh[i] == MG_START_FLAT) mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
 }
 
 /* Ends the step that was collocated at a share of it. */
@@ -120,8 +120,8 @@ MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share) 
 }
 
 /* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
-MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU][MG_RADAU], mg_real *b) {
-  const int n = MG_RADAU;
+MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b) {
+  const int n = MG_RADAU_STAGES;
   for (int k = 0; k < n; k++) {
     int pivot = k;
     for (int i = k + 1; i < n; i++)

@@ -3,19 +3,19 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* K[0] holds the slope at (t, x); writes c->x_next. */
+/* K[0] holds the slope at (t, x); writes c->step.end. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   static const mg_real node[3] = {(mg_real)0.5, (mg_real)0.5, 1};
-  const int n = c->n_x;
-  mg_real *K = c->K;
+  const int n = c->n_states;
+  mg_real *K = c->step.slopes;
   for (int stage = 0; stage < 3; stage++) {
     const mg_real step = node[stage] * h, *k = K + stage * n;
-    for (int i = 0; i < n; i++) c->x_stage[i] = x[i] + step * k[i];
-    if (c->set->newton > 1) mg_place_all(c, t + step, c->x_stage);
-    mg_rhs(c, t + step, c->x_stage, K + (stage + 1) * n);
+    for (int i = 0; i < n; i++) c->step.stage[i] = x[i] + step * k[i];
+    if (c->settings->newton > 1) mg_place_all(c, t + step, c->step.stage);
+    mg_rhs(c, t + step, c->step.stage, K + (stage + 1) * n);
     mg_watch(c);
   }
   const mg_real sixth = h / 6;
   for (int i = 0; i < n; i++)
-    c->x_next[i] = x[i] + sixth * (K[i] + 2 * (K[n + i] + K[2 * n + i]) + K[3 * n + i]);
+    c->step.end[i] = x[i] + sixth * (K[i] + 2 * (K[n + i] + K[2 * n + i]) + K[3 * n + i]);
 }

@@ -9,28 +9,28 @@ static void mg_copy(mg_real *to, const mg_real *from, int n) {
 }
 
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
-  const long k = (long)row * c->sys->n_contact + contact;
+  const long k = (long)row * c->system->n_contact + contact;
   record->link[k] = c->run->link[contact];
-  if (mg_present(c, contact)) mg_place(c, contact, eta, c->place + 32);
+  if (mg_present(c, contact)) mg_place(c, contact, eta, c->search.placement + 32);
   else
-    for (int j = 0; j < 14; j++) c->place[j] = (mg_real)NAN;
+    for (int j = 0; j < 14; j++) c->search.placement[j] = (mg_real)NAN;
   record->force[k] = c->force[contact];
-  record->gap[k] = c->place[0];
-  mg_copy(record->normal + 3 * k, c->place + 5, 3);
-  mg_copy(record->point_o + 3 * k, c->place + 8, 3);
-  mg_copy(record->point_f + 3 * k, c->place + 11, 3);
+  record->gap[k] = c->search.placement[0];
+  mg_copy(record->normal + 3 * k, c->search.placement + 5, 3);
+  mg_copy(record->point_o + 3 * k, c->search.placement + 8, 3);
+  mg_copy(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
 /* What the rows below make of c->force or c->d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
 static void mg_below_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
   const mg_real *t = c->tangents + 6 * contact, *N = c->normal + 3 * contact;
-  const mg_real *rows = value + c->below + c->sys->contact_below[contact];
+  const mg_real *rows = value + c->friction_row_begin + c->system->contact_below[contact];
   for (int k = 0; k < 3; k++)
     out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
 }
 
 static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
-  const long k = 3 * ((long)row * c->sys->n_contact + contact);
+  const long k = 3 * ((long)row * c->system->n_contact + contact);
   const int rows = mg_present(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
   for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
   if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
@@ -40,9 +40,9 @@ static void mg_record_grips(mg_context *c, mg_record *record, int row, int conta
 
 /* What a joint does to its second body, and where it stands. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const long k = (long)row * s->n_joint + joint;
-  const int kind = s->joint_kind[joint], first = c->bilateral + s->joint_row[joint];
+  const int kind = s->joint_kind[joint], first = c->joint_row_begin + s->joint_row[joint];
   mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
   for (int j = 0; j < 6; j++) wrench[j] = 0;
   for (int i = first; i < first + c->kernels->joint_kinds[kind].n_rows; i++)
@@ -74,7 +74,7 @@ static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_r
 
 /* What presses the faces of a slot's patch together, and where. */
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
-  const long k = (long)row * c->sys->n_slot + slot;
+  const long k = (long)row * c->system->n_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
   record->patch[k] = mg_patch_in(c, slot);
   for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
@@ -92,7 +92,7 @@ static mg_real mg_energy_of(mg_context *c, mg_real *x) {
 
 /* One sample of the state x; needs its poses, twists and forces fresh. */
 MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;
   mg_copy(record->pose + row * 12 * s->n_body, c->pose, 12 * s->n_body);
@@ -103,14 +103,14 @@ MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   for (int i = 0; i < s->n_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   record->energy[row] = mg_energy_of(c, x);
-  record->work[row] = x[c->work_index];
+  record->work[row] = x[c->work_state];
 }
 
 MG_INTERNAL int mg_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
-/* Samples within the step h from run->x to c->x_next. */
+/* Samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
   if (!mg_due(record, t + h)) return;
@@ -118,10 +118,10 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   mg_make_dense(c, t, c->run->x, h);
   while (mg_due(record, t + h)) {
     const mg_real theta = (record->t[record->count] - t) / h;
-    mg_interpolate(c, c->run->x, theta, c->x_stage);
-    mg_normalise(c, c->x_stage);
-    mg_rhs(c, t + theta * h, c->x_stage, c->K + 16 * c->n_x);
-    mg_record_row(c, record, c->x_stage);
+    mg_interpolate(c, c->run->x, theta, c->step.stage);
+    mg_normalise(c, c->step.stage);
+    mg_rhs(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
+    mg_record_row(c, record, c->step.stage);
   }
 }
 

@@ -11,48 +11,48 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_ONSETS 4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
+#define MG_SLIP_ONSET_UNKNOWNS 4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
 
-#define MG_UNKNOWNS (MG_ONSETS * MG_RADAU)
+#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES)
 
 typedef struct {
-  int count, grip[MG_ONSETS], contact[MG_ONSETS]; /* grip: -1 of a patch, whose first pad the contact is */
-  int axis[MG_ONSETS];                                /* of a patch: 1, 2 across the course */
-  mg_real angle[MG_RADAU][MG_ONSETS];                 /* from the course, rad; of a patch its tangent along the axis */
-  mg_real along[MG_RADAU][MG_ONSETS], across[MG_RADAU][MG_ONSETS]; /* slip */
-  mg_real stiffness[MG_RADAU][MG_ONSETS][MG_ONSETS];  /* of the first's acceleration across by the second's angle */
+  int count, grip[MG_SLIP_ONSET_UNKNOWNS], contact[MG_SLIP_ONSET_UNKNOWNS]; /* grip: -1 of a patch, whose first pad the contact is */
+  int axis[MG_SLIP_ONSET_UNKNOWNS];                                /* of a patch: 1, 2 across the course */
+  mg_real angle[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];                 /* from the course, rad; of a patch its tangent along the axis */
+  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS], across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip */
+  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS];  /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
 
 MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
-  for (int g = 0; g < c->sys->n_grip; g++)
-    if (c->run->grip[g] == MG_ONSET) return 1;
-  for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
-    if (c->run->rub[slot] == MG_ONSET) return 1;
+  for (int g = 0; g < c->system->n_grip; g++)
+    if (c->run->grip[g] == MG_SLIP_ONSET) return 1;
+  for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
+    if (c->run->patch_mode[slot] == MG_SLIP_ONSET) return 1;
   return 0;
 }
 
 /* After the step, or where it is left to small ones. */
 MG_INTERNAL void mg_slip_on(mg_context *c) {
-  for (int g = 0; g < c->sys->n_grip; g++)
-    if (c->run->grip[g] == MG_ONSET) c->run->grip[g] = MG_STARTING;
-  for (int slot = 0; slot < c->sys->n_slot && c->sys->n_grip; slot++)
-    if (c->run->rub[slot] == MG_ONSET) c->run->rub[slot] = MG_STARTING;
+  for (int g = 0; g < c->system->n_grip; g++)
+    if (c->run->grip[g] == MG_SLIP_ONSET) c->run->grip[g] = MG_SLIP_STARTING;
+  for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
+    if (c->run->patch_mode[slot] == MG_SLIP_ONSET) c->run->patch_mode[slot] = MG_SLIP_STARTING;
 }
 
 static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
-  for (int g = 0; g < c->sys->n_grip; g++) {
-    if (c->run->grip[g] != MG_ONSET) continue;
-    if (o->count == MG_ONSETS) return 0;
+  for (int g = 0; g < c->system->n_grip; g++) {
+    if (c->run->grip[g] != MG_SLIP_ONSET) continue;
+    if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
     o->contact[o->count] = mg_contact_of(c, g), o->grip[o->count++] = g;
   }
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    if (c->run->rub[slot] != MG_ONSET) continue;
-    if (o->count + 2 > MG_ONSETS) return 0;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    if (c->run->patch_mode[slot] != MG_SLIP_ONSET) continue;
+    if (o->count + 2 > MG_SLIP_ONSET_UNKNOWNS) return 0;
     for (int axis = 1; axis <= 2; axis++)
       o->contact[o->count] = mg_pad_of(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
   }
-  for (int stage = 0; stage < MG_RADAU; stage++)
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int k = 0; k < o->count; k++) o->angle[stage][k] = 0;
   return o->count > 0;
 }
@@ -61,17 +61,17 @@ static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
 static void mg_slope_steered(mg_context *c, const mg_slip_onset *o, mg_real t, const mg_real *x, const mg_real *angle,
                              mg_real *slope) {
   for (int k = 0; k < o->count; k++)
-    if (o->grip[k] >= 0) c->steer[o->grip[k]] = angle[k];
-    else c->rub[(o->contact[k] - c->first_pad) / 3].steer[o->axis[k] - 1] = angle[k];
-  c->steering = 1;
+    if (o->grip[k] >= 0) c->friction.slip_angle[o->grip[k]] = angle[k];
+    else c->patches.friction[(o->contact[k] - c->support_begin) / 3].slip_direction[o->axis[k] - 1] = angle[k];
+  c->friction.follows_angle = 1;
   mg_rhs(c, t, x, slope);
-  c->steering = 0;
+  c->friction.follows_angle = 0;
 }
 
 /* Of the slip, or of its accelerations, what is along the direction of an unknown and what is across. */
 static void mg_split_slip(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle, int accelerations,
                           mg_real *along, mg_real *across) {
-  const int slot = (o->contact[k] - c->first_pad) / 3, rubs = o->grip[k] < 0;
+  const int slot = (o->contact[k] - c->support_begin) / 3, rubs = o->grip[k] < 0;
   const int row = rubs ? mg_rub_row(c, slot) : mg_grip_row(c, o->contact[k], o->grip[k]);
   mg_real e[3][3], value[3];
   for (int i = 0; i < 2 + rubs; i++) value[i] = accelerations ? mg_separation(c, row + i) : c->d_dot[row + i];
@@ -86,37 +86,37 @@ static void mg_split_slip(const mg_context *c, const mg_slip_onset *o, int k, mg
 }
 
 static mg_real mg_scale_of_onset(const mg_context *c, const mg_slip_onset *o, int k) {
-  return o->grip[k] < 0 ? c->sys->length / c->sys->time : mg_slip_scale(c, o->grip[k]);
+  return o->grip[k] < 0 ? c->system->length / c->system->time : mg_slip_scale(c, o->grip[k]);
 }
 
 /* Once round: slopes and slip at the stages. */
 static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
-  c->suspect = 0;
-  for (int stage = 0; stage < MG_RADAU; stage++) {
+  c->step.sign_changed = 0;
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     mg_slope_steered(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
                      mg_stage_slope(c, stage));
     mg_watch(c);
     for (int k = 0; k < o->count; k++)
       mg_split_slip(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
-    if (!mg_all_finite(c->n_x, mg_stage_slope(c, stage))) return 0;
+    if (!mg_all_finite(c->n_states, mg_stage_slope(c, stage))) return 0;
   }
   return 1;
 }
 
 static mg_real mg_go_round(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_look_round(c, o, t, h) ? mg_collect(c, x, h, 0, c->n_x) : (mg_real)NAN;
+  return mg_look_round(c, o, t, h) ? mg_collect(c, x, h, 0, c->n_states) : (mg_real)NAN;
 }
 
 /* What the angles do to the accelerations across, by differences. */
 static void mg_find_slip_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
   const mg_real turned = (mg_real)1 / 1024;
-  for (int stage = 0; stage < MG_RADAU; stage++)
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int j = 0; j < o->count; j++)
       for (int sign = -1; sign <= 1; sign += 2) {
         const mg_real kept = o->angle[stage][j];
         o->angle[stage][j] += sign * turned;
         mg_slope_steered(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                         c->K + (1 + 2 * MG_RADAU) * c->n_x);
+                         c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states);
         o->angle[stage][j] = kept;
         for (int k = 0; k < o->count; k++) {
           mg_real along, across;
@@ -129,7 +129,7 @@ static void mg_find_slip_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, m
 
 /* Newton's step for the angles; returns what it changes of the velocities, against their scale. */
 static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
-  const int m = o->count, n = m * MG_RADAU;
+  const int m = o->count, n = m * MG_RADAU_STAGES;
   mg_real A[MG_UNKNOWNS * MG_UNKNOWNS], b[MG_UNKNOWNS], y[MG_UNKNOWNS], scratch[MG_UNKNOWNS], most = 0;
   int order[MG_UNKNOWNS];
   for (int i = 0; i < n; i++) {
@@ -150,10 +150,10 @@ static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
 
 /* The stages of a step h, as near as rounding lets them come; 0 where they are not found. */
 static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  const mg_real goal = c->set->tolerance / 100, noise = 4096 * MG_EPS;
+  const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
   mg_real before = MG_MAX;
-  for (int stage = 0; stage < MG_RADAU; stage++)
-    for (int i = 0; i < c->n_x; i++) mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->K[i];
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
+    for (int i = 0; i < c->n_states; i++) mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < 4; round++)
     if (!(mg_go_round(c, o, t, x, h) <= MG_MAX)) return 0;
   mg_find_slip_stiffness(c, o, t, h);
@@ -171,24 +171,24 @@ static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_r
 
 /* Slip runs along its course at every stage, and what an explicit step can follow afterwards. */
 static int mg_is_under_way(mg_context *c, const mg_slip_onset *o) {
-  c->pace = MG_MAX;
+  c->step.slip_limit = MG_MAX;
   for (int k = 0; k < o->count; k++) {
-    for (int stage = 0; stage < MG_RADAU; stage++)
+    for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
       if (!(o->along[stage][k] > 0)) return 0;
-    const mg_real each = 2 * o->along[MG_RADAU - 1][k] / fabs(o->stiffness[MG_RADAU - 1][k][k]);
-    if (each < c->pace) c->pace = each;
+    const mg_real each = 2 * o->along[MG_RADAU_STAGES - 1][k] / fabs(o->stiffness[MG_RADAU_STAGES - 1][k][k]);
+    if (each < c->step.slip_limit) c->step.slip_limit = each;
   }
   return 1;
 }
 
-/* From K[0] to c->x_next and the interpolant. Returns the error relative to the tolerance; MG_MAX where there is no
+/* From K[0] to c->step.end and the interpolant. Returns the error relative to the tolerance; MG_MAX where there is no
    solution. */
 MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
-  for (int i = 0; i < c->n_x; i++) c->x_next[i] = x[i];
+  for (int i = 0; i < c->n_states; i++) c->step.end[i] = x[i];
   if (!mg_list_onsets(c, &onset) || !mg_find_stages(c, &onset, t, x, h / 2)) return MG_MAX;
-  for (int i = 0; i < c->n_x; i++) c->settled[i] = mg_stage_state(c, MG_RADAU - 1)[i];
+  for (int i = 0; i < c->n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
   if (!mg_find_stages(c, &onset, t, x, h) || !mg_is_under_way(c, &onset)) return MG_MAX;
   mg_collocated(c, x);
-  return c->set->method == MG_RK4 ? 0 : mg_differs_half_way(c, x, c->settled);
+  return c->settings->method == MG_RK4 ? 0 : mg_differs_half_way(c, x, c->step.settled);
 }

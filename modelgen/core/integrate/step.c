@@ -3,71 +3,71 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-static int mg_end_row(const mg_context *c) { return c->set->method == MG_RK4 ? 4 : 12; }
+static int mg_end_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
 
 /* Steps from this state are by collocation, whatever the method. */
 MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_starts_rolling(c) || mg_starts_slipping(c); }
 
-/* From K[0] = slope at (t, x) to c->x_next; the error relative to the tolerance (0 for RK4). */
+/* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
-  if (c->sys->n_grip && mg_starts_slipping(c)) {
-    const mg_real error = mg_start_slipping(c, t, x, h), least = c->sys->time * sqrt(c->set->tolerance);
-    if (error <= MG_MAX / 2 || (c->set->method == MG_DOP853 && h > least)) return error;
+  if (c->system->n_grip && mg_starts_slipping(c)) {
+    const mg_real error = mg_start_slipping(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
+    if (error <= MG_MAX / 2 || (c->settings->method == MG_DOP853 && h > least)) return error;
     mg_slip_on(c);
   }
-  if (c->set->method == MG_DOP853) return mg_dop853(c, t, x, h);
+  if (c->settings->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
   return 0;
 }
 
 /* The same, watching for events. */
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  c->suspect = 0;
+  c->step.sign_changed = 0;
   return mg_take_step(c, t, x, h);
 }
 
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
-  mg_normalise(c, c->x_next);
-  mg_rhs(c, t + h, c->x_next, c->K + mg_end_row(c) * c->n_x);
+  mg_normalise(c, c->step.end);
+  mg_rhs(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->n_states);
   mg_gap_rates(c);
 }
 
 /* The cubic through both ends of the step and their slopes. */
 MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->n_x, end = mg_end_row(c);
+  const int n = c->n_states, end = mg_end_row(c);
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
-    const mg_real delta = c->x_next[i] - x[i], first = c->K[i], last = c->K[end * n + i];
-    c->dense[i] = delta, c->dense[n + i] = h * first - delta, c->dense[2 * n + i] = 2 * delta - h * (first + last);
-    for (int row = 3; row < 7; row++) c->dense[row * n + i] = 0;
+    const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
+    c->step.interpolant[i] = delta, c->step.interpolant[n + i] = h * first - delta, c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
+    for (int row = 3; row < 7; row++) c->step.interpolant[row * n + i] = 0;
   }
 }
 
 MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  if (c->set->method != MG_DOP853) mg_make_cubic(c, x, h);
+  if (c->settings->method != MG_DOP853) mg_make_cubic(c, x, h);
   else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
 }
 
 /* The state at t + theta h. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
-  const int n = c->n_x;
+  const int n = c->n_states;
   for (int i = 0; i < n; i++) {
     mg_real y = 0;
-    for (int row = 6; row >= 0; row--) y = (y + c->dense[row * n + i]) * (row % 2 ? 1 - theta : theta);
+    for (int row = 6; row >= 0; row--) y = (y + c->step.interpolant[row * n + i]) * (row % 2 ? 1 - theta : theta);
     out[i] = x[i] + y;
   }
 }
 
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 MG_INTERNAL void mg_watch(mg_context *c) {
-  if (c->suspect) return;
-  const mg_real deep = -c->set->gap * c->sys->length;
-  if (mg_any_patch_ends(c)) c->suspect = 1;
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->suspect = 1;
-  if (c->sys->n_grip && mg_grips_suspect(c)) c->suspect = 1;
+  if (c->step.sign_changed) return;
+  const mg_real deep = -c->settings->gap * c->system->length;
+  if (mg_any_patch_ends(c)) c->step.sign_changed = 1;
+  for (int i = 0; i < c->support_begin; i++)
+    if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->step.sign_changed = 1;
+  if (c->system->n_grip && mg_grips_suspect(c)) c->step.sign_changed = 1;
 }
 
 MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most) {
@@ -77,6 +77,6 @@ MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most) {
 }
 
 MG_INTERNAL mg_real mg_first_step(const mg_context *c) {
-  if (c->set->step > 0) return c->set->step;
-  return c->sys->time * pow(c->set->tolerance, (mg_real)1 / 8) / 4;
+  if (c->settings->step > 0) return c->settings->step;
+  return c->system->time * pow(c->settings->tolerance, (mg_real)1 / 8) / 4;
 }

@@ -1,7 +1,7 @@
 /* Poses, twists and accelerations of the bodies, before any contact force. */
 #include "model/model.h"
 
-MG_INTERNAL int mg_kind_of(const mg_context *c, int body) { return c->sys->body_kind[body]; }
+MG_INTERNAL int mg_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
 
 /* True for a body that contact forces accelerate. */
 MG_INTERNAL int mg_moves(const mg_context *c, int body) { return c->kernels->body_kinds[mg_kind_of(c, body)].motion >= MG_POINT; }
@@ -15,7 +15,7 @@ MG_INTERNAL void mg_copy_u(const mg_context *c, int body, const mg_real *from, m
 }
 
 MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     const int kind = mg_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
     const mg_real *q = x + s->body_q[b], *u = x + s->n_q + s->body_u[b];
@@ -31,14 +31,14 @@ MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x) {
 
 /* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
 MG_INTERNAL void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
   c->kernels->load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
                  s->parameters + s->load_parameters[load], wrench, wrench + 6);
 }
 
 static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load];
   mg_real wrench[12] = {0};
   mg_wrench(c, t, load, wrench);
@@ -54,7 +54,7 @@ static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
 
 /* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->accel. */
 MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_real power = 0;
   if (s->n_load) {
     for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
@@ -64,14 +64,14 @@ MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg
     if (mg_moves(c, b))
       c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->wrench + 6 * b, s->gravity,
                      s->parameters + s->body_parameters[b], x_dot + s->body_q[b], c->accel + 6 * b);
-  x_dot[c->work_index] = power;
+  x_dot[c->work_state] = power;
 }
 
 /* Brings every quaternion back to unit length. */
 MG_INTERNAL void mg_normalise(const mg_context *c, mg_real *x) {
-  for (int b = 0; b < c->sys->n_body; b++) {
+  for (int b = 0; b < c->system->n_body; b++) {
     if (c->kernels->body_kinds[mg_kind_of(c, b)].motion != MG_FREE) continue;
-    mg_real *e = x + c->sys->body_q[b] + 3;
+    mg_real *e = x + c->system->body_q[b] + 3;
     const mg_real inverse = 1 / sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
     for (int i = 0; i < 4; i++) e[i] *= inverse;
   }

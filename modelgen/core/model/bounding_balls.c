@@ -23,28 +23,28 @@ static mg_real mg_clearance(const mg_context *c, int link) {
 }
 
 MG_INTERNAL int mg_is_far(const mg_context *c, int link) {
-  return mg_clearance(c, link) > c->set->reach * c->sys->length;
+  return mg_clearance(c, link) > c->settings->reach * c->system->length;
 }
 
 /* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
-  const mg_real *ball = c->sys->pair_ball + 8 * pair;
-  const int first = c->sys->pair_link[pair];
+  const mg_real *ball = c->system->pair_ball + 8 * pair;
+  const int first = c->system->pair_link[pair];
   mg_real clear = MG_MAX, whole = 0;
   if (ball[3] >= 0 && ball[7] >= 0)
     whole = mg_between_balls(c, mg_side_body(c, first, 0), ball, ball[3], mg_side_body(c, first, 1), ball + 4, ball[7]);
-  for (int link = first; link < c->sys->pair_link[pair + 1]; link++) clear = fmin(clear, mg_clearance(c, link));
+  for (int link = first; link < c->system->pair_link[pair + 1]; link++) clear = fmin(clear, mg_clearance(c, link));
   return fmax(fmax(clear, whole), 0);
 }
 
 /* How far the shape of a body of a pair (0: o, 1: f) extends from the centre of mass; < 0: without end. */
 static mg_real mg_extent(const mg_context *c, int pair, int body) {
-  const mg_real *ball = c->sys->pair_ball + 8 * pair + 4 * body;
+  const mg_real *ball = c->system->pair_ball + 8 * pair + 4 * body;
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
 /* Of a body that extends so far from its centre of mass, as another body sees it. */
-static mg_motion mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
+static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
   const mg_real *pose = c->pose + 12 * from, *of = c->pose + 12 * seen;
   const mg_real *a = c->twist + 6 * from, *b = c->twist + 6 * seen, *da = c->accel + 6 * from, *db = c->accel + 6 * seen;
   mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
@@ -53,17 +53,17 @@ static mg_motion mg_seen_from(const mg_context *c, int seen, int from, mg_real e
   mg_cross(own, arm, swept), mg_cross(down, arm, swung), mg_cross(own, v, turned);
   for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
   const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
-  const mg_motion motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
+  const mg_motion_bound motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
   return motion;
 }
 
 /* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without end the
    parts no farther than the characteristic length count. */
-MG_INTERNAL mg_motion mg_pair_motion(const mg_context *c, int pair) {
-  const int first = c->sys->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
+MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair) {
+  const int first = c->system->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
   const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
-  const mg_motion of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->sys->length : extent_f);
+  const mg_motion_bound of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->system->length : extent_f);
   if (extent_o < 0) return of_f;
-  const mg_motion of_o = mg_seen_from(c, o, f, extent_o);
+  const mg_motion_bound of_o = mg_seen_from(c, o, f, extent_o);
   return extent_f < 0 || of_o.speed < of_f.speed ? of_o : of_f;
 }

@@ -6,7 +6,7 @@
 static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip);
   mg_real along[3], *t = c->tangents + 6 * contact;
-  mg_out(c->pose + 12 * c->sys->grip_body[grip], c->sys->grip_direction + 3 * grip, 0, along);
+  mg_out(c->pose + 12 * c->system->grip_body[grip], c->system->grip_direction + 3 * grip, 0, along);
   const mg_real x = mg_dot3(t, along), y = mg_dot3(t + 3, along), size = sqrt(x * x + y * y);
   if (!(size > 0)) return;
   for (int k = 0; k < 3; k++) mg_turn_pair(x / size, y / size, t + k, t + 3 + k);
@@ -19,7 +19,7 @@ static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
 static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned, const mg_real *block) {
   mg_real *normal = c->normal + 3 * contact;
   for (int i = 0; i < c->kernels->contact_kinds[c->kind[contact]].rows; i++) {
-    const int row = i ? c->below + c->sys->contact_below[contact] + i - 1 : contact;
+    const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
     const mg_real sign = turned && (i == 1 || i == 4) ? -1 : 1;
     mg_real *J = c->J + 12 * row;
     for (int k = 0; k < 12; k++) J[k] = 0;
@@ -30,14 +30,14 @@ static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *
   for (int k = 0; k < 3 && turned; k++) normal[k] = -normal[k];
   for (int k = 3; k < 6 && turned && c->tangents; k++) c->tangents[6 * contact + k] *= -1;
   if (!c->tangents) return;
-  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++)
-    if (c->sys->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
+  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
+    if (c->system->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
 }
 
 /* The link of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
 static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
-  const mg_system *s = c->sys;
-  for (int link = c->first_pad_link + 3 * patch + 1; link >= c->first_pad_link + 3 * patch; link--)
+  const mg_system *s = c->system;
+  for (int link = c->support_link_begin + 3 * patch + 1; link >= c->support_link_begin + 3 * patch; link--)
     if (c->kernels->contact_kinds[s->link_kind[link]].rows >= c->kernels->contact_kinds[s->link_kind[contact_link]].rows) return link;
   return -1;
 }
@@ -45,48 +45,48 @@ static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
 /* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the point where
    it begins to roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
-  const mg_real lost = c->set->flat * c->set->flat;
-  const int patch = c->run->fresh[contact] == MG_FRESH ? mg_patch_flat_on(c, contact, lost) : -1;
+  const mg_system *s = c->system;
+  const mg_real lost = c->settings->flat * c->settings->flat;
+  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_patch_flat_on(c, contact, lost) : -1;
   const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
   if (link < 0) return 0;
   const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
   mg_real none[1], world[3], block[78];
-  for (int k = 0; k < n - 3; k++) c->numbers[k] = s->parameters[s->link_parameters[link] + k];
+  for (int k = 0; k < n - 3; k++) c->point_parameters[k] = s->parameters[s->link_parameters[link] + k];
   mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
-  mg_into(c->pose + 12 * f, world, c->numbers + n - 3);
-  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->numbers,
+  mg_into(c->pose + 12 * f, world, c->point_parameters + n - 3);
+  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->point_parameters,
                    c->d + contact, block, block + 36, block + 72, none, c->normal + 3 * contact,
                    c->tangents ? c->tangents + 6 * contact : 0);
   mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->o[contact], block);
   return 1;
 }
 
-/* Puts the rows of c->block where the loops over rows look. */
+/* Puts the rows of c->kernel_rows where the loops over rows look. */
 static void mg_scatter(mg_context *c, int contact) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   for (int i = 0; i < kind->rows; i++) {
-    const int row = i ? c->below + c->sys->contact_below[contact] + i - 1 : contact;
-    for (int k = 0; k < kind->n_o; k++) c->J[12 * row + k] = c->block[kind->n_o * i + k];
-    for (int k = 0; k < kind->n_f; k++) c->J[12 * row + 6 + k] = c->block[36 + kind->n_f * i + k];
-    c->gamma[row] = c->set->use_gamma ? c->block[72 + i] : 0;
+    const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
+    for (int k = 0; k < kind->n_o; k++) c->J[12 * row + k] = c->kernel_rows[kind->n_o * i + k];
+    for (int k = 0; k < kind->n_f; k++) c->J[12 * row + 6 + k] = c->kernel_rows[36 + kind->n_f * i + k];
+    c->gamma[row] = c->settings->use_gamma ? c->kernel_rows[72 + i] : 0;
   }
-  for (int g = c->sys->contact_grip[contact]; g < c->sys->contact_grip[contact + 1]; g++)
-    if (c->sys->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
+  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
+    if (c->system->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
 }
 
 MG_INTERNAL void mg_rates(mg_context *c, const mg_real *x) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int i = 0; i < s->n_contact; i++) {
     const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = c->kernels->contact_kinds[kind].rows > 1;
     if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
     c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
                      x + s->n_q + s->n_u + s->contact_eta[i], mg_parameters_of(c, i), c->d + i,
-                     below ? c->block : c->J + 12 * i, below ? c->block + 36 : c->J + 12 * i + 6,
-                     below ? c->block + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
+                     below ? c->kernel_rows : c->J + 12 * i, below ? c->kernel_rows + 36 : c->J + 12 * i + 6,
+                     below ? c->kernel_rows + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
                      below ? c->tangents + 6 * i : 0);
     if (below) mg_scatter(c, i);
-    if (!c->set->use_gamma) c->gamma[i] = 0;
+    if (!c->settings->use_gamma) c->gamma[i] = 0;
   }
 }
 
@@ -95,7 +95,7 @@ MG_INTERNAL mg_real mg_row(const mg_context *c, int contact, const mg_real *per_
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   const mg_real *J = c->J + 12 * contact;
   mg_real sum = 0;
-  if (contact >= c->bilateral) return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
+  if (contact >= c->joint_row_begin) return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->o[contact]);
   if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   return sum;
@@ -113,7 +113,7 @@ static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ
 
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
 MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int o = c->o[contact], f = c->f[contact];
   mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
   if (mg_moves(c, o)) mg_weigh_side(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
@@ -137,25 +137,25 @@ static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int cont
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n) {
-  for (int r = 0; r < n; r++) c->column[list[r]] = r, mg_weigh(c, list[r]);
-  for (int k = 0; k < n * n; k++) c->A[k] = 0;
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_weigh(c, list[r]);
+  for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
       const int body = side ? c->f[list[r]] : c->o[list[r]];
       const mg_real *J = mg_half(c, c->J, list[r], body);
-      for (int k = c->first[body]; k < c->first[body + 1]; k++) {
-        const int column = c->column[c->incident[k]];
+      for (int k = c->islands.incident_begin[body]; k < c->islands.incident_begin[body + 1]; k++) {
+        const int column = c->lcp.column[c->islands.incident[k]];
         if (column < 0) continue;
-        const mg_real *MJ = mg_half(c, c->MJ, c->incident[k], body);
-        c->A[r + n * column] += mg_dot6(J, MJ);
+        const mg_real *MJ = mg_half(c, c->MJ, c->islands.incident[k], body);
+        c->lcp.A[r + n * column] += mg_dot6(J, MJ);
       }
     }
-  for (int r = 0; r < n; r++) c->column[list[r]] = -1;
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
 }
 
 /* The part of d_dot that driven bodies and given motions make. */
 MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact) {
-  mg_real rate = c->bias[contact];
+  mg_real rate = c->time_rate[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->f[contact] : c->o[contact];
     if (c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
@@ -165,21 +165,21 @@ MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_gap_rates(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
-  for (int i = c->bilateral; i < c->n_rows; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->bias[i];
-  if (c->sys->n_grip) mg_slip_rates(c);
+  for (int i = 0; i < c->system->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->time_rate[i];
+  if (c->system->n_grip) mg_slip_rates(c);
 }
 
 /* The first row of a grip of a contact. */
 MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip) {
-  return c->below + c->sys->contact_below[contact] + c->sys->grip_row[grip];
+  return c->friction_row_begin + c->system->contact_below[contact] + c->system->grip_row[grip];
 }
 
 /* The rows below stand on the bodies of the contact's link. */
 MG_INTERNAL void mg_take_rows(mg_context *c, int contact) {
-  const int *room = c->sys->contact_below + contact, first = c->below + room[0];
+  const int *room = c->system->contact_below + contact, first = c->friction_row_begin + room[0];
   for (int i = 0; i < room[1] - room[0]; i++) {
-    c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->column[first + i] = -1;
+    c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->lcp.column[first + i] = -1;
     for (int k = 0; k < 12; k++) c->J[12 * (first + i) + k] = c->MJ[12 * (first + i) + k] = 0;
     c->gamma[first + i] = c->d_dot[first + i] = c->force[first + i] = 0;
   }
@@ -192,5 +192,5 @@ MG_INTERNAL void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real 
 
 /* Slip, spin and rolling of all contacts, into c->d_dot. */
 MG_INTERNAL void mg_slip_rates(mg_context *c) {
-  for (int i = c->below; i < c->n_all; i++) c->d_dot[i] = mg_row(c, i, c->twist);
+  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) c->d_dot[i] = mg_row(c, i, c->twist);
 }

@@ -6,41 +6,41 @@
 MG_INTERNAL int mg_present(const mg_context *c, int contact) { return c->run->link[contact] >= 0; }
 
 static int mg_eta_room(const mg_context *c, int contact) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
 }
 
 MG_INTERNAL mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact) {
-  return x + c->sys->n_q + c->sys->n_u + c->sys->contact_eta[contact];
+  return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
 }
 
 /* The parameters of a contact's kind; the point of a pad is the run's. */
 MG_INTERNAL const mg_real *mg_parameters_of(mg_context *c, int contact) {
-  const mg_real *held = c->sys->parameters + c->parameters[contact];
+  const mg_real *held = c->system->parameters + c->parameters[contact];
   if (!mg_is_pad(c, contact)) return held;
   const int n = c->kernels->contact_kinds[c->kind[contact]].n_parameters;
-  for (int k = 0; k < n - 3; k++) c->numbers[k] = held[k];
-  for (int k = 0; k < 3; k++) c->numbers[n - 3 + k] = c->run->point[3 * contact + k];
-  return c->numbers;
+  for (int k = 0; k < n - 3; k++) c->point_parameters[k] = held[k];
+  for (int k = 0; k < 3; k++) c->point_parameters[n - 3 + k] = c->run->point[3 * contact + k];
+  return c->point_parameters;
 }
 
 /* Makes a contact, or the spare one behind the last, stand on a link. */
 MG_INTERNAL void mg_stand(mg_context *c, int contact, int link) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   c->kind[contact] = s->link_kind[link], c->parameters[contact] = s->link_parameters[link];
   c->o[contact] = s->link_o[link], c->f[contact] = s->link_f[link];
 }
 
 /* No condition ends or watches a contact on the link. */
 MG_INTERNAL int mg_is_endless(const mg_context *c, int link) {
-  return c->sys->link_condition[link] == c->sys->link_condition[link + 1];
+  return c->system->link_condition[link] == c->system->link_condition[link + 1];
 }
 
-MG_INTERNAL int mg_first_contact(const mg_context *c, int pair) { return c->sys->pair_contact[pair]; }
+MG_INTERNAL int mg_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
 
 /* Each contact of the pair has a link for good; else they share the pair's links. */
 MG_INTERNAL int mg_has_own_links(const mg_context *c, int pair) {
-  return c->sys->contact_link[mg_first_contact(c, pair)] >= 0;
+  return c->system->contact_link[mg_first_contact(c, pair)] >= 0;
 }
 
 /* What each entry of eta on a link is measured against. */
@@ -49,19 +49,19 @@ MG_INTERNAL void mg_eta_scale(const mg_context *c, int link, mg_real *scale) {
     const int carrier = mg_carrier(c, link, side), n = mg_carried[carrier];
     const int charted = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
-      *scale++ = k < charted ? mg_side(c, link, side)[MG_SPAN + k] : carrier == MG_LOCAL ? c->sys->length : 1;
+      *scale++ = k < charted ? mg_side(c, link, side)[MG_SPAN + k] : carrier == MG_LOCAL ? c->system->length : 1;
   }
 }
 
 /* A contact on no link is infinitely far away, so that no loop over contacts needs to ask. */
 MG_INTERNAL void mg_take_link(mg_context *c, int contact) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const int held = c->run->link[contact], link = held < 0 ? s->pair_link[s->contact_pair[contact]] : held;
   mg_stand(c, contact, link);
-  c->n_live -= c->n_eta[contact];
+  c->n_live_states -= c->n_eta[contact];
   c->n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->kind[contact]].n_eta;
-  c->n_live += c->n_eta[contact];
-  if (c->n_eta[contact]) mg_eta_scale(c, link, mg_eta_of(c, c->scale, contact));
+  c->n_live_states += c->n_eta[contact];
+  if (c->n_eta[contact]) mg_eta_scale(c, link, mg_eta_of(c, c->step.scale, contact));
   for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
   c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;
@@ -79,15 +79,15 @@ MG_INTERNAL void mg_set_link(mg_context *c, int contact, int link, const mg_real
 }
 
 MG_INTERNAL const mg_real *mg_side(const mg_context *c, int link, int side) {
-  return c->sys->numbers + c->sys->side_numbers[2 * link + side];
+  return c->system->numbers + c->system->side_numbers[2 * link + side];
 }
 
 MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side) {
-  return side ? c->sys->link_f[link] : c->sys->link_o[link];
+  return side ? c->system->link_f[link] : c->system->link_o[link];
 }
 
 MG_INTERNAL int mg_carrier(const mg_context *c, int link, int side) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->sys->link_kind[link];
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->link_kind[link];
   return side ? kind->carrier_f : kind->carrier_o;
 }
 
@@ -110,8 +110,8 @@ MG_INTERNAL void mg_point_in(const mg_context *c, int link, int side, const mg_r
    the angle. */
 static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg_real *point) {
   const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
-  const int shape = c->sys->side_shape[2 * link + side];
-  const mg_real *parameters = c->sys->parameters + c->sys->side_parameters[2 * link + side];
+  const int shape = c->system->side_shape[2 * link + side];
+  const mg_real *parameters = c->system->parameters + c->system->side_parameters[2 * link + side];
   mg_real x[3], y[3], T[3];
   c->kernels->shape_point(shape, turns[0], parameters, x, T);
   if (!(x[0] > 0)) return point[0];
@@ -141,7 +141,7 @@ static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
 /* -N.w, w = a T x z + b z the direction from an edge into a face beside it, at a point of it with coordinates uv. */
 static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a, const mg_real *x, const mg_real *uv,
                        const mg_real *N) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real at[2] = {mg_is_charted(c, link, side) ? uv[0] : mg_parameter_at(c, link, side, x), uv[1]};
   mg_real point[3], T[3];
   c->kernels->shape_point(s->side_shape[2 * link + side], at, s->parameters + s->side_parameters[2 * link + side], point, T);
@@ -154,12 +154,12 @@ MG_INTERNAL mg_real mg_sine(const mg_real *a, const mg_real *b) {
 }
 
 MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real *a = s->numbers + s->condition_numbers[k];
   const int side = s->condition_side[k];
   mg_real x[3], N[3], uv[2];
-  mg_point_in(c, link, side, c->place + (side ? 11 : 8), x);
-  mg_direction_in(c, link, side, c->place + 5, N);
+  mg_point_in(c, link, side, c->search.placement + (side ? 11 : 8), x);
+  mg_direction_in(c, link, side, c->search.placement + 5, N);
   for (int i = 0; i < 3 && side; i++) N[i] = -N[i];
   mg_coordinates(c, link, side, eta, x, uv);
   switch (s->condition_kind[k]) {
@@ -167,7 +167,7 @@ MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_
     case MG_PARAMETER: return a[1] * (uv[(int)a[0]] - a[2]) / mg_side(c, link, side)[MG_SPAN + (int)a[0]];
     case MG_DISC: return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
     case MG_WING: return mg_wing(c, link, side, a, x, uv, N);
-    case MG_TILT: return a[3] * (mg_sine(a, N) - c->set->flat);
+    case MG_TILT: return a[3] * (mg_sine(a, N) - c->settings->flat);
     default: return -mg_dot3(a, N);
   }
 }
@@ -177,8 +177,8 @@ MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_
 MG_INTERNAL mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which) {
   mg_real least = MG_MAX;
   *which = -1;
-  for (int k = c->sys->link_condition[link]; k < c->sys->link_condition[link + 1]; k++) {
-    if ((c->sys->condition_next[k] == MG_WATCHED) != watched) continue;
+  for (int k = c->system->link_condition[link]; k < c->system->link_condition[link + 1]; k++) {
+    if ((c->system->condition_next[k] == MG_WATCHED) != watched) continue;
     const mg_real value = mg_condition(c, link, k, eta);
     if (value < least) least = value, *which = k;
   }
@@ -194,7 +194,7 @@ MG_INTERNAL int mg_has_signs(const mg_context *c, int link) { return mg_carrier(
 
 /* No condition on the normal tells the outside. */
 MG_INTERNAL int mg_is_bare(const mg_context *c, int link) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
     if (s->condition_kind[k] == MG_WING || s->condition_kind[k] == MG_DIRECTION) return 0;
   return 1;

@@ -7,10 +7,10 @@
 
 static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
 
-enum { MG_STRIKES, MG_MISSES, MG_IS_CAUGHT, MG_REBOUNDS, MG_IS_PUSHED_OFF, MG_LIFTS, MG_APPEARS, MG_WALKS_ON, MG_VANISHES,
-       MG_ENDS_RUN, MG_RESTS, MG_TURNS_OVER };
+enum { MG_IMPACT_INELASTIC, MG_IMPACT_AVOIDED, MG_TOUCHES_DOWN, MG_IMPACT_REBOUND, MG_PUSHED_OPEN, MG_LIFTS_OFF, MG_CONTACT_APPEARS, MG_FEATURE_CHANGES, MG_CONTACT_VANISHES,
+       MG_ENDS_RUN, MG_PATCH_BEGINS, MG_PATCH_TURNS_OVER_EDGE };
 
-enum { MG_EDGED = 2, MG_TORN = 3 }; /* marks in c->trying: the slot's pads stand on points of the edge; and had rested flat */
+enum { MG_TRIAL_ON_EDGE = 2, MG_TRIAL_TORN_OFF = 3 }; /* marks in c->patches.trial: the slot's pads stand on points of the edge; and had rested flat */
 
 /* bodies.c */
 MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
@@ -76,7 +76,7 @@ MG_INTERNAL int mg_is_flat_yet(const mg_context *c, int contact);
 /* bounding_balls.c */
 MG_INTERNAL int mg_is_far(const mg_context *c, int link);
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
-MG_INTERNAL mg_motion mg_pair_motion(const mg_context *c, int pair);
+MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
 
 /* planar_contacts.c */
 MG_INTERNAL int mg_is_pad(const mg_context *c, int contact);

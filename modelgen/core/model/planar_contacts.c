@@ -3,33 +3,33 @@
 #include "base/base.h"
 
 MG_INTERNAL int mg_is_pad(const mg_context *c, int contact) {
-  return contact >= c->first_pad && contact < c->sys->n_contact;
+  return contact >= c->support_begin && contact < c->system->n_contact;
 }
 
-MG_INTERNAL int mg_pad_of(const mg_context *c, int slot) { return c->first_pad + 3 * slot; }
+MG_INTERNAL int mg_pad_of(const mg_context *c, int slot) { return c->support_begin + 3 * slot; }
 
 /* The patch that a slot holds, or -1. */
 MG_INTERNAL int mg_patch_in(const mg_context *c, int slot) {
   const int link = c->run->link[mg_pad_of(c, slot)];
-  return link < 0 ? -1 : (link - c->first_pad_link) / 3;
+  return link < 0 ? -1 : (link - c->support_link_begin) / 3;
 }
 
 /* The slot that holds a patch, or -1. */
 MG_INTERNAL int mg_slot_of(const mg_context *c, int patch) {
-  for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
+  for (int slot = c->system->patch_slots[2 * patch]; slot < c->system->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_in(c, slot) == patch) return slot;
   return -1;
 }
 
 MG_INTERNAL int mg_free_slot(const mg_context *c, int patch) {
-  for (int slot = c->sys->patch_slots[2 * patch]; slot < c->sys->patch_slots[2 * patch + 1]; slot++)
+  for (int slot = c->system->patch_slots[2 * patch]; slot < c->system->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_in(c, slot) < 0) return slot;
   return -1;
 }
 
 MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link) {
-  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
-    if (c->sys->covered[k] == link) return 1;
+  for (int k = c->system->patch_cover[patch]; k < c->system->patch_cover[patch + 1]; k++)
+    if (c->system->covered[k] == link) return 1;
   return 0;
 }
 
@@ -37,7 +37,7 @@ MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link) {
 MG_INTERNAL int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean) {
   const int link = c->run->link[contact];
   mg_real o[12], f[12];
-  for (int patch = 0; patch < c->sys->n_patch; patch++) {
+  for (int patch = 0; patch < c->system->n_patch; patch++) {
     if (!mg_patch_covers(c, patch, link)) continue;
     mg_face_pose(c, patch, 0, o);
     mg_face_pose(c, patch, 1, f);
@@ -48,7 +48,7 @@ MG_INTERNAL int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean)
 
 /* 1: the link is there only while its bodies lean on each other, -1: only while they lie flat, 0: either way. */
 static int mg_leaning_of(const mg_context *c, int link) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
     if (s->condition_kind[k] == MG_TILT) return s->numbers[s->condition_numbers[k] + 3] < 0 ? -1 : 1;
   return 0;
@@ -60,20 +60,20 @@ MG_INTERNAL int mg_is_for_leaning(const mg_context *c, int link) { return mg_lea
 
 /* Of a link for faces that lie flat, on which nothing touches soon: where its condition ends is no event. */
 MG_INTERNAL int mg_is_flat_far(const mg_context *c, int contact) {
-  return c->d[contact] > c->set->reach * c->sys->length && mg_is_for_flat(c, c->run->link[contact]);
+  return c->d[contact] > c->settings->reach * c->system->length && mg_is_for_flat(c, c->run->link[contact]);
 }
 
 /* A rim of the patch has just begun to roll. */
 MG_INTERNAL int mg_patch_starts(const mg_context *c, int patch) {
-  for (int i = 0; i < c->first_pad; i++)
+  for (int i = 0; i < c->support_begin; i++)
     if (c->run->fresh[i] && mg_patch_covers(c, patch, c->run->link[i])) return 1;
   return 0;
 }
 
 /* Something of what a patch covers can be followed only when its faces lean. */
 static int mg_has_rim(const mg_context *c, int patch) {
-  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
-    if (mg_is_for_leaning(c, c->sys->covered[k])) return 1;
+  for (int k = c->system->patch_cover[patch]; k < c->system->patch_cover[patch + 1]; k++)
+    if (mg_is_for_leaning(c, c->system->covered[k])) return 1;
   return 0;
 }
 
@@ -83,13 +83,13 @@ static int mg_is_unfolding(const mg_context *c, int patch) {
   if (mg_slot_of(c, patch) >= 0 || mg_patch_starts(c, patch)) return 0;
   mg_face_pose(c, patch, 0, o);
   mg_face_pose(c, patch, 1, f);
-  if (!(mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->set->flat)) return 0;
+  if (!(mg_dot3(o + 9, f + 9) < 0 && mg_sine(o + 9, f + 9) < c->settings->flat)) return 0;
   const mg_real arm[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]};
-  return fabs(mg_dot3(arm, o + 9)) < c->set->flat * c->sys->length && mg_has_rim(c, patch);
+  return fabs(mg_dot3(arm, o + 9)) < c->settings->flat * c->system->length && mg_has_rim(c, patch);
 }
 
 MG_INTERNAL int mg_pair_unfolds(const mg_context *c, int pair) {
-  for (int patch = 0; patch < c->sys->n_patch; patch++)
+  for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_patch_concerns(c, patch, pair) && mg_is_unfolding(c, patch)) return 1;
   return 0;
 }
@@ -110,8 +110,8 @@ static mg_real mg_leaning_rate(const mg_context *c, int patch) {
 /* The longest step after which faces that unfold lean no more than what is found at once. */
 MG_INTERNAL mg_real mg_unfolding(const mg_context *c) {
   mg_real longest = MG_MAX;
-  for (int patch = 0; patch < c->sys->n_patch; patch++)
-    if (mg_is_unfolding(c, patch)) longest = fmin(longest, 2 * c->set->flat / mg_leaning_rate(c, patch));
+  for (int patch = 0; patch < c->system->n_patch; patch++)
+    if (mg_is_unfolding(c, patch)) longest = fmin(longest, 2 * c->settings->flat / mg_leaning_rate(c, patch));
   return longest;
 }
 
@@ -119,8 +119,8 @@ MG_INTERNAL mg_real mg_unfolding(const mg_context *c) {
    followed yet. */
 MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact) {
   const int link = c->run->link[contact];
-  if (!c->sys->n_patch || link < 0 || !mg_is_for_leaning(c, link)) return 0;
-  const int patch = mg_patch_flat_on(c, contact, 4 * c->set->flat);
+  if (!c->system->n_patch || link < 0 || !mg_is_for_leaning(c, link)) return 0;
+  const int patch = mg_patch_flat_on(c, contact, 4 * c->settings->flat);
   if (patch < 0) return 0;
   mg_real o[12], f[12];
   mg_face_pose(c, patch, 0, o);
@@ -131,27 +131,27 @@ MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact) {
 
 /* True if the link lies in a patch that is held, or in one that just turns over a rim. */
 MG_INTERNAL int mg_is_covered(const mg_context *c, int link) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch >= 0 && mg_patch_covers(c, patch, link)) return 1;
   }
-  if (!c->sys->n_slot || !mg_is_for_flat(c, link)) return 0;
-  for (int patch = 0; patch < c->sys->n_patch; patch++)
+  if (!c->system->n_slot || !mg_is_for_flat(c, link)) return 0;
+  for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_patch_covers(c, patch, link) && mg_patch_starts(c, patch)) return 1;
   return 0;
 }
 
 /* Faces of the pair's shapes may lie in the patch. */
 MG_INTERNAL int mg_patch_concerns(const mg_context *c, int patch, int pair) {
-  if (c->sys->patch_pair[patch] == pair) return 1;
-  for (int k = c->sys->patch_cover[patch]; k < c->sys->patch_cover[patch + 1]; k++)
-    if (c->sys->link_pair[c->sys->covered[k]] == pair) return 1;
+  if (c->system->patch_pair[patch] == pair) return 1;
+  for (int k = c->system->patch_cover[patch]; k < c->system->patch_cover[patch + 1]; k++)
+    if (c->system->link_pair[c->system->covered[k]] == pair) return 1;
   return 0;
 }
 
 /* A pair with a patch that is held. */
 MG_INTERNAL int mg_pair_rests(const mg_context *c, int pair) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch >= 0 && mg_patch_concerns(c, patch, pair)) return 1;
   }
@@ -160,19 +160,19 @@ MG_INTERNAL int mg_pair_rests(const mg_context *c, int pair) {
 
 /* The pairs of a patch are searched at once. */
 MG_INTERNAL void mg_search_around(mg_context *c, int patch) {
-  for (int pair = 0; pair < c->sys->n_pair; pair++)
+  for (int pair = 0; pair < c->system->n_pair; pair++)
     if (mg_patch_concerns(c, patch, pair)) c->run->moved[pair] = MG_MAX / 2;
 }
 
 /* The bodies of a patch: 0 for o, 1 for f. */
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
-  const int link = c->first_pad_link + 3 * patch;
-  return side ? c->sys->link_f[link] : c->sys->link_o[link];
+  const int link = c->support_link_begin + 3 * patch;
+  return side ? c->system->link_f[link] : c->system->link_o[link];
 }
 
 /* The point of f that a pad's link is of, in the axes of its body. */
 MG_INTERNAL const mg_real *mg_point_of_link(const mg_context *c, int link) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   return s->parameters + s->link_parameters[link] + c->kernels->contact_kinds[s->link_kind[link]].n_parameters - 3;
 }
 
@@ -183,25 +183,25 @@ static void mg_pad_on(mg_context *c, int pad, int link) {
 }
 
 MG_INTERNAL void mg_hold_patch(mg_context *c, int slot, int patch) {
-  c->run->rub[slot] = MG_LOOSE;
-  for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->first_pad_link + 3 * patch + k);
+  c->run->patch_mode[slot] = MG_FRICTION_OFF;
+  for (int k = 0; k < 3; k++) mg_pad_on(c, mg_pad_of(c, slot) + k, c->support_link_begin + 3 * patch + k);
 }
 
 MG_INTERNAL void mg_drop_patch(mg_context *c, int slot) {
-  c->run->rub[slot] = MG_LOOSE;
+  c->run->patch_mode[slot] = MG_FRICTION_OFF;
   for (int k = 0; k < 3; k++) mg_set_link(c, mg_pad_of(c, slot) + k, -1, 0);
 }
 
 /* A face's axes in the world: origin and R, 12 numbers. */
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
-  const mg_real *place = c->sys->numbers + c->sys->patch_numbers[patch] + 12 * side;
+  const mg_real *place = c->system->numbers + c->system->patch_numbers[patch] + 12 * side;
   const mg_real *pose = c->pose + 12 * mg_patch_body(c, patch, side);
   mg_out(pose, place, 1, out);
   for (int k = 0; k < 3; k++) mg_out(pose, place + 3 + 3 * k, 0, out + 3 + 3 * k);
 }
 
 MG_INTERNAL int mg_is_edged(const mg_context *c, int contact) {
-  return mg_is_pad(c, contact) && c->trying[(contact - c->first_pad) / 3] >= MG_EDGED;
+  return mg_is_pad(c, contact) && c->patches.trial[(contact - c->support_begin) / 3] >= MG_TRIAL_ON_EDGE;
 }
 
 /* The slot holds an edge in place of a patch. */
@@ -209,16 +209,16 @@ MG_INTERNAL int mg_pivots(const mg_context *c, int slot) {
   return mg_patch_in(c, slot) >= 0 && !c->run->closed[mg_pad_of(c, slot) + 2];
 }
 
-MG_INTERNAL int mg_is_hinged(const mg_context *c, int slot) { return c->run->fresh[mg_pad_of(c, slot)] == MG_HINGED; }
+MG_INTERNAL int mg_is_hinged(const mg_context *c, int slot) { return c->run->fresh[mg_pad_of(c, slot)] == MG_ON_STRAIGHT_EDGE; }
 
 /* The lean about the edge, rad; negative where the face would sink into the other. */
 static mg_real mg_lean_of(const mg_context *c, int slot) {
-  return asin(2 * c->d[mg_pad_of(c, slot) + 2] / c->sys->length);
+  return asin(2 * c->d[mg_pad_of(c, slot) + 2] / c->system->length);
 }
 
 /* The lean up to which the edge is held. */
 static mg_real mg_lean_held(const mg_context *c, int slot) {
-  return mg_is_hinged(c, slot) ? c->set->margin_warn : c->set->imaginary_edge;
+  return mg_is_hinged(c, slot) ? c->settings->margin_warn : c->settings->imaginary_edge;
 }
 
 static mg_real mg_least_end(const mg_context *c, int slot, const mg_real *amount) {
@@ -229,13 +229,13 @@ static mg_real mg_least_end(const mg_context *c, int slot, const mg_real *amount
 /* The cause for which an edge is given up, or 0: the body leans enough, comes back flat, or lifts one end of it. */
 MG_INTERNAL int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
   const mg_real lean = mg_lean_of(c, slot);
-  if (mg_is_hinged(c, slot) && mg_least_end(c, slot, amount) < -fabs(floor)) return MG_YIELDS;
-  if (lean > mg_lean_held(c, slot) + c->set->border) return MG_ROLLS_OFF;
-  return lean < -c->set->border ? MG_SETTLES : 0;
+  if (mg_is_hinged(c, slot) && mg_least_end(c, slot, amount) < -fabs(floor)) return MG_EDGE_UNLOADED;
+  if (lean > mg_lean_held(c, slot) + c->settings->border) return MG_ROLLS_ONTO_RIM;
+  return lean < -c->settings->border ? MG_FLAT_AGAIN : 0;
 }
 
 /* The function whose zero ends an edge. */
 MG_INTERNAL mg_real mg_edge_value(const mg_context *c, int slot, int cause) {
-  if (cause == MG_YIELDS) return mg_least_end(c, slot, c->force);
-  return cause == MG_ROLLS_OFF ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
+  if (cause == MG_EDGE_UNLOADED) return mg_least_end(c, slot, c->force);
+  return cause == MG_ROLLS_ONTO_RIM ? mg_lean_held(c, slot) - mg_lean_of(c, slot) : mg_lean_of(c, slot);
 }

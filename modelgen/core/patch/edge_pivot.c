@@ -13,14 +13,14 @@ static void mg_hold_edge(mg_context *c, int slot, mg_real ends[2][3], const mg_r
   const mg_real *pose = c->pose + 12 * c->f[pad];
   mg_real back[3];
   for (int end = 0; end < 2; end++) mg_into(pose, ends[end], c->run->point + 3 * (pad + end));
-  for (int k = 0; k < 3; k++) back[k] = (ends[0][k] + ends[1][k] - c->sys->length * outward[k]) / 2;
+  for (int k = 0; k < 3; k++) back[k] = (ends[0][k] + ends[1][k] - c->system->length * outward[k]) / 2;
   mg_into(pose, back, c->run->point + 3 * (pad + 2));
   c->run->closed[pad + 2] = c->run->active[pad + 2] = 0;
 }
 
 /* The imaginary edge: along the tangent of the rim at a point of the world. */
 MG_INTERNAL void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
-  const mg_real half = c->sys->length / 2;
+  const mg_real half = c->system->length / 2;
   mg_real o[12], along[3], ends[2][3];
   mg_face_pose(c, mg_patch_in(c, slot), 0, o);
   mg_cross(o + 9, outward, along);
@@ -32,7 +32,7 @@ MG_INTERNAL void mg_hold_tangent(mg_context *c, int slot, const mg_real *world, 
 /* A side of the hull. */
 MG_INTERNAL void mg_hold_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   mg_hold_edge(c, slot, ends, outward);
-  c->run->fresh[mg_pad_of(c, slot)] = MG_HINGED;
+  c->run->fresh[mg_pad_of(c, slot)] = MG_ON_STRAIGHT_EDGE;
 }
 
 /* What touches at a point of the world takes over from the edge. */
@@ -40,13 +40,13 @@ static void mg_take_over(mg_context *c, int patch, const mg_real *world, mg_even
   const int contact = mg_contact_at(c, patch, world);
   if (contact < 0) return;
   mg_close(c, contact);
-  c->run->fresh[contact] = MG_YOUNG;
-  mg_befalls(c, events, contact, MG_WALKS_ON, c->run->t, 0);
+  c->run->fresh[contact] = MG_START_SETTLING;
+  mg_befalls(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
 MG_INTERNAL void mg_leave_edge(mg_context *c, int slot, mg_events *events) {
   const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), hinged = mg_is_hinged(c, slot);
-  mg_founds found;
+  mg_minima found;
   mg_real ends[2][3], middle[3];
   for (int end = 0; end < 2; end++) mg_pad_point(c, pad + end, ends[end]);
   for (int k = 0; k < 3; k++) middle[k] = (ends[0][k] + ends[1][k]) / 2;

@@ -24,35 +24,35 @@ static mg_real mg_in_field(const mg_real *field, const mg_real *point) { return 
 
 static int mg_has_curve(const mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++)
-    if (h->edge[i].way) return 1;
+    if (h->edges[i].direction) return 1;
   return 0;
 }
 
 /* The least of a field over the hull of a patch, and the extreme point where it is. */
-static mg_real mg_lowest(mg_context *c, int patch, const mg_real *field, mg_support *at) {
+static mg_real mg_lowest(mg_context *c, int patch, const mg_real *field, mg_support_point *at) {
   mg_real least = MG_MAX;
   mg_lay_patch(c, patch);
-  const mg_hull *h = &c->hull;
+  const mg_hull *h = &c->patches.hull;
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_edge *e = h->edge + i;
-    const mg_real here = mg_in_field(field, h->spot[e->u].point);
+    const mg_hull_edge *e = h->edges + i;
+    const mg_real here = mg_in_field(field, h->vertices[e->u].point);
     if (here < least) least = here, mg_support_at(h, e->u, at);
-    if (!e->way) continue;
-    const mg_spot *a = h->spot + (e->way > 0 ? e->u : e->v), *b = h->spot + a->next;
+    if (!e->direction) continue;
+    const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->u : e->v), *b = h->vertices + a->next;
     if (!(mg_dot2(field + 1, a->tangent) < 0 && mg_dot2(field + 1, b->tangent) > 0)) continue;
     mg_real p[2], T[2];
-    const mg_real t = mg_zero_along(h->track + a->track, MG_LEVEL, field + 1, a->t, a->t_end);
-    mg_on(h->track + a->track, t, p, T);
+    const mg_real t = mg_zero_along(h->arcs + a->track, MG_ZERO_SUPPORT, field + 1, a->t, a->t_end);
+    mg_on(h->arcs + a->track, t, p, T);
     if (!(mg_in_field(field, p) < least)) continue;
     least = mg_in_field(field, p);
-    const mg_support found = {h->track[a->track].side, a->track, -1, t, 0, {p[0], p[1]}};
+    const mg_support_point found = {h->arcs[a->track].side, a->track, -1, t, 0, {p[0], p[1]}};
     *at = found;
   }
   return least;
 }
 
 /* A pad that does not push takes a place on the edge; returns 0 where all push. */
-static int mg_stand_on_edge(mg_context *c, int slot, const mg_support *at) {
+static int mg_stand_on_edge(mg_context *c, int slot, const mg_support_point *at) {
   const int first = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
   mg_real hull[12], world[3];
   int pad = first;
@@ -71,32 +71,32 @@ static int mg_stand_on_edge(mg_context *c, int slot, const mg_support *at) {
 MG_INTERNAL int mg_go_to_edge(mg_context *c, int slot) {
   const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot);
   mg_real before[3];
-  mg_support at;
-  if (c->sys->n_grip || mg_pivots(c, slot) || mg_patch_starts(c, patch)) return 0;
-  if (mg_lay_patch(c, patch) < 3 || !mg_has_curve(&c->hull)) return 0;
+  mg_support_point at;
+  if (c->system->n_grip || mg_pivots(c, slot) || mg_patch_starts(c, patch)) return 0;
+  if (mg_lay_patch(c, patch) < 3 || !mg_has_curve(&c->patches.hull)) return 0;
   mg_field(c, patch, c->twist, before);
-  const mg_real fastest = mg_lowest(c, patch, before, &at) * c->sys->time / c->sys->length;
-  if (c->trying[slot] && fastest < -c->set->rest_speed && fastest * fastest < c->set->flat) return 0;
+  const mg_real fastest = mg_lowest(c, patch, before, &at) * c->system->time / c->system->length;
+  if (c->patches.trial[slot] && fastest < -c->settings->rest_speed && fastest * fastest < c->settings->flat) return 0;
   for (int k = 0; k < 3; k++) c->run->closed[pad + k] = c->run->active[pad + k] = 0;
-  c->trying[slot] = c->trying[slot] ? MG_EDGED : MG_TORN;
+  c->patches.trial[slot] = c->patches.trial[slot] ? MG_TRIAL_ON_EDGE : MG_TRIAL_TORN_OFF;
   mg_stand_on_edge(c, slot, &at);
   mg_refresh(c);
   return 1;
 }
 
-/* What the impulses in c->z of the rows in c->list change of the velocities, into c->wrench. */
+/* What the impulses in c->lcp.z of the rows in c->lcp.rows change of the velocities, into c->wrench. */
 static void mg_change_by(mg_context *c, int size) {
-  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < size; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int r = 0; r < size; r++) mg_add(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
 }
 
 /* The point of the edge at which Newton's law is missed most, and by how much. The law: what approached rebounds, nothing
    approaches. */
-static mg_real mg_most_missed(mg_context *c, int slot, mg_support *at) {
+static mg_real mg_most_missed(mg_context *c, int slot, mg_support_point *at) {
   const int patch = mg_patch_in(c, slot);
-  const mg_real e = c->sys->restitution[mg_pad_of(c, slot)], rest = c->set->rest_speed * c->sys->length / c->sys->time;
+  const mg_real e = c->system->restitution[mg_pad_of(c, slot)], rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real before[3], after[3], rebound[3];
-  mg_support other;
+  mg_support_point other;
   mg_field(c, patch, c->twist, before);
   mg_field(c, patch, c->wrench, after);
   for (int k = 0; k < 3; k++) after[k] += before[k], rebound[k] = after[k] + e * before[k];
@@ -106,17 +106,17 @@ static mg_real mg_most_missed(mg_context *c, int slot, mg_support *at) {
   return bounced;
 }
 
-/* After the impulses in c->z, of which the first n of c->list are rows that push: pads that do not push are free, and one of
+/* After the impulses in c->lcp.z, of which the first n of c->lcp.rows are rows that push: pads that do not push are free, and one of
    each slot on an edge moves to where the law is missed. Returns how many did. */
 MG_INTERNAL int mg_exchange(mg_context *c, int n) {
-  const mg_real missed = -c->set->border * c->sys->length / c->sys->time;
+  const mg_real missed = -c->settings->border * c->system->length / c->system->time;
   int count = 0;
-  mg_change_by(c, mg_list_bilateral(c, c->list, n));
+  mg_change_by(c, mg_list_bilateral(c, c->lcp.rows, n));
   for (int r = 0; r < n; r++)
-    if (mg_is_edged(c, c->list[r]) && !(c->z[r] > 0)) c->run->closed[c->list[r]] = 0;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    mg_support at;
-    if (c->trying[slot] >= MG_EDGED && mg_most_missed(c, slot, &at) < missed) count += mg_stand_on_edge(c, slot, &at);
+    if (mg_is_edged(c, c->lcp.rows[r]) && !(c->lcp.z[r] > 0)) c->run->closed[c->lcp.rows[r]] = 0;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    mg_support_point at;
+    if (c->patches.trial[slot] >= MG_TRIAL_ON_EDGE && mg_most_missed(c, slot, &at) < missed) count += mg_stand_on_edge(c, slot, &at);
   }
   if (count) mg_refresh(c);
   return count;
@@ -124,25 +124,25 @@ MG_INTERNAL int mg_exchange(mg_context *c, int n) {
 
 /* Rows of pads on edges, appended to a list of rows that push. */
 MG_INTERNAL int mg_list_edged(const mg_context *c, int *list, int n) {
-  for (int i = c->first_pad; i < c->sys->n_contact; i++)
+  for (int i = c->support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_edged(c, i)) list[n++] = i;
   return n;
 }
 
 /* After the blow, at the velocities it left: where the face stays, at a point or both ends of a side, and turns; returns at how
    many points, 0 where it parts or stays flat. */
-static int mg_stays_at(mg_context *c, int patch, mg_brink *brink) {
-  const mg_real rest = c->set->rest_speed * c->sys->length / c->sys->time;
+static int mg_stays_at(mg_context *c, int patch, mg_nearest_boundary *brink) {
+  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real field[3];
   mg_field(c, patch, c->twist, field);
   const mg_real least = mg_lowest(c, patch, field, brink->at), steep = sqrt(mg_dot2(field + 1, field + 1));
-  if (least > rest || !(steep * c->sys->length > rest)) return brink->n = 0;
+  if (least > rest || !(steep * c->system->length > rest)) return brink->n = 0;
   brink->margin = 0, brink->normal[0] = -field[1] / steep, brink->normal[1] = -field[2] / steep;
-  for (int i = 0; i < c->hull.n_edge; i++) {
-    const mg_edge *e = c->hull.edge + i;
-    const mg_real u = mg_in_field(field, c->hull.spot[e->u].point), v = mg_in_field(field, c->hull.spot[e->v].point);
-    if (e->way || u > rest || v > rest || e->length <= MG_SHORT * c->hull.regions->shared) continue;
-    mg_support_at(&c->hull, e->u, brink->at), mg_support_at(&c->hull, e->v, brink->at + 1);
+  for (int i = 0; i < c->patches.hull.n_edge; i++) {
+    const mg_hull_edge *e = c->patches.hull.edges + i;
+    const mg_real u = mg_in_field(field, c->patches.hull.vertices[e->u].point), v = mg_in_field(field, c->patches.hull.vertices[e->v].point);
+    if (e->direction || u > rest || v > rest || e->length <= MG_SHORT_SIDE * c->patches.hull.regions->shared) continue;
+    mg_support_at(&c->patches.hull, e->u, brink->at), mg_support_at(&c->patches.hull, e->v, brink->at + 1);
     return brink->n = 2;
   }
   return brink->n = 1;
@@ -151,19 +151,19 @@ static int mg_stays_at(mg_context *c, int patch, mg_brink *brink) {
 /* What a face covers that is struck at its edge has been struck with it, and is not told of by itself. */
 static void mg_open_quietly(mg_context *c, int slot) {
   const int patch = mg_patch_in(c, slot);
-  for (int i = 0; i < c->first_pad; i++)
+  for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && mg_patch_covers(c, patch, c->run->link[i]) && mg_row(c, i, c->twist) > 0)
-      c->run->closed[i] = c->run->active[i] = c->fired[i] = 0;
+      c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
 }
 
 /* Lets the struck faces part, or go on from where they stay on their edges. */
 MG_INTERNAL void mg_leave_edges(mg_context *c, mg_events *events) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), torn = c->trying[slot] == MG_TORN;
-    mg_brink brink;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    const int pad = mg_pad_of(c, slot), patch = mg_patch_in(c, slot), torn = c->patches.trial[slot] == MG_TRIAL_TORN_OFF;
+    mg_nearest_boundary brink;
     mg_real speed = 0;
     int struck = torn;
-    if (c->trying[slot] < MG_EDGED) continue;
+    if (c->patches.trial[slot] < MG_TRIAL_ON_EDGE) continue;
     for (int k = 0; k < 3; k++) {
       if (c->run->closed[pad + k] && -c->d_dot[pad + k] > speed) speed = -c->d_dot[pad + k];
       struck |= c->run->closed[pad + k];
@@ -172,16 +172,16 @@ MG_INTERNAL void mg_leave_edges(mg_context *c, mg_events *events) {
     mg_open_quietly(c, slot);
     mg_search_around(c, patch);
     const int stays = mg_stays_at(c, patch, &brink);
-    if (torn) mg_befalls(c, events, pad, stays ? MG_TURNS_OVER : MG_LIFTS, c->run->t, 0);
-    else mg_befalls(c, events, pad, stays ? MG_IS_CAUGHT : MG_REBOUNDS, c->run->t, speed);
+    if (torn) mg_befalls(c, events, pad, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
+    else mg_befalls(c, events, pad, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
     if (!stays) continue;
     mg_give_way(c);
-    c->trying[slot] = 0;
+    c->patches.trial[slot] = 0;
     mg_turn_at(c, slot, &brink);
   }
 }
 
 /* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
 MG_INTERNAL int mg_nearing(const mg_context *c, int contact) {
-  return c->d_dot[contact] < -c->set->drift * c->sys->length / c->sys->time;
+  return c->d_dot[contact] < -c->settings->drift * c->system->length / c->system->time;
 }

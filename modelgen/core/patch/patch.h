@@ -24,12 +24,12 @@ MG_INTERNAL void mg_give_way(mg_context *c);
 MG_INTERNAL void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching);
 
 /* patch_end.c */
-MG_INTERNAL void mg_uncover(mg_context *c, int patch, mg_founds *found);
+MG_INTERNAL void mg_uncover(mg_context *c, int patch, mg_minima *found);
 MG_INTERNAL int mg_contact_at(mg_context *c, int patch, const mg_real *world);
 MG_INTERNAL void mg_close(mg_context *c, int contact);
-MG_INTERNAL void mg_at_brink(const mg_real *o, const mg_support *at, mg_real *world);
+MG_INTERNAL void mg_at_brink(const mg_real *o, const mg_support_point *at, mg_real *world);
 MG_INTERNAL int mg_turns_on_curve(mg_context *c, int slot);
-MG_INTERNAL void mg_turn_at(mg_context *c, int slot, const mg_brink *brink);
+MG_INTERNAL void mg_turn_at(mg_context *c, int slot, const mg_nearest_boundary *brink);
 MG_INTERNAL void mg_turn_over(mg_context *c, int slot);
 MG_INTERNAL int mg_tear_off(mg_context *c, const mg_real *impulse, mg_real floor);
 MG_INTERNAL int mg_stand_on_points(mg_context *c);

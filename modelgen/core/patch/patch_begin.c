@@ -17,14 +17,14 @@ MG_INTERNAL mg_real mg_speed_along(const mg_context *c, const mg_real *twists, i
 
 /* The faces of a patch lie on each other: gaps within `touching`, at rest unless `moving`, something in common. */
 static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) {
-  const mg_system *s = c->sys;
-  const mg_real rest = c->set->rest_speed * s->length / s->time;
+  const mg_system *s = c->system;
+  const mg_real rest = c->settings->rest_speed * s->length / s->time;
   mg_real o[12], f[12], at[3], x[3];
   mg_face_pose(c, patch, 0, o);
   mg_face_pose(c, patch, 1, f);
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
   for (int k = 0; k < 3; k++) {
-    const int link = c->first_pad_link + 3 * patch + k, body = s->link_f[link];
+    const int link = c->support_link_begin + 3 * patch + k, body = s->link_f[link];
     mg_out(c->pose + 12 * body, mg_point_of_link(c, link), 1, at);
     mg_into(o, at, x);
     if (fabs(x[2]) > touching) return 0;
@@ -36,26 +36,26 @@ static int mg_lies_flat(mg_context *c, int patch, mg_real touching, int moving) 
 
 /* The contact is of a patch whose faces lie on each other. */
 MG_INTERNAL int mg_is_flat_on(mg_context *c, int contact) {
-  const int patch = mg_patch_flat_on(c, contact, c->set->flat);
-  return patch >= 0 && mg_lies_flat(c, patch, c->set->start_gap * c->sys->length, 1);
+  const int patch = mg_patch_flat_on(c, contact, c->settings->flat);
+  return patch >= 0 && mg_lies_flat(c, patch, c->settings->start_gap * c->system->length, 1);
 }
 
 /* Contacts that a held patch covers are hidden. */
 MG_INTERNAL void mg_hide_covered(mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
-    c->hidden[i] = i < c->first_pad && mg_present(c, i) && mg_is_covered(c, c->run->link[i]);
+  for (int i = 0; i < c->system->n_contact; i++)
+    c->patches.is_covered[i] = i < c->support_begin && mg_present(c, i) && mg_is_covered(c, c->run->link[i]);
 }
 
-/* Holds every patch that lies flat and is not held; marks their slots in c->trying. Returns how many. */
+/* Holds every patch that lies flat and is not held; marks their slots in c->patches.trial. Returns how many. */
 MG_INTERNAL int mg_try_flat(mg_context *c, mg_real touching, int moving) {
   int count = 0;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) c->trying[slot] = 0;
-  for (int patch = 0; patch < c->sys->n_patch && c->set->planar; patch++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) c->patches.trial[slot] = 0;
+  for (int patch = 0; patch < c->system->n_patch && c->settings->planar; patch++) {
     if (mg_slot_of(c, patch) >= 0) continue;
     const int slot = mg_free_slot(c, patch);
-    if (slot < 0 || c->barred[slot] == patch || (moving && mg_has_rubbing(c, patch)) || !mg_lies_flat(c, patch, touching, moving)) continue;
+    if (slot < 0 || c->patches.barred[slot] == patch || (moving && mg_has_rubbing(c, patch)) || !mg_lies_flat(c, patch, touching, moving)) continue;
     mg_hold_patch(c, slot, patch);
-    c->trying[slot] = 1;
+    c->patches.trial[slot] = 1;
     count++;
   }
   return count;
@@ -63,8 +63,8 @@ MG_INTERNAL int mg_try_flat(mg_context *c, mg_real touching, int moving) {
 
 /* Lets go of the slots held on trial. */
 MG_INTERNAL void mg_drop_tried(mg_context *c) {
-  for (int slot = 0; slot < c->sys->n_slot; slot++)
-    if (c->trying[slot]) c->trying[slot] = 0, mg_drop_patch(c, slot);
+  for (int slot = 0; slot < c->system->n_slot; slot++)
+    if (c->patches.trial[slot]) c->patches.trial[slot] = 0, mg_drop_patch(c, slot);
 }
 
 /* Lets go of the slots held on trial that the amounts on their pads would end; of impulses, they go to the edges of hulls that
@@ -72,12 +72,12 @@ MG_INTERNAL void mg_drop_tried(mg_context *c) {
 MG_INTERNAL int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
   int count = 0;
   mg_real margin;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
-    if (c->trying[slot] != 1) continue;
-    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > c->set->border * c->sys->length) continue;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
+    if (c->patches.trial[slot] != 1) continue;
+    if (!mg_ends_with(c, slot, amount, floor, &margin) && margin > c->settings->border * c->system->length) continue;
     count++;
     if (impulses && mg_go_to_edge(c, slot)) continue;
-    c->trying[slot] = 0;
+    c->patches.trial[slot] = 0;
     mg_drop_patch(c, slot);
   }
   return count;
@@ -87,19 +87,19 @@ MG_INTERNAL int mg_reject(mg_context *c, const mg_real *amount, mg_real floor, i
 MG_INTERNAL void mg_give_way(mg_context *c) {
   const mg_real none[6] = {0};
   mg_hide_covered(c);
-  for (int i = 0; i < c->first_pad; i++)
-    if (c->hidden[i]) mg_set_link(c, i, -1, none), c->fired[i] = 0;
+  for (int i = 0; i < c->support_begin; i++)
+    if (c->patches.is_covered[i]) mg_set_link(c, i, -1, none), c->events.triggered[i] = 0;
 }
 
 /* The slot held on trial if no other patch is held, or -1. */
 static int mg_alone_on_trial(const mg_context *c) {
   int alone = -1;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     if (mg_patch_in(c, slot) < 0) continue;
     if (alone >= 0) return -1;
     alone = slot;
   }
-  return alone >= 0 && c->trying[alone] ? alone : -1;
+  return alone >= 0 && c->patches.trial[alone] ? alone : -1;
 }
 
 /* A face that lies flat, but is pressed outside its hull by the forces, turns over at once where the hull is curved; what a
@@ -110,11 +110,11 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
   if (slot < 0) return 0;
   const int cause = mg_ends_with(c, slot, c->force, mg_weight_scale(c), &margin);
   if (mg_has_rubbing(c, mg_patch_in(c, slot))) return 0;
-  if (cause == MG_PARTS || margin > c->set->border * c->sys->length || !mg_turns_on_curve(c, slot)) return 0;
+  if (cause == MG_FACES_SEPARATE || margin > c->settings->border * c->system->length || !mg_turns_on_curve(c, slot)) return 0;
   mg_give_way(c);
-  c->trying[slot] = 0, c->barred[slot] = mg_patch_in(c, slot);
-  mg_befalls(c, events, pad, MG_RESTS, c->run->t, 0);
-  mg_befalls(c, events, pad, MG_TURNS_OVER, c->run->t, 0);
+  c->patches.trial[slot] = 0, c->patches.barred[slot] = mg_patch_in(c, slot);
+  mg_befalls(c, events, pad, MG_PATCH_BEGINS, c->run->t, 0);
+  mg_befalls(c, events, pad, MG_PATCH_TURNS_OVER_EDGE, c->run->t, 0);
   mg_turn_over(c, slot);
   mg_refresh(c);
   return 1;
@@ -123,16 +123,16 @@ static int mg_turns_at_once(mg_context *c, mg_events *events) {
 /* Patches that lie flat rest, if there are forces that press them together within their hulls; what they cover gives way. */
 MG_INTERNAL void mg_rest_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_try_flat(c, touching, 0)) return;
-  if (c->sys->n_grip) mg_refresh(c);
+  if (c->system->n_grip) mg_refresh(c);
   do {
     mg_hide_covered(c);
-    if (mg_choose_active(c, c->hidden)) {
+    if (mg_choose_active(c, c->patches.is_covered)) {
       mg_drop_tried(c);
       return;
     }
     if (mg_turns_at_once(c, events)) return;
   } while (mg_reject(c, c->force, mg_weight_scale(c), 0));
   mg_give_way(c);
-  for (int slot = 0; slot < c->sys->n_slot; slot++)
-    if (c->trying[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_RESTS, c->run->t, 0);
+  for (int slot = 0; slot < c->system->n_slot; slot++)
+    if (c->patches.trial[slot]) mg_befalls(c, events, mg_pad_of(c, slot), MG_PATCH_BEGINS, c->run->t, 0);
 }

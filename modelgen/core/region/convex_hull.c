@@ -6,41 +6,41 @@
 #define MG_HULL_PASSES 60
 
 static int mg_add_spot(mg_hull *h, int track, int cut, mg_real t) {
-  if (h->n_spot == h->spot_room) {
+  if (h->n_vertex == h->vertex_capacity) {
     h->overflow = 1;
     return -1;
   }
-  mg_spot *s = h->spot + h->n_spot;
-  s->track = track, s->cut = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_spot;
-  mg_on(h->track + track, t, s->point, s->tangent);
-  return h->n_spot++;
+  mg_hull_vertex *s = h->vertices + h->n_vertex;
+  s->track = track, s->intersection = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
+  mg_on(h->arcs + track, t, s->point, s->tangent);
+  return h->n_vertex++;
 }
 
 /* The ends of a piece and, of a curve, the ends of the spans between. */
-static void mg_spot_piece(mg_hull *h, const mg_piece *piece) {
-  const mg_track *k = h->track + piece->track;
-  int last = mg_add_spot(h, piece->track, piece->cut[0], piece->t[0]);
+static void mg_spot_piece(mg_hull *h, const mg_boundary_piece *piece) {
+  const mg_placed_arc *k = h->arcs + piece->track;
+  int last = mg_add_spot(h, piece->track, piece->intersection[0], piece->t[0]);
   for (int i = k->span; i < k->span + k->n_span && last >= 0; i++) {
-    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->span[i].b, piece->t[1]) : piece->t[1];
-    if (t <= piece->t[0] || h->span[i].a >= piece->t[1]) continue;
-    const int end = t == piece->t[1], spot = mg_add_spot(h, piece->track, end ? piece->cut[1] : -1, t);
-    if (!k->straight) h->spot[last].next = spot, h->spot[last].t_end = t;
+    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->spans[i].b, piece->t[1]) : piece->t[1];
+    if (t <= piece->t[0] || h->spans[i].a >= piece->t[1]) continue;
+    const int end = t == piece->t[1], spot = mg_add_spot(h, piece->track, end ? piece->intersection[1] : -1, t);
+    if (!k->straight) h->vertices[last].next = spot, h->vertices[last].t_end = t;
     last = spot;
   }
 }
 
 static void mg_spot_all(mg_hull *h) {
-  h->n_spot = 0;
-  for (int i = 0; i < h->n_piece; i++) mg_spot_piece(h, h->piece + i);
-  for (int i = 0; i < h->n_cut; i++) {
-    const mg_cut *cut = h->cut + i;
+  h->n_vertex = 0;
+  for (int i = 0; i < h->n_piece; i++) mg_spot_piece(h, h->pieces + i);
+  for (int i = 0; i < h->n_intersection; i++) {
+    const mg_intersection *cut = h->intersections + i;
     const int spot = mg_add_spot(h, cut->track[1], i, cut->t[1]);
-    if (spot >= 0) h->spot[spot].point[0] = cut->point[0], h->spot[spot].point[1] = cut->point[1];
+    if (spot >= 0) h->vertices[spot].point[0] = cut->point[0], h->vertices[spot].point[1] = cut->point[1];
   }
 }
 
 static int mg_is_before(const mg_hull *h, int a, int b) {
-  const mg_real *p = h->spot[a].point, *q = h->spot[b].point;
+  const mg_real *p = h->vertices[a].point, *q = h->vertices[b].point;
   return p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]);
 }
 
@@ -59,39 +59,39 @@ static void mg_sort_spots(mg_hull *h, int n) {
 
 /* Spots that are one with one further left are left out and noted as its twins, in a ring. */
 static int mg_join_twins(mg_hull *h, int n) {
-  const mg_real near = 2 * MG_SHARES * h->regions->shared;
+  const mg_real near = 2 * MG_COINCIDENCE_FACTOR * h->regions->shared;
   int kept = 0;
   for (int i = 0; i < n; i++) {
     const int spot = h->order[i];
     int same = -1;
     for (int j = kept - 1; j >= 0 && same < 0; j--) {
-      const mg_spot *other = h->spot + h->order[j];
-      if (h->spot[spot].point[0] - other->point[0] > near) break;
-      if (mg_apart2(other->point, h->spot[spot].point) <= near) same = h->order[j];
+      const mg_hull_vertex *other = h->vertices + h->order[j];
+      if (h->vertices[spot].point[0] - other->point[0] > near) break;
+      if (mg_apart2(other->point, h->vertices[spot].point) <= near) same = h->order[j];
     }
     if (same < 0) {
       h->order[kept++] = spot;
       continue;
     }
-    const int next = h->spot[same].twin;
-    h->spot[same].twin = h->spot[spot].twin, h->spot[spot].twin = next;
+    const int next = h->vertices[same].twin;
+    h->vertices[same].twin = h->vertices[spot].twin, h->vertices[spot].twin = next;
   }
   return kept;
 }
 
 /* Whether p, q, r do not turn left at q. */
 static int mg_turns_right(const mg_hull *h, int p, int q, int r) {
-  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real *a = h->vertices[p].point, *b = h->vertices[q].point, *c = h->vertices[r].point;
   const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, whole[2] = {c[0] - a[0], c[1] - a[1]};
   return mg_cross2(part, whole) <= 0;
 }
 
 /* Whether q is a point of a straight side from p to r. */
 static int mg_is_flat(const mg_hull *h, int p, int q, int r) {
-  const mg_real *a = h->spot[p].point, *b = h->spot[q].point, *c = h->spot[r].point;
+  const mg_real *a = h->vertices[p].point, *b = h->vertices[q].point, *c = h->vertices[r].point;
   const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, rest[2] = {c[0] - b[0], c[1] - b[1]};
   const mg_real whole[2] = {c[0] - a[0], c[1] - a[1]}, length = sqrt(mg_dot2(whole, whole));
-  if (!h->track[h->spot[q].track].straight || mg_dot2(part, rest) <= 0) return 0;
+  if (!h->arcs[h->vertices[q].track].straight || mg_dot2(part, rest) <= 0) return 0;
   return mg_cross2(part, whole) <= h->regions->shared * length;
 }
 
@@ -128,98 +128,98 @@ static int mg_joined(const mg_hull *h, int *u, int *v) {
   do {
     int b = *v;
     do {
-      const int way = (h->spot[a].next == b) - (h->spot[b].next == a);
+      const int way = (h->vertices[a].next == b) - (h->vertices[b].next == a);
       if (way) {
         *u = a, *v = b;
         return way;
       }
-      b = h->spot[b].twin;
+      b = h->vertices[b].twin;
     } while (b != *v);
-    a = h->spot[a].twin;
+    a = h->vertices[a].twin;
   } while (a != *u);
   return 0;
 }
 
-static void mg_make_edge(const mg_hull *h, mg_edge *e, int u, int v) {
+static void mg_make_edge(const mg_hull *h, mg_hull_edge *e, int u, int v) {
   e->u = u, e->v = v;
-  e->way = mg_joined(h, &e->u, &e->v);
-  const mg_spot *a = h->spot + e->u, *b = h->spot + e->v;
+  e->direction = mg_joined(h, &e->u, &e->v);
+  const mg_hull_vertex *a = h->vertices + e->u, *b = h->vertices + e->v;
   const mg_real chord[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
   e->length = sqrt(mg_dot2(chord, chord));
   e->normal[0] = e->length > 0 ? chord[1] / e->length : 0, e->normal[1] = e->length > 0 ? -chord[0] / e->length : 0;
-  const mg_real rise = e->way * mg_dot2(e->normal, a->tangent), fall = e->way * mg_dot2(e->normal, b->tangent);
-  if (!(rise > 0 && fall < 0)) e->way = 0;
-  e->sag = e->way ? e->length * rise / sqrt(mg_dot2(a->tangent, a->tangent)) : 0;
+  const mg_real rise = e->direction * mg_dot2(e->normal, a->tangent), fall = e->direction * mg_dot2(e->normal, b->tangent);
+  if (!(rise > 0 && fall < 0)) e->direction = 0;
+  e->height = e->direction ? e->length * rise / sqrt(mg_dot2(a->tangent, a->tangent)) : 0;
 }
 
 static void mg_make_edges(mg_hull *h) {
-  for (int i = 0; i < h->n_spot; i++) h->order[i] = h->spot[i].twin = i;
-  mg_sort_spots(h, h->n_spot);
-  const int n = mg_join_twins(h, h->n_spot);
-  int *corner = h->order + h->spot_room;
+  for (int i = 0; i < h->n_vertex; i++) h->order[i] = h->vertices[i].twin = i;
+  mg_sort_spots(h, h->n_vertex);
+  const int n = mg_join_twins(h, h->n_vertex);
+  int *corner = h->order + h->vertex_capacity;
   const int count = mg_drop_flat(h, mg_hull_chain(h, n, corner), corner);
-  for (int i = 0; i < count; i++) mg_make_edge(h, h->edge + i, corner[i], corner[(i + 1) % count]);
+  for (int i = 0; i < count; i++) mg_make_edge(h, h->edges + i, corner[i], corner[(i + 1) % count]);
   h->n_edge = count;
 }
 
 /* Where a span from one spot to the next is farthest along n; 0: at an end. */
 static int mg_find_top(const mg_hull *h, int spot, const mg_real *n, mg_real *t) {
-  const mg_spot *s = h->spot + spot, *to = h->spot + s->next;
+  const mg_hull_vertex *s = h->vertices + spot, *to = h->vertices + s->next;
   if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
-  *t = mg_zero_along(h->track + s->track, MG_LEVEL, n, s->t, s->t_end);
+  *t = mg_zero_along(h->arcs + s->track, MG_ZERO_SUPPORT, n, s->t, s->t_end);
   return *t != s->t && *t != s->t_end;
 }
 
 /* Adds the point of a curve that is farthest beyond a straight side; returns whether there is one. */
-static int mg_raise_side(mg_hull *h, const mg_edge *e, int n) {
-  const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->spot[e->u].point);
+static int mg_raise_side(mg_hull *h, const mg_hull_edge *e, int n) {
+  const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->vertices[e->u].point);
   mg_real best = 2 * MG_EPS * h->size, best_t = 0;
   int from = -1;
   for (int i = 0; i < n; i++) {
     mg_real t, p[2], T[2];
-    if (h->spot[i].next < 0 || !mg_find_top(h, i, n_, &t)) continue;
-    mg_on(h->track + h->spot[i].track, t, p, T);
+    if (h->vertices[i].next < 0 || !mg_find_top(h, i, n_, &t)) continue;
+    mg_on(h->arcs + h->vertices[i].track, t, p, T);
     if (mg_dot2(n_, p) - floor > best) best = mg_dot2(n_, p) - floor, best_t = t, from = i;
   }
   if (from < 0) return 0;
-  const int added = mg_add_spot(h, h->spot[from].track, -1, best_t);
+  const int added = mg_add_spot(h, h->vertices[from].track, -1, best_t);
   if (added < 0) return 0;
-  h->spot[added].next = h->spot[from].next, h->spot[added].t_end = h->spot[from].t_end;
-  h->spot[from].next = added, h->spot[from].t_end = best_t;
+  h->vertices[added].next = h->vertices[from].next, h->vertices[added].t_end = h->vertices[from].t_end;
+  h->vertices[from].next = added, h->vertices[from].t_end = best_t;
   return 1;
 }
 
 /* Brings an end of a straight side that lies within a curve to the point of tangency. */
 static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
-  mg_spot *s = h->spot + spot;
+  mg_hull_vertex *s = h->vertices + spot;
   int before = -1;
-  for (int i = 0; i < h->n_spot && before < 0; i++)
-    if (h->spot[i].next == spot) before = i;
+  for (int i = 0; i < h->n_vertex && before < 0; i++)
+    if (h->vertices[i].next == spot) before = i;
   if (before < 0 || s->next < 0) return;
   mg_real t;
   if (!mg_find_top(h, before, n, &t) && !mg_find_top(h, spot, n, &t)) return;
-  s->t = h->spot[before].t_end = t;
-  mg_on(h->track + s->track, t, s->point, s->tangent);
+  s->t = h->vertices[before].t_end = t;
+  mg_on(h->arcs + s->track, t, s->point, s->tangent);
 }
 
 static void mg_settle_tangents(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) {
-    mg_edge *e = h->edge + i;
-    if (e->way || e->length <= MG_SHORT * h->regions->shared) continue;
+    mg_hull_edge *e = h->edges + i;
+    if (e->direction || e->length <= MG_SHORT_SIDE * h->regions->shared) continue;
     mg_settle_tangent(h, e->u, e->normal), mg_settle_tangent(h, e->v, e->normal);
   }
-  for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edge + i, h->edge[i].u, h->edge[i].v);
+  for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edges + i, h->edges[i].u, h->edges[i].v);
 }
 
 MG_INTERNAL void mg_make_hull(mg_hull *h) {
   mg_spot_all(h);
   mg_make_edges(h);
   for (int pass = 0; pass < MG_HULL_PASSES; pass++) {
-    const int n = h->n_spot;
+    const int n = h->n_vertex;
     int raised = 0;
     for (int i = 0; i < h->n_edge; i++)
-      if (!h->edge[i].way && h->edge[i].length > 0) raised += mg_raise_side(h, h->edge + i, h->n_spot);
-    if (!raised || h->n_spot == n) break;
+      if (!h->edges[i].direction && h->edges[i].length > 0) raised += mg_raise_side(h, h->edges + i, h->n_vertex);
+    if (!raised || h->n_vertex == n) break;
     mg_make_edges(h);
   }
   mg_settle_tangents(h);

@@ -10,9 +10,9 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_AWAY 3       /* extents: from there on the centre of rotation is far */
+#define MG_FAR_CENTRE 3       /* extents: from there on the centre of rotation is far */
 
-#define MG_FAR_AWAY 40
+#define MG_PURE_TRANSLATION 40
 
 typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
   mg_real centre[2], e[2], ed[3], r, rd[2];
@@ -21,7 +21,7 @@ typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d
 #define MG_TWIST_STEPS 80
 
 typedef struct {
-  const mg_press *press;
+  const mg_pressure *press;
   mg_real radius, from[3], across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
 } mg_search_plane;
 
@@ -55,7 +55,7 @@ static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
 }
 
 /* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
-static void mg_add_curve(mg_ring *g, const mg_track *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q, mg_real least) {
+static void mg_add_curve(mg_ring *g, const mg_placed_arc *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q, mg_real least) {
   const mg_real t = (t0 + t1) / 2, length = mg_apart2(P, Q);
   mg_real x[2], T[2];
   mg_on(k, t, x, T);
@@ -72,13 +72,13 @@ static void mg_add_curve(mg_ring *g, const mg_track *k, mg_real t0, mg_real t1, 
 }
 
 /* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
-static void mg_go_round_ring(const mg_press *p, mg_ring *g) {
+static void mg_go_round_ring(const mg_pressure *p, mg_ring *g) {
   for (long i = 0; i < p->n; i++) {
-    const mg_strip *s = p->strip + i;
+    const mg_boundary_strip *s = p->strips + i;
     if (s->straight) mg_add_straight(g, s->P, s->Q);
-    else mg_add_curve(g, p->hull->track + s->track, s->t[0], s->t[1], s->P, s->Q, sqrt(MG_EPS) * p->extent);
-    if (s->ends[0]) mg_add_straight(g, p->foot, s->P);
-    if (s->ends[1]) mg_add_straight(g, s->Q, p->foot);
+    else mg_add_curve(g, p->hull->arcs + s->track, s->t[0], s->t[1], s->P, s->Q, sqrt(MG_EPS) * p->reach);
+    if (s->ends[0]) mg_add_straight(g, p->line_foot, s->P);
+    if (s->ends[1]) mg_add_straight(g, s->Q, p->line_foot);
   }
 }
 
@@ -102,39 +102,39 @@ static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, 
 }
 
 /* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
-static void mg_add_ray(const mg_press *p, const mg_real *twist, int n, mg_real weight, const mg_real *x, mg_real G[3][3]) {
-  static const mg_real few[2][MG_FEW] = {
+static void mg_add_ray(const mg_pressure *p, const mg_real *twist, int n, mg_real weight, const mg_real *x, mg_real G[3][3]) {
+  static const mg_real few[2][MG_FEW_NODES] = {
       {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
        (mg_real)0.930568155797026287611973},
       {(mg_real)0.173927422568726928686532, (mg_real)0.326072577431273071313468, (mg_real)0.326072577431273071313468,
        (mg_real)0.173927422568726928686532}};
-  const mg_real *node = n == MG_FEW ? few[0] : mg_node, *part = n == MG_FEW ? few[1] : mg_node_weight;
+  const mg_real *node = n == MG_FEW_NODES ? few[0] : mg_node, *part = n == MG_FEW_NODES ? few[1] : mg_node_weight;
   for (int j = 0; j < n; j++) {
     mg_real d[2];
-    for (int k = 0; k < 2; k++) d[k] = p->foot[k] - p->centre[k] + node[j] * (x[k] - p->foot[k]);
+    for (int k = 0; k < 2; k++) d[k] = p->line_foot[k] - p->centre[k] + node[j] * (x[k] - p->line_foot[k]);
     mg_add_slip(twist, part[j] * node[j] * weight, d, G);
   }
 }
 
-static void mg_rub_far(const mg_press *p, const mg_real *twist, int n, mg_real G[3][3]) {
+static void mg_rub_far(const mg_pressure *p, const mg_real *twist, int n, mg_real G[3][3]) {
   for (long i = 0; i < p->n; i++) {
-    const mg_strip *s = p->strip + i;
+    const mg_boundary_strip *s = p->strips + i;
     for (int j = 0; j < MG_NODES; j++) {
       mg_real x[2], T[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
       if (s->straight)
         for (int k = 0; k < 2; k++) x[k] = s->P[k] + mg_node[j] * T[k];
-      else mg_on(p->hull->track + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
-      const mg_real arm[2] = {x[0] - p->foot[0], x[1] - p->foot[1]}, whole = s->straight ? 1 : s->t[1] - s->t[0];
+      else mg_on(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      const mg_real arm[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]}, whole = s->straight ? 1 : s->t[1] - s->t[0];
       mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
     }
   }
 }
 
-MG_INTERNAL void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]) {
-  const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->extent;
+MG_INTERNAL void mg_rub(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]) {
+  const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->reach;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
-  if (away >= MG_AWAY * turn) {
-    mg_rub_far(p, twist, away < MG_FAR_AWAY * turn ? MG_NODES : MG_FEW, G);
+  if (away >= MG_FAR_CENTRE * turn) {
+    mg_rub_far(p, twist, away < MG_PURE_TRANSLATION * turn ? MG_NODES : MG_FEW_NODES, G);
     return;
   }
   const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
@@ -153,7 +153,7 @@ static mg_real mg_rubs_at(const mg_search_plane *s, const mg_real *y, mg_real *s
   mg_twist_of(s, y, twist);
   twist[2] /= s->radius;
   mg_rub(s->press, twist, G);
-  const mg_real *level = s->press->level;
+  const mg_real *level = s->press->coefficients;
   for (int k = 0; k < 3; k++) {
     force[k] = G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2];
     power += force[k] * twist[k];
@@ -210,7 +210,7 @@ static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *gr
   H[2] += more * step[1] * step[1] - 2 * Hg[1] * step[1] / curve;
 }
 
-MG_INTERNAL mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
+MG_INTERNAL mg_real mg_share_of_limit(const mg_pressure *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
   const mg_real force[3] = {wrench[0], wrench[1], wrench[2] / radius};
   const mg_real size = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
   mg_search_plane s = {p, radius, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};

@@ -11,62 +11,62 @@ typedef struct { /* the nearest point so far: at parameter t of the curve from u
 static void mg_try_spots(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
   mg_real least = MG_MAX;
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_real *p = h->spot[h->edge[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]}, square = mg_dot2(arm, arm);
+    const mg_real *p = h->vertices[h->edges[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]}, square = mg_dot2(arm, arm);
     if (square < least) least = square, best->edge = i;
   }
-  best->spot = h->edge[best->edge].u, best->t = h->spot[best->spot].t, best->curve = 0, best->distance = sqrt(least);
+  best->spot = h->edges[best->edge].u, best->t = h->vertices[best->spot].t, best->curve = 0, best->distance = sqrt(least);
 }
 
 /* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
 static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
-  const mg_edge *e = h->edge + edge;
-  const mg_spot *a = h->spot + (e->way > 0 ? e->u : e->v), *b = h->spot + a->next;
+  const mg_hull_edge *e = h->edges + edge;
+  const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->u : e->v), *b = h->vertices + a->next;
   const mg_real from[2] = {a->point[0] - x[0], a->point[1] - x[1]}, to[2] = {b->point[0] - x[0], b->point[1] - x[1]};
   if (!(mg_dot2(from, a->tangent) < 0 && mg_dot2(to, b->tangent) > 0)) return 0;
   mg_real p[2], T[2];
-  const mg_real t = mg_zero_along(h->track + a->track, MG_FOOT, x, a->t, a->t_end);
-  mg_on(h->track + a->track, t, p, T);
+  const mg_real t = mg_zero_along(h->arcs + a->track, MG_ZERO_FOOT, x, a->t, a->t_end);
+  mg_on(h->arcs + a->track, t, p, T);
   const mg_real arm[2] = {x[0] - p[0], x[1] - p[1]}, distance = sqrt(mg_dot2(arm, arm));
   if (distance <= best->distance) {
     const mg_nearest_side found = {distance, t, edge, -1, 1};
     *best = found;
   }
-  return e->way * mg_cross2(T, arm) < 0;
+  return e->direction * mg_cross2(T, arm) < 0;
 }
 
 /* The same for a straight side. */
 static int mg_try_side(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
-  const mg_edge *e = h->edge + edge;
-  const mg_real *p = h->spot[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
+  const mg_hull_edge *e = h->edges + edge;
+  const mg_real *p = h->vertices[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
   const mg_real along = mg_cross2(arm, e->normal) * -1, off = mg_dot2(arm, e->normal);
   if (along > 0 && along < e->length && fabs(off) < best->distance) {
     const mg_nearest_side found = {fabs(off), 0, edge, -1, 0};
     *best = found;
   }
   const mg_real rounding = 4 * MG_EPS * h->size * ((fabs(arm[0]) + fabs(arm[1])) / e->length + 1);
-  return e->length > MG_SHORT * h->regions->shared && off > rounding;
+  return e->length > MG_SHORT_SIDE * h->regions->shared && off > rounding;
 }
 
 /* Whether x is beyond the tangent at an end of a curved side. */
-static int mg_is_beyond(const mg_hull *h, const mg_edge *e, int spot, const mg_real *x) {
-  const mg_spot *s = h->spot + spot;
+static int mg_is_beyond(const mg_hull *h, const mg_hull_edge *e, int spot, const mg_real *x) {
+  const mg_hull_vertex *s = h->vertices + spot;
   const mg_real arm[2] = {x[0] - s->point[0], x[1] - s->point[1]};
-  return -e->way * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
+  return -e->direction * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
 }
 
 /* The nearest point of the hull's boundary to x. Returns whether x is outside: then it is beyond the chord of a side, which
    tells. */
 static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
   const mg_real rounding = 4 * MG_EPS * h->size;
-  int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edge[0].way && !h->edge[1].way);
+  int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edges[0].direction && !h->edges[1].direction);
   best->edge = 0;
   mg_try_spots(h, x, best);
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_edge *e = h->edge + i;
-    const mg_real *p = h->spot[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]}, off = mg_dot2(arm, e->normal);
-    const mg_real least = off > 0 ? off - e->sag : -off;
+    const mg_hull_edge *e = h->edges + i;
+    const mg_real *p = h->vertices[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]}, off = mg_dot2(arm, e->normal);
+    const mg_real least = off > 0 ? off - e->height : -off;
     if (off < -rounding && least >= best->distance) continue;
-    if (e->way) {
+    if (e->direction) {
       outside |= mg_is_beyond(h, e, e->u, x) || mg_is_beyond(h, e, e->v, x);
       if (least < best->distance) outside |= mg_try_curve(h, i, x, best);
     } else outside |= mg_try_side(h, i, x, best);
@@ -74,35 +74,35 @@ static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *
   return outside;
 }
 
-MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support *at) {
+MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support_point *at) {
   int own = spot;
-  for (int i = h->spot[spot].twin; i != spot && h->spot[own].cut < 0; i = h->spot[i].twin)
-    if (h->spot[i].cut >= 0) own = i;
-  const mg_spot *s = h->spot + own;
-  const mg_cut *cut = s->cut >= 0 ? h->cut + s->cut : 0;
-  const int side = h->track[s->track].side;
+  for (int i = h->vertices[spot].twin; i != spot && h->vertices[own].intersection < 0; i = h->vertices[i].twin)
+    if (h->vertices[i].intersection >= 0) own = i;
+  const mg_hull_vertex *s = h->vertices + own;
+  const mg_intersection *cut = s->intersection >= 0 ? h->intersections + s->intersection : 0;
+  const int side = h->arcs[s->track].side;
   at->side = side, at->arc = s->track, at->t = s->t;
   at->crossing_arc = cut ? cut->track[!side] : -1, at->crossing_t = cut ? cut->t[!side] : 0;
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
 /* The outward normal of a side: across the tangent T where it is curved. */
-static void mg_side_normal(const mg_edge *e, const mg_real *T, mg_real *normal) {
+static void mg_side_normal(const mg_hull_edge *e, const mg_real *T, mg_real *normal) {
   const mg_real size = sqrt(mg_dot2(T, T));
-  for (int k = 0; k < 2; k++) normal[k] = e->way ? e->way * (k ? -T[0] : T[1]) / size : e->normal[k];
+  for (int k = 0; k < 2; k++) normal[k] = e->direction ? e->direction * (k ? -T[0] : T[1]) / size : e->normal[k];
 }
 
 /* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then. */
-static int mg_leads_past(const mg_hull *h, const mg_edge *e, int spot, int last, const mg_real *way, mg_real *normal) {
-  if (!e->way && !(e->length > MG_SHORT * h->regions->shared)) return 0;
-  mg_side_normal(e, h->spot[spot].tangent, normal);
+static int mg_leads_past(const mg_hull *h, const mg_hull_edge *e, int spot, int last, const mg_real *way, mg_real *normal) {
+  if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->shared)) return 0;
+  mg_side_normal(e, h->vertices[spot].tangent, normal);
   return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
 }
 
 /* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there. Where
    these are one, as where a closed outline begins, so is it, however near x is. */
-static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_brink *brink) {
-  const mg_edge *next = h->edge + near->edge, *last = h->edge + (near->edge + h->n_edge - 1) % h->n_edge;
+static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_nearest_boundary *brink) {
+  const mg_hull_edge *next = h->edges + near->edge, *last = h->edges + (near->edge + h->n_edge - 1) % h->n_edge;
   const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
   const mg_real way[2] = {sign * (p[0] - x[0]) / near->distance, sign * (p[1] - x[1]) / near->distance};
   if (h->n_edge > 1 && (mg_leads_past(h, last, last->v, 1, way, brink->normal) ||
@@ -112,18 +112,18 @@ static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const 
 }
 
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
-static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_brink *brink) {
-  const mg_edge *e = h->edge + near->edge;
-  const mg_real *own = h->spot[near->spot >= 0 ? near->spot : e->u].tangent;
+static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_nearest_boundary *brink) {
+  const mg_hull_edge *e = h->edges + near->edge;
+  const mg_real *own = h->vertices[near->spot >= 0 ? near->spot : e->u].tangent;
   mg_real T[2] = {own[0], own[1]};
   brink->n = 1;
   if (near->spot >= 0) {
     mg_support_at(h, near->spot, brink->at);
   } else if (near->curve) {
-    mg_support *at = brink->at;
+    mg_support_point *at = brink->at;
     mg_support_at(h, e->u, at);
-    at->arc = h->spot[e->u].track, at->side = h->track[at->arc].side, at->t = near->t, at->crossing_arc = -1;
-    mg_on(h->track + at->arc, near->t, at->point, T);
+    at->arc = h->vertices[e->u].track, at->side = h->arcs[at->arc].side, at->t = near->t, at->crossing_arc = -1;
+    mg_on(h->arcs + at->arc, near->t, at->point, T);
   } else {
     brink->n = 2;
     mg_support_at(h, e->u, brink->at), mg_support_at(h, e->v, brink->at + 1);
@@ -133,7 +133,7 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const m
   else mg_side_normal(e, T, brink->normal);
 }
 
-MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink) {
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *brink) {
   mg_nearest_side near = {MG_MAX, 0, 0, -1, 0};
   brink->n = 0, brink->margin = -MG_MAX;
   if (h->n_edge == 0) return brink->margin;

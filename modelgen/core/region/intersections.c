@@ -2,47 +2,47 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_SPLITS 128 /* pairs of spans that wait to be split */
+#define MG_PENDING_SPAN_PAIRS 128 /* pairs of spans that wait to be split */
 
-#define MG_ALONG 0.3  /* rad: spans whose directions differ by less run side by side */
+#define MG_NEARLY_PARALLEL 0.3  /* rad: spans whose directions differ by less run side by side */
 
 typedef struct {
   int count;
-  mg_span pair[MG_SPLITS][2];
+  mg_arc_span pair[MG_PENDING_SPAN_PAIRS][2];
 } mg_splits;
 
 /* The parameter, snapped to an end of the arc within `shared` of the point. */
 static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_real t) {
-  const mg_track *k = h->track + track;
-  const mg_span *first = h->span + k->span, *last = first + k->n_span - 1;
-  const mg_real near = MG_SHARES * h->regions->shared, middle = (k->t0 + k->t1) / 2;
+  const mg_placed_arc *k = h->arcs + track;
+  const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
+  const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->shared, middle = (k->t0 + k->t1) / 2;
   if (t <= middle && mg_apart2(first->P, point) <= near) return k->t0;
   if (t >= middle && mg_apart2(last->Q, point) <= near) return k->t1;
   return t;
 }
 
 static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_real *point) {
-  mg_cut cut;
+  mg_intersection cut;
   for (int side = 0; side < 2; side++) {
     cut.track[side] = track[side], cut.point[side] = point[side];
     cut.t[side] = mg_snapped(h, track[side], point, t[side]);
   }
-  for (int i = 0; i < h->n_cut; i++) {
-    const mg_cut *other = h->cut + i;
+  for (int i = 0; i < h->n_intersection; i++) {
+    const mg_intersection *other = h->intersections + i;
     const int same = other->track[0] == track[0] && other->track[1] == track[1];
     if (same && mg_apart2(other->point, point) <= 4 * h->regions->shared) return;
   }
-  if (h->n_cut == h->cut_room) h->overflow = 1;
-  else h->cut[h->n_cut++] = cut;
+  if (h->n_intersection == h->intersection_capacity) h->overflow = 1;
+  else h->intersections[h->n_intersection++] = cut;
 }
 
 /* An end of an arc against the spans of an arc of the other side. */
 static void mg_try_end(mg_hull *h, int ending, int last, int other) {
-  const mg_track *e = h->track + ending, *k = h->track + other;
-  const mg_span *s = h->span + e->span + (last ? e->n_span - 1 : 0);
-  const mg_real *p = last ? s->Q : s->P, shared = MG_SHARES * h->regions->shared;
+  const mg_placed_arc *e = h->arcs + ending, *k = h->arcs + other;
+  const mg_arc_span *s = h->spans + e->span + (last ? e->n_span - 1 : 0);
+  const mg_real *p = last ? s->Q : s->P, shared = MG_COINCIDENCE_FACTOR * h->regions->shared;
   for (int i = k->span; i < k->span + k->n_span; i++) {
-    const mg_span *cell = h->span + i;
+    const mg_arc_span *cell = h->spans + i;
     const mg_real chord[2] = {cell->Q[0] - cell->P[0], cell->Q[1] - cell->P[1]};
     const mg_real arm[2] = {p[0] - cell->P[0], p[1] - cell->P[1]}, length = sqrt(mg_dot2(chord, chord));
     const mg_real along = mg_dot2(arm, chord) / length, off = fabs(mg_cross2(chord, arm)) / length;
@@ -50,7 +50,7 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
     if (off > cell->turn * length + shared) continue;
     const mg_real part = fmin(fmax(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
-    t[k->side] = k->straight ? cell->a + part * (cell->b - cell->a) : mg_zero_along(k, MG_FOOT, p, cell->a, cell->b);
+    t[k->side] = k->straight ? cell->a + part * (cell->b - cell->a) : mg_zero_along(k, MG_ZERO_FOOT, p, cell->a, cell->b);
     t[e->side] = last ? e->t1 : e->t0;
     mg_on(k, t[k->side], point, T);
     if (mg_apart2(point, p) > shared) continue;
@@ -60,7 +60,7 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
 }
 
 /* Whether the curve of one span may come near the other: bounding boxes. */
-static int mg_is_near(const mg_span *x, const mg_span *y, mg_real shared) {
+static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
   const mg_real slack = shared + (mg_apart2(x->P, x->Q) * x->turn + mg_apart2(y->P, y->Q) * y->turn) / 2;
   for (int k = 0; k < 2; k++) {
     if (fmin(x->P[k], x->Q[k]) > fmax(y->P[k], y->Q[k]) + slack) return 0;
@@ -73,12 +73,12 @@ static int mg_is_near(const mg_span *x, const mg_span *y, mg_real shared) {
 }
 
 /* Spans whose tangents have no direction in common cross at most once: Newton's method. */
-static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y, const mg_real *start) {
-  const mg_span *s[2] = {x, y};
+static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
+  const mg_arc_span *s[2] = {x, y};
   const int track[2] = {x->track, y->track};
   mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
   for (int i = 0; i < 50; i++) {
-    for (int k = 0; k < 2; k++) mg_on(h->track + track[k], t[k], c[k], T[k]);
+    for (int k = 0; k < 2; k++) mg_on(h->arcs + track[k], t[k], c[k], T[k]);
     for (int k = 0; k < 2; k++) apart[k] = c[1][k] - c[0][k];
     const mg_real det = mg_cross2(T[0], T[1]), size = mg_dot2(apart, apart);
     if (det == 0 || (size >= last && size <= h->regions->shared * h->regions->shared)) break;
@@ -86,8 +86,8 @@ static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y, cons
     int still = 0;
     const mg_real step[2] = {mg_cross2(apart, T[1]) / det, mg_cross2(apart, T[0]) / det};
     for (int k = 0; k < 2; k++) {
-      const mg_real half = (s[k]->b - s[k]->a) / 2, low = fmax(s[k]->a - half, h->track[track[k]].t0);
-      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->b + half, h->track[track[k]].t1));
+      const mg_real half = (s[k]->b - s[k]->a) / 2, low = fmax(s[k]->a - half, h->arcs[track[k]].t0);
+      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->b + half, h->arcs[track[k]].t1));
       still += moved == t[k], t[k] = moved;
     }
     if (still == 2) break;
@@ -101,15 +101,15 @@ static void mg_try_crossing(mg_hull *h, const mg_span *x, const mg_span *y, cons
 }
 
 /* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
-static int mg_gaps(const mg_hull *h, const mg_span *x, const mg_span *y, mg_real *s, mg_real *t, mg_real *gap) {
-  const mg_track *k = h->track + x->track, *other = h->track + y->track;
-  const mg_real ends[2] = {mg_zero_along(k, MG_FOOT, y->P, x->a, x->b), mg_zero_along(k, MG_FOOT, y->Q, x->a, x->b)};
+static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t, mg_real *gap) {
+  const mg_placed_arc *k = h->arcs + x->track, *other = h->arcs + y->track;
+  const mg_real ends[2] = {mg_zero_along(k, MG_ZERO_FOOT, y->P, x->a, x->b), mg_zero_along(k, MG_ZERO_FOOT, y->Q, x->a, x->b)};
   if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->a) + fabs(x->b))) return 0;
   for (int i = 0; i < 5; i++) {
     mg_real p[2], q[2], T[2];
     s[i] = ends[0] + i * (ends[1] - ends[0]) / 4;
     mg_on(k, s[i], p, T);
-    t[i] = mg_zero_along(other, MG_FOOT, p, y->a, y->b);
+    t[i] = mg_zero_along(other, MG_ZERO_FOOT, p, y->a, y->b);
     mg_on(other, t[i], q, T);
     const mg_real arm[2] = {p[0] - q[0], p[1] - q[1]};
     gap[i] = mg_cross2(T, arm) / sqrt(mg_dot2(T, T));
@@ -118,18 +118,18 @@ static int mg_gaps(const mg_hull *h, const mg_span *x, const mg_span *y, mg_real
 }
 
 /* A gap that closes at an end is a cut there: what follows may not see it. */
-static void mg_try_closed(mg_hull *h, const mg_span *x, const mg_span *y, mg_real s, mg_real t, mg_real gap) {
+static void mg_try_closed(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t, mg_real gap) {
   const int track[2] = {x->track, y->track};
   const mg_real at[2] = {s, t};
   mg_real point[2], T[2];
   if (fabs(gap) > h->regions->shared) return;
-  mg_on(h->track + x->track, s, point, T);
+  mg_on(h->arcs + x->track, s, point, T);
   mg_add_cut(h, track, at, point);
 }
 
 /* Spans that run side by side: 1 where the gap between them, nearly linear, tells that they are apart, one, or cross
    once, which is then found; 0: they have to be split. */
-static int mg_run_along(mg_hull *h, const mg_span *x, const mg_span *y) {
+static int mg_run_along(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   mg_real s[5], t[5], gap[5], bent = 0, least = MG_MAX, most = 0, step = MG_MAX;
   if (!mg_gaps(h, x, y, s, t, gap)) return 1;
   int change = -1, changes = 0;
@@ -149,41 +149,41 @@ static int mg_run_along(mg_hull *h, const mg_span *x, const mg_span *y) {
   return 1;
 }
 
-static void mg_push_spans(mg_splits *stack, const mg_span *x, const mg_span *y) {
+static void mg_push_spans(mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
   stack->pair[stack->count][0] = *x, stack->pair[stack->count++][1] = *y;
 }
 
-static void mg_split(const mg_hull *h, mg_splits *stack, const mg_span *x, const mg_span *y) {
+static void mg_split(const mg_hull *h, mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
   const int second = mg_apart2(y->P, y->Q) > mg_apart2(x->P, x->Q);
-  const mg_span *whole = second ? y : x;
+  const mg_arc_span *whole = second ? y : x;
   const mg_real middle = (whole->a + whole->b) / 2, ends[3] = {whole->a, middle, whole->b};
   for (int i = 0; i < 2; i++) {
-    mg_span half;
+    mg_arc_span half;
     mg_span_between(h, whole->track, ends[i], ends[i + 1], &half);
-    if (h->track[whole->track].straight) half.turn = 0;
+    if (h->arcs[whole->track].straight) half.turn = 0;
     mg_push_spans(stack, second ? x : &half, second ? &half : y);
   }
 }
 
 /* All crossings of two spans: they are split until they are apart, transversal, or one lies on the other. */
-static void mg_cross_spans(mg_hull *h, const mg_span *first, const mg_span *second) {
+static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_span *second) {
   mg_splits stack;
   stack.count = 0;
   mg_push_spans(&stack, first, second);
   while (stack.count) {
-    const mg_span x = stack.pair[--stack.count][0], y = stack.pair[stack.count][1];
+    const mg_arc_span x = stack.pair[--stack.count][0], y = stack.pair[stack.count][1];
     const mg_real u[2] = {x.Q[0] - x.P[0], x.Q[1] - x.P[1]}, v[2] = {y.Q[0] - y.P[0], y.Q[1] - y.P[1]};
     const mg_real along = sqrt(mg_dot2(u, u)), across = sqrt(mg_dot2(v, v)), shared = h->regions->shared;
     if ((along <= shared && across <= shared) || !mg_is_near(&x, &y, shared)) continue;
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
     const mg_real middle[2] = {(x.a + x.b) / 2, (y.a + y.b) / 2};
     if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y, middle);
-    else if (stack.count + 2 <= MG_SPLITS && !(sine + x.turn + y.turn < MG_ALONG && mg_run_along(h, &x, &y)))
+    else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS && !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_run_along(h, &x, &y)))
       mg_split(h, &stack, &x, &y);
   }
 }
 
-static void mg_cross_lines(mg_hull *h, const mg_span *x, const mg_span *y) {
+static void mg_cross_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   const mg_real u[2] = {x->Q[0] - x->P[0], x->Q[1] - x->P[1]}, v[2] = {y->Q[0] - y->P[0], y->Q[1] - y->P[1]};
   const mg_real w[2] = {y->P[0] - x->P[0], y->P[1] - x->P[1]}, det = mg_cross2(u, v);
   if (det == 0) return;
@@ -197,16 +197,16 @@ static void mg_cross_lines(mg_hull *h, const mg_span *x, const mg_span *y) {
 
 MG_INTERNAL void mg_find_cuts(mg_hull *h) {
   const int n = h->regions->n_arc, n_o = h->regions->n_o;
-  h->n_cut = 0, h->overflow = 0;
+  h->n_intersection = 0, h->overflow = 0;
   for (int i = 0; i < n_o; i++)
     for (int j = n_o; j < n; j++) {
-      const mg_track *o = h->track + i, *f = h->track + j;
+      const mg_placed_arc *o = h->arcs + i, *f = h->arcs + j;
       for (int last = 0; last < 2; last++) mg_try_end(h, i, last, j), mg_try_end(h, j, last, i);
       for (int a = o->span; a < o->span + o->n_span; a++)
         for (int b = f->span; b < f->span + f->n_span; b++) {
-          if (!mg_is_near(h->span + a, h->span + b, h->regions->shared)) continue;
-          if (o->straight && f->straight) mg_cross_lines(h, h->span + a, h->span + b);
-          else mg_cross_spans(h, h->span + a, h->span + b);
+          if (!mg_is_near(h->spans + a, h->spans + b, h->regions->shared)) continue;
+          if (o->straight && f->straight) mg_cross_lines(h, h->spans + a, h->spans + b);
+          else mg_cross_spans(h, h->spans + a, h->spans + b);
         }
     }
 }

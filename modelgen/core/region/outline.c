@@ -12,7 +12,7 @@ static void mg_put_point(mg_outline *out, const mg_real *p) {
 
 /* Points of a curve from t0 on, `fine` to a span; its end is left to what follows. */
 static void mg_trace(const mg_hull *h, int track, mg_real t0, mg_real t1, int fine, mg_outline *out) {
-  const mg_track *k = h->track + track;
+  const mg_placed_arc *k = h->arcs + track;
   const int n = k->straight ? 1 : fine;
   for (int i = 0; i < n; i++) {
     mg_real p[2], T[2];
@@ -21,10 +21,10 @@ static void mg_trace(const mg_hull *h, int track, mg_real t0, mg_real t1, int fi
   }
 }
 
-static void mg_trace_piece(const mg_hull *h, const mg_piece *piece, int back, int fine, mg_outline *out) {
-  const mg_track *k = h->track + piece->track;
+static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int back, int fine, mg_outline *out) {
+  const mg_placed_arc *k = h->arcs + piece->track;
   for (int i = 0; i < k->n_span; i++) {
-    const mg_span *s = h->span + k->span + (back ? k->n_span - 1 - i : i);
+    const mg_arc_span *s = h->spans + k->span + (back ? k->n_span - 1 - i : i);
     const mg_real a = fmax(s->a, piece->t[0]), b = fmin(s->b, piece->t[1]);
     if (a < b) mg_trace(h, piece->track, back ? b : a, back ? a : b, fine, out);
   }
@@ -36,7 +36,7 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
   for (int i = 0; i < h->n_piece; i++)
     for (int end = 0; end < 2 && !h->order[i]; end++) {
       mg_real q[2], T[2];
-      mg_on(h->track + h->piece[i].track, h->piece[i].t[end], q, T);
+      mg_on(h->arcs + h->pieces[i].track, h->pieces[i].t[end], q, T);
       if (!(mg_apart2(p, q) <= reach)) continue;
       reach = mg_apart2(p, q), next = i, *back = end;
     }
@@ -45,14 +45,14 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
 
 MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
-  for (int i = 0; i < h->n_piece; i++) h->order[i] = h->piece[i].thin;
+  for (int i = 0; i < h->n_piece; i++) h->order[i] = h->pieces[i].is_thin;
   for (int first = 0; first < h->n_piece; first++) {
     if (h->order[first]) continue;
     mg_real p[2], T[2];
     for (int piece = first, back = 0; piece >= 0; piece = mg_next_piece(h, p, 64 * h->regions->shared, &back)) {
       h->order[piece] = 1;
-      mg_trace_piece(h, h->piece + piece, back, fine, out);
-      mg_on(h->track + h->piece[piece].track, h->piece[piece].t[!back], p, T);
+      mg_trace_piece(h, h->pieces + piece, back, fine, out);
+      mg_on(h->arcs + h->pieces[piece].track, h->pieces[piece].t[!back], p, T);
     }
     out->n_loop++;
   }
@@ -61,11 +61,11 @@ MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) 
 MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_edge *e = h->edge + i;
-    const mg_spot *a = h->spot + (e->way < 0 ? e->v : e->u);
-    if (e->way > 0) mg_trace(h, a->track, a->t, a->t_end, fine, out);
-    else if (e->way < 0) mg_trace(h, a->track, a->t_end, a->t, fine, out);
-    else mg_put_point(out, h->spot[e->u].point);
+    const mg_hull_edge *e = h->edges + i;
+    const mg_hull_vertex *a = h->vertices + (e->direction < 0 ? e->v : e->u);
+    if (e->direction > 0) mg_trace(h, a->track, a->t, a->t_end, fine, out);
+    else if (e->direction < 0) mg_trace(h, a->track, a->t_end, a->t, fine, out);
+    else mg_put_point(out, h->vertices[e->u].point);
   }
   out->n_loop = h->n_edge > 0;
 }

@@ -4,10 +4,10 @@
 
 typedef struct { /* how many of each there is room for */
   long span, cut, piece, spot;
-} mg_rooms;
+} mg_hull_capacity;
 
-static mg_rooms mg_rooms_of(int n_arc, int n_o) {
-  mg_rooms r;
+static mg_hull_capacity mg_rooms_of(int n_arc, int n_o) {
+  mg_hull_capacity r;
   r.span = 24L * n_arc + 512;
   r.cut = 2L * n_o * (n_arc - n_o) + (n_o ? 4L * n_arc + 64 : 0);
   r.piece = n_arc + 2 * r.cut;
@@ -16,38 +16,38 @@ static mg_rooms mg_rooms_of(int n_arc, int n_o) {
 }
 
 MG_INTERNAL long mg_hull_room(int n_arc, int n_o) {
-  const mg_rooms r = mg_rooms_of(n_arc, n_o);
-  return mg_reals(n_arc, sizeof(mg_track)) + mg_reals(r.span, sizeof(mg_span)) + mg_reals(r.cut, sizeof(mg_cut)) +
-         mg_reals(r.piece, sizeof(mg_piece)) + mg_reals(r.spot, sizeof(mg_spot)) + mg_reals(r.spot, sizeof(mg_edge)) +
+  const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
+  return mg_reals(n_arc, sizeof(mg_placed_arc)) + mg_reals(r.span, sizeof(mg_arc_span)) + mg_reals(r.cut, sizeof(mg_intersection)) +
+         mg_reals(r.piece, sizeof(mg_boundary_piece)) + mg_reals(r.spot, sizeof(mg_hull_vertex)) + mg_reals(r.spot, sizeof(mg_hull_edge)) +
          mg_reals(2 * r.spot, sizeof(int));
 }
 
 MG_INTERNAL long mg_press_room(int n_arc, int n_o) {
-  const mg_rooms r = mg_rooms_of(n_arc, n_o);
+  const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
   return 2 * (r.span + r.piece);
 }
 
 MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
-  const mg_rooms r = mg_rooms_of(regions->n_arc, regions->n_o);
+  const mg_hull_capacity r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
-  h->track = mg_part_of_memory(&memory, regions->n_arc, sizeof(mg_track));
-  h->span = mg_part_of_memory(&memory, r.span, sizeof(mg_span)), h->span_room = (int)r.span;
-  h->cut = mg_part_of_memory(&memory, r.cut, sizeof(mg_cut)), h->cut_room = (int)r.cut;
-  h->piece = mg_part_of_memory(&memory, r.piece, sizeof(mg_piece)), h->piece_room = (int)r.piece;
-  h->spot = mg_part_of_memory(&memory, r.spot, sizeof(mg_spot)), h->spot_room = (int)r.spot;
-  h->edge = mg_part_of_memory(&memory, r.spot, sizeof(mg_edge));
+  h->arcs = mg_part_of_memory(&memory, regions->n_arc, sizeof(mg_placed_arc));
+  h->spans = mg_part_of_memory(&memory, r.span, sizeof(mg_arc_span)), h->span_capacity = (int)r.span;
+  h->intersections = mg_part_of_memory(&memory, r.cut, sizeof(mg_intersection)), h->intersection_capacity = (int)r.cut;
+  h->pieces = mg_part_of_memory(&memory, r.piece, sizeof(mg_boundary_piece)), h->piece_capacity = (int)r.piece;
+  h->vertices = mg_part_of_memory(&memory, r.spot, sizeof(mg_hull_vertex)), h->vertex_capacity = (int)r.spot;
+  h->edges = mg_part_of_memory(&memory, r.spot, sizeof(mg_hull_edge));
   h->order = mg_part_of_memory(&memory, 2 * r.spot, sizeof(int));
   mg_divide_tracks(h);
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
 static int mg_next_cut(const mg_hull *h, int track, mg_real t, int before) {
-  const int side = h->track[track].side;
+  const int side = h->arcs[track].side;
   int next = -1;
-  for (int i = 0; i < h->n_cut; i++) {
-    const mg_cut *cut = h->cut + i;
+  for (int i = 0; i < h->n_intersection; i++) {
+    const mg_intersection *cut = h->intersections + i;
     if (cut->track[side] != track || cut->t[side] < t || (cut->t[side] == t && i <= before)) continue;
-    if (next < 0 || cut->t[side] < h->cut[next].t[side]) next = i;
+    if (next < 0 || cut->t[side] < h->intersections[next].t[side]) next = i;
   }
   return next;
 }
@@ -57,8 +57,8 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
   static const mg_real parts[] = {0.5, 0.23, 0.81};
   for (int i = 0; i < 3; i++) {
     mg_real p[2], T[2];
-    mg_on(h->track + track, t0 + parts[i] * (t1 - t0), p, T);
-    const int inside = mg_is_inside(h, !h->track[track].side, p);
+    mg_on(h->arcs + track, t0 + parts[i] * (t1 - t0), p, T);
+    const int inside = mg_is_inside(h, !h->arcs[track].side, p);
     if (inside < 2) return inside;
   }
   return 2;
@@ -67,8 +67,8 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
 /* Whether the intersection has no width at a point where both boundaries are one. */
 static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
   mg_real p[2], T[2];
-  mg_on(h->track + track, t, p, T);
-  const mg_real step = 8 * MG_SHARES * h->regions->shared / sqrt(mg_dot2(T, T));
+  mg_on(h->arcs + track, t, p, T);
+  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared / sqrt(mg_dot2(T, T));
   const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
   return !(mg_is_inside(h, 0, left) && mg_is_inside(h, 1, left)) &&
          !(mg_is_inside(h, 0, right) && mg_is_inside(h, 1, right));
@@ -76,32 +76,32 @@ static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
 
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
 static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
-  const mg_track *k = h->track + track;
+  const mg_placed_arc *k = h->arcs + track;
   mg_real p[2], T[2];
   if (!(t1 > t0)) return;
   mg_on(k, (t0 + t1) / 2, p, T);
   if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->shared) return;
   const int inside = mg_is_part_inside(h, track, t0, t1);
   if (!inside || (inside == 2 && k->side)) return;
-  if (h->n_piece == h->piece_room) {
+  if (h->n_piece == h->piece_capacity) {
     h->overflow = 1;
     return;
   }
-  const mg_piece piece = {track, inside == 2 && mg_is_thin(h, track, (t0 + t1) / 2), {cut0, cut1}, {t0, t1}};
-  h->piece[h->n_piece++] = piece;
+  const mg_boundary_piece piece = {track, inside == 2 && mg_is_thin(h, track, (t0 + t1) / 2), {cut0, cut1}, {t0, t1}};
+  h->pieces[h->n_piece++] = piece;
 }
 
 static void mg_find_pieces(mg_hull *h) {
   h->n_piece = 0;
   for (int i = 0; i < h->regions->n_arc; i++) {
-    const mg_track *k = h->track + i;
+    const mg_placed_arc *k = h->arcs + i;
     mg_real t = k->t0;
     int before = -1;
     for (;;) {
       const int next = mg_next_cut(h, i, t, before);
-      mg_keep_piece(h, i, t, next < 0 ? k->t1 : h->cut[next].t[k->side], before, next);
+      mg_keep_piece(h, i, t, next < 0 ? k->t1 : h->intersections[next].t[k->side], before, next);
       if (next < 0) break;
-      t = h->cut[next].t[k->side], before = next;
+      t = h->intersections[next].t[k->side], before = next;
     }
   }
 }

@@ -2,13 +2,13 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_TURN_MOST 0.3 /* rad, of a span */
+#define MG_SPAN_TURN 0.3 /* rad, of a span */
 
-#define MG_FINEST 512    /* spans of an arc at most */
+#define MG_SPANS_MAX 512    /* spans of an arc at most */
 
-#define MG_BENDS 8       /* parts of a span in which an inflection is sought */
+#define MG_INFLECTION_PARTS 8       /* parts of a span in which an inflection is sought */
 
-MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent) {
+MG_INTERNAL void mg_on(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
   const mg_real *a = k->axis;
   mg_real x[3], d[3];
@@ -25,22 +25,22 @@ static void mg_unit2(mg_real *d) {
   if (size > 0) d[0] /= size, d[1] /= size;
 }
 
-static void mg_turn_of(mg_span *s) {
+static void mg_turn_of(mg_arc_span *s) {
   mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
   mg_unit2(chord);
   const int back = mg_dot2(chord, s->S) < 0.5 || mg_dot2(chord, s->E) < 0.5;
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
 }
 
-MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span) {
+MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
   span->track = track, span->a = a, span->b = b;
-  mg_on(h->track + track, a, span->P, span->S), mg_on(h->track + track, b, span->Q, span->E);
+  mg_on(h->arcs + track, a, span->P, span->S), mg_on(h->arcs + track, b, span->Q, span->E);
   mg_unit2(span->S), mg_unit2(span->E);
   mg_turn_of(span);
 }
 
 /* Whether the arc is a straight line, to rounding. */
-static int mg_is_straight(const mg_track *k) {
+static int mg_is_straight(const mg_placed_arc *k) {
   static const mg_real parts[] = {0.23, 0.5, 0.81};
   mg_real P[2], Q[2], T[2], E[2];
   mg_on(k, k->t0, P, T), mg_on(k, k->t1, Q, E);
@@ -58,22 +58,22 @@ static int mg_is_straight(const mg_track *k) {
   return straight;
 }
 
-static mg_real mg_sought(const mg_track *k, int sought, const mg_real *v, mg_real t) {
+static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
   mg_real x[2], T[2], E[2];
-  if (sought == MG_BEND) {
+  if (sought == MG_ZERO_CURVATURE) {
     const mg_real step = (k->t1 - k->t0) / 4096;
     mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
     return mg_cross2(T, E);
   }
   mg_on(k, t, x, T);
   const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
-  return sought == MG_LEVEL ? mg_dot2(v, T) : mg_dot2(arm, T);
+  return sought == MG_ZERO_SUPPORT ? mg_dot2(v, T) : mg_dot2(arm, T);
 }
 
 /* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
-MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+MG_INTERNAL mg_real mg_zero_along(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
   mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
-  if (sought == MG_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
+  if (sought == MG_ZERO_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
   if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
   const mg_real least = MG_EPS * (fabs(a) + fabs(b));
   for (int i = 1; i < 100 && fabs(b - a) > least; i++) {
@@ -94,16 +94,16 @@ MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *
 }
 
 /* Ends a span at the first inflection within it, if there is one. */
-static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
-  const mg_track *k = h->track + s->track;
-  const mg_real part = (s->b - s->a) / MG_BENDS;
-  mg_real before = mg_sought(k, MG_BEND, s->P, s->a);
-  for (int i = 0; i < MG_BENDS; i++) {
-    const mg_real low = s->a + i * part, high = low + part, bend = mg_sought(k, MG_BEND, s->P, high);
+static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
+  const mg_placed_arc *k = h->arcs + s->track;
+  const mg_real part = (s->b - s->a) / MG_INFLECTION_PARTS;
+  mg_real before = mg_sought(k, MG_ZERO_CURVATURE, s->P, s->a);
+  for (int i = 0; i < MG_INFLECTION_PARTS; i++) {
+    const mg_real low = s->a + i * part, high = low + part, bend = mg_sought(k, MG_ZERO_CURVATURE, s->P, high);
     const int changed = (before > 0) != (bend > 0);
     before = bend;
     if (!changed) continue;
-    const mg_real t = mg_zero_along(k, MG_BEND, s->P, low, high);
+    const mg_real t = mg_zero_along(k, MG_ZERO_CURVATURE, s->P, low, high);
     if (!(t > s->a + part / 64 && t < s->b - part / 64)) continue;
     mg_span_between(h, s->track, s->a, t, s);
     return;
@@ -112,7 +112,7 @@ static void mg_end_at_inflection(const mg_hull *h, mg_span *s) {
 
 /* At most `most` spans of an arc from its start on, each as long as its turn allows. */
 static void mg_divide(mg_hull *h, int track, int most) {
-  mg_track *k = h->track + track;
+  mg_placed_arc *k = h->arcs + track;
   const mg_real whole = k->t1 - k->t0;
   mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
   k->span = h->n_span;
@@ -120,15 +120,15 @@ static void mg_divide(mg_hull *h, int track, int most) {
     const mg_real least = (1 - done) / (most - (h->n_span - k->span));
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
-    mg_span *s = h->span + h->n_span;
+    mg_arc_span *s = h->spans + h->n_span;
     mg_span_between(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
-    if (s->turn > MG_TURN_MOST && part > (mg_real)1 / MG_FINEST && part / 2 > least) {
+    if (s->turn > MG_SPAN_TURN && part > (mg_real)1 / MG_SPANS_MAX && part / 2 > least) {
       part /= 2;
       continue;
     }
     if (!k->straight && k->kernels->shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
     done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
-    if (s->turn < MG_TURN_MOST / 3 && part < (mg_real)1 / 8) part *= 2;
+    if (s->turn < MG_SPAN_TURN / 3 && part < (mg_real)1 / 8) part *= 2;
     if (k->straight) s->turn = 0;
   }
   k->n_span = h->n_span - k->span;
@@ -138,11 +138,11 @@ static void mg_divide(mg_hull *h, int track, int most) {
 static void mg_divide_all(mg_hull *h) {
   const int n = h->regions->n_arc;
   int straight = 0, curved = 0;
-  for (int i = 0; i < n; i++) straight += h->track[i].straight, curved += !h->track[i].straight;
+  for (int i = 0; i < n; i++) straight += h->arcs[i].straight, curved += !h->arcs[i].straight;
   h->n_span = 0;
   for (int i = 0; i < n; i++) {
-    if (h->track[i].straight) mg_divide(h, i, 1), straight--;
-    else mg_divide(h, i, (h->span_room - h->n_span - straight) / curved), curved--;
+    if (h->arcs[i].straight) mg_divide(h, i, 1), straight--;
+    else mg_divide(h, i, (h->span_capacity - h->n_span - straight) / curved), curved--;
   }
 }
 
@@ -157,7 +157,7 @@ static int mg_following(const mg_regions *r, int i) {
 /* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
 static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
   const mg_real *place = h->regions->arc[i].place;
-  mg_track *k = h->track + i;
+  mg_placed_arc *k = h->arcs + i;
   for (int row = 0; row < 2; row++) {
     const mg_real *g = pose ? pose + row : 0;
     k->at[row] = g ? g[0] + g[3] * place[0] + g[6] * place[1] + g[9] * place[2] : place[row];
@@ -170,32 +170,32 @@ static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
 
 /* Points that arcs of one loop share are the same point. */
 static void mg_close_loop(mg_hull *h, int i) {
-  const mg_track *k = h->track + i;
-  mg_span *last = h->span + k->span + k->n_span - 1;
-  for (int j = 0; j < 2; j++) last->Q[j] = h->span[h->track[k->next].span].P[j];
+  const mg_placed_arc *k = h->arcs + i;
+  mg_arc_span *last = h->spans + k->span + k->n_span - 1;
+  for (int j = 0; j < 2; j++) last->Q[j] = h->spans[h->arcs[k->next].span].P[j];
 }
 
 static mg_real mg_reach_of_track(const mg_hull *h, int i) {
   mg_real most = 0;
-  for (int j = h->track[i].span; j < h->track[i].span + h->track[i].n_span; j++)
-    most = fmax(most, fabs(h->span[j].P[0]) + fabs(h->span[j].P[1]));
+  for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
+    most = fmax(most, fabs(h->spans[j].P[0]) + fabs(h->spans[j].P[1]));
   return most;
 }
 
 /* Whether the region that an arc bounds lies on its right. */
 static int mg_has_right(const mg_hull *h, int i) {
-  const mg_track *k = h->track + i;
+  const mg_placed_arc *k = h->arcs + i;
   mg_real x[2], T[2];
   mg_on(k, (k->t0 + k->t1) / 2, x, T);
   mg_unit2(T);
-  const mg_real step = 8 * MG_SHARES * h->regions->shared, right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
+  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared, right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
   return mg_is_inside(h, k->side, right) == 1;
 }
 
 MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
   const mg_regions *r = h->regions;
   for (int i = 0; i < r->n_arc; i++) {
-    mg_track *k = h->track + i;
+    mg_placed_arc *k = h->arcs + i;
     k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
     k->side = i >= r->n_o, k->next = mg_following(r, i);
     mg_place_track(h, i, 0);
@@ -203,17 +203,17 @@ MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
   }
   mg_divide_all(h);
   for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
-  for (int i = 0; i < r->n_arc; i++) h->track[i].right = mg_has_right(h, i);
+  for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_has_right(h, i);
 }
 
 MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose) {
   const mg_regions *r = h->regions;
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
-    const mg_track *k = h->track + i;
+    const mg_placed_arc *k = h->arcs + i;
     mg_place_track(h, i, pose);
     for (int j = k->span; j < k->span + k->n_span; j++) {
-      mg_span *s = h->span + j;
+      mg_arc_span *s = h->spans + j;
       mg_span_between(h, i, s->a, s->b, s);
       if (k->straight) s->turn = 0;
     }

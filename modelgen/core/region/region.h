@@ -40,16 +40,16 @@ typedef struct {
   mg_real shared;     /* m: points of the two boundaries nearer than this are one */
 } mg_regions;
 
-/* Ends of arcs are on the other boundary, and o's parts within f's, up to MG_SHARES times `shared`; f's within o's up to
+/* Ends of arcs are on the other boundary, and o's parts within f's, up to MG_COINCIDENCE_FACTOR times `shared`; f's within o's up to
    half of it: where f's part is left out for o's, o's has been cut at its ends and is kept. */
-#define MG_SHARES 16
+#define MG_COINCIDENCE_FACTOR 16
 
-#define MG_SHORT 1024 /* sides of a hull up to so many times `shared` have no direction that can be relied on */
+#define MG_SHORT_SIDE 1024 /* sides of a hull up to so many times `shared` have no direction that can be relied on */
 
 typedef struct { /* an arc placed in the plane, or a part of it; turn: sum of its end tangents' sines to the chord */
   int track;
   mg_real a, b, P[2], Q[2], S[2], E[2], turn;
-} mg_span;
+} mg_arc_span;
 
 typedef struct {
   const mg_kernels *kernels;
@@ -57,39 +57,39 @@ typedef struct {
   int right; /* the region lies on its right */
   const mg_real *parameters;
   mg_real t0, t1, at[2], axis[6];
-} mg_track;
+} mg_placed_arc;
 
 typedef struct { /* where an arc of A meets one of B */
   int track[2];
   mg_real t[2], point[2];
-} mg_cut;
+} mg_intersection;
 
 typedef struct { /* a part of a boundary that bounds A cap B, or (thin) is all of it there; cut: what ends it, or -1 */
-  int track, thin, cut[2];
+  int track, is_thin, intersection[2];
   mg_real t[2];
-} mg_piece;
+} mg_boundary_piece;
 
 typedef struct { /* a point of a piece; next: the one after it on a curve, or -1, which is reached at t_end */
-  int track, cut, next, twin;
+  int track, intersection, next, twin;
   mg_real t, t_end, point[2], tangent[2];
-} mg_spot;
+} mg_hull_vertex;
 
 typedef struct { /* a side of the hull from spot u to spot v: straight, or along the curve, forward or back */
-  int u, v, way;
-  mg_real normal[2], length, sag;
-} mg_edge;
+  int u, v, direction;
+  mg_real normal[2], length, height;
+} mg_hull_edge;
 
 typedef struct {
   const mg_regions *regions;
-  mg_track *track;
-  mg_span *span;
-  mg_cut *cut;
-  mg_piece *piece;
-  mg_spot *spot;
-  mg_edge *edge;
+  mg_placed_arc *arcs;
+  mg_arc_span *spans;
+  mg_intersection *intersections;
+  mg_boundary_piece *pieces;
+  mg_hull_vertex *vertices;
+  mg_hull_edge *edges;
   int *order;
-  int n_span, n_cut, n_piece, n_spot, n_edge;
-  int span_room, cut_room, piece_room, spot_room;
+  int n_span, n_intersection, n_piece, n_vertex, n_edge;
+  int span_capacity, intersection_capacity, piece_capacity, vertex_capacity;
   int overflow; /* more crossings than there was room for */
   int mirrored; /* f's face looks against o's, in whose axes it lies */
   mg_real size; /* m, of what is kept */
@@ -99,34 +99,34 @@ typedef struct { /* an extreme point: of which boundary (0: o, 1: f), arc and pa
                     boundary where it passes there, or -1 */
   int side, arc, crossing_arc;
   mg_real t, crossing_t, point[2];
-} mg_support;
+} mg_support_point;
 
 typedef struct { /* where the hull is nearest to x: n = 1 a vertex or a point of a curve, n = 2 a straight side
                     between two; normal: outward, unit */
   int n;
   mg_real margin, normal[2];
-  mg_support at[2];
-} mg_brink;
+  mg_support_point at[2];
+} mg_nearest_boundary;
 
-enum { MG_LEVEL, MG_FOOT, MG_BEND }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
+enum { MG_ZERO_SUPPORT, MG_ZERO_FOOT, MG_ZERO_CURVATURE }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
 
 typedef struct { /* a part of the boundary of what is pressed, run through with that on the left */
   int track, straight, ends[2]; /* ends: the pressure vanishes there, within the region */
   mg_real t[2], P[2], Q[2];
-} mg_strip;
+} mg_boundary_strip;
 
 typedef struct {
   const mg_hull *hull;
-  int cut;                         /* the pressure vanishes on a line across the region */
-  long n, room;                    /* strips */
-  mg_strip *strip;
-  mg_real centre[2], level[3];     /* p = level[0] + (level[1], level[2]).(x - centre) */
-  mg_real foot[2];                 /* of the centre on that line; else the centre */
+  int partly_unloaded;                         /* the pressure vanishes on a line across the region */
+  long n, capacity;                    /* strips */
+  mg_boundary_strip *strips;
+  mg_real centre[2], coefficients[3];     /* p = level[0] + (level[1], level[2]).(x - centre) */
+  mg_real line_foot[2];                 /* of the centre on that line; else the centre */
   mg_real moments[6];              /* of what is pressed, about the centre: 1, x, y, xx, xy, yy */
-  mg_real extent;                  /* m: no point of it is farther from the centre */
-} mg_press;
+  mg_real reach;                  /* m: no point of it is farther from the centre */
+} mg_pressure;
 
-enum { MG_NODES = 10, MG_FEW = 4 };
+enum { MG_NODES = 10, MG_FEW_NODES = 4 };
 
 /* Gauss and Legendre's nodes and weights on 0..1. */
 static const mg_real mg_node[MG_NODES] = {
@@ -142,9 +142,9 @@ static const mg_real mg_node_weight[MG_NODES] = {
     (mg_real)0.0333356721543440687967844};
 
 /* placed_arcs.c */
-MG_INTERNAL void mg_on(const mg_track *k, mg_real t, mg_real *point, mg_real *tangent);
-MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_span *span);
-MG_INTERNAL mg_real mg_zero_along(const mg_track *k, int sought, const mg_real *v, mg_real a, mg_real b);
+MG_INTERNAL void mg_on(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);
+MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span);
+MG_INTERNAL mg_real mg_zero_along(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
 MG_INTERNAL void mg_divide_tracks(mg_hull *h);
 MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose);
 
@@ -164,22 +164,22 @@ MG_INTERNAL int mg_lay(mg_hull *h, const mg_real *pose);
 MG_INTERNAL void mg_make_hull(mg_hull *h);
 
 /* hull_distance.c */
-MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support *at);
-MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_brink *brink);
+MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support_point *at);
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *brink);
 
 /* outline.c */
 MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
 MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 
 /* winkler_pressure.c */
-MG_INTERNAL void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips);
-MG_INTERNAL int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level);
-MG_INTERNAL void mg_press_whole(mg_press *p, const mg_real *about);
+MG_INTERNAL void mg_open_press(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips);
+MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg_real *level);
+MG_INTERNAL void mg_press_whole(mg_pressure *p, const mg_real *about);
 MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x);
-MG_INTERNAL int mg_press_at(mg_press *p, mg_real force, const mg_real *centre);
+MG_INTERNAL int mg_press_at(mg_pressure *p, mg_real force, const mg_real *centre);
 
 /* friction_wrench.c */
-MG_INTERNAL void mg_rub(const mg_press *p, const mg_real *twist, mg_real G[3][3]);
-MG_INTERNAL mg_real mg_share_of_limit(const mg_press *p, const mg_real *wrench, mg_real radius, mg_real *twist);
+MG_INTERNAL void mg_rub(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]);
+MG_INTERNAL mg_real mg_share_of_limit(const mg_pressure *p, const mg_real *wrench, mg_real radius, mg_real *twist);
 
 #endif

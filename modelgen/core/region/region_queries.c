@@ -4,13 +4,13 @@
 
 MG_API long mg_region_size(int n_arc, int n_o) { return mg_hull_room(n_arc, n_o) + mg_reals(n_arc, sizeof(mg_arc)); }
 
-static void mg_put_support(const mg_support *from, int *identity, mg_real *where) {
+static void mg_put_support(const mg_support_point *from, int *identity, mg_real *where) {
   identity[0] = from->side, identity[1] = from->arc, identity[2] = from->crossing_arc;
   where[0] = from->t, where[1] = from->crossing_t, where[2] = from->point[0], where[3] = from->point[1];
 }
 
 static void mg_put_margin(const mg_hull *h, const mg_region_query *q, int i) {
-  mg_brink brink = {0};
+  mg_nearest_boundary brink = {0};
   q->margin[i] = mg_hull_margin(h, q->x + 2 * i, &brink);
   q->supports[i] = brink.n;
   for (int k = 0; k < 2; k++) q->normal[2 * i + k] = brink.normal[k];
@@ -43,32 +43,32 @@ MG_API int mg_region(const mg_region_query *q, mg_real *work) {
 }
 
 MG_API long mg_rub_size(int n_arc, int n_o) {
-  return mg_region_size(n_arc, n_o) + mg_reals(mg_press_room(n_arc, n_o), sizeof(mg_strip));
+  return mg_region_size(n_arc, n_o) + mg_reals(mg_press_room(n_arc, n_o), sizeof(mg_boundary_strip));
 }
 
-static void mg_put_rub(const mg_rub_query *q, mg_press *p, int i) {
+static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) {
   const mg_real *load = q->load + 3 * i, centre[2] = {load[1], load[2]};
   mg_real G[3][3], worst[3];
-  mg_brink brink;
+  mg_nearest_boundary brink;
   q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_press_at(p, load[0], centre);
   for (int k = 0; k < 3; k++) q->pressure[3 * i + k] = q->friction[3 * i + k] = (mg_real)NAN;
   q->needed[i] = (mg_real)NAN;
   if (!q->found[i]) return;
   mg_rub(p, q->twist + 3 * i, G);
   for (int k = 0; k < 3; k++) {
-    q->pressure[3 * i + k] = p->level[k];
-    q->friction[3 * i + k] = -(G[k][0] * p->level[0] + G[k][1] * p->level[1] + G[k][2] * p->level[2]);
+    q->pressure[3 * i + k] = p->coefficients[k];
+    q->friction[3 * i + k] = -(G[k][0] * p->coefficients[0] + G[k][1] * p->coefficients[1] + G[k][2] * p->coefficients[2]);
   }
-  q->needed[i] = mg_share_of_limit(p, q->wrench + 3 * i, p->extent, worst);
+  q->needed[i] = mg_share_of_limit(p, q->wrench + 3 * i, p->reach, worst);
 }
 
-MG_API int mg_rub_regions(const mg_rub_query *q, mg_real *work) {
+MG_API int mg_rub_regions(const mg_patch_friction_query *q, mg_real *work) {
   const mg_region_query *r = q->regions;
   mg_regions regions;
   mg_hull h;
-  mg_press press;
+  mg_pressure press;
   const int sides = mg_lay_query(r, &regions, &h, &work);
-  mg_open_press(&press, &h, mg_press_room(r->n_arc, r->n_o), (mg_strip *)(void *)work);
+  mg_open_press(&press, &h, mg_press_room(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
   for (int i = 0; i < q->n && sides > 2; i++) mg_put_rub(q, &press, i);
   return h.overflow ? -1 : sides;
 }

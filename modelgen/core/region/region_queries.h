@@ -37,7 +37,7 @@ typedef struct {          /* friction between two regions laid on each other (ru
   mg_real *pressure;      /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
   mg_real *friction;      /* 3: force and torque about the centre, for a coefficient of 1 */
   mg_real *needed;        /* 1: the coefficient that it takes to hold the wrench */
-} mg_rub_query;
+} mg_patch_friction_query;
 
 /* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
    point, or -1 if the boundaries cross more often than there is room for. `work` has mg_region_size mg_real. */
@@ -46,6 +46,6 @@ MG_API int mg_region(const mg_region_query *query, mg_real *work);
 
 /* The same numbers and memory; returns the number of the hull's sides, or -1. */
 MG_API long mg_rub_size(int n_arc, int n_o);
-MG_API int mg_rub_regions(const mg_rub_query *query, mg_real *work);
+MG_API int mg_rub_regions(const mg_patch_friction_query *query, mg_real *work);
 
 #endif

@@ -2,25 +2,25 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_PRESS_STEPS 60
+#define MG_PRESSURE_STEPS 60
 
 #define MG_EDGE 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
 
-#define MG_PART_LEAST 1e-6 /* of a Newton step */
+#define MG_NEWTON_PART_MIN 1e-6 /* of a Newton step */
 
-#define MG_WAY_LEAST 1e-3  /* of what is left of the way to a centre */
+#define MG_CONTINUATION_PART_MIN 1e-3  /* of what is left of the way to a centre */
 
-MG_INTERNAL void mg_open_press(mg_press *p, const mg_hull *h, long room, mg_strip *strips) {
-  p->hull = h, p->room = room, p->strip = strips, p->n = p->cut = 0;
+MG_INTERNAL void mg_open_press(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips) {
+  p->hull = h, p->capacity = room, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
-static mg_real mg_pressure_at(const mg_press *p, const mg_real *x) {
-  return p->level[0] + p->level[1] * (x[0] - p->centre[0]) + p->level[2] * (x[1] - p->centre[1]);
+static mg_real mg_pressure_at(const mg_pressure *p, const mg_real *x) {
+  return p->coefficients[0] + p->coefficients[1] * (x[0] - p->centre[0]) + p->coefficients[2] * (x[1] - p->centre[1]);
 }
 
-static void mg_put_strip(mg_press *p, const mg_strip *strip, int back) {
-  if (p->n == p->room) return;
-  mg_strip *s = p->strip + p->n++;
+static void mg_put_strip(mg_pressure *p, const mg_boundary_strip *strip, int back) {
+  if (p->n == p->capacity) return;
+  mg_boundary_strip *s = p->strips + p->n++;
   *s = *strip;
   if (!back) return;
   for (int k = 0; k < 2; k++)
@@ -28,10 +28,10 @@ static void mg_put_strip(mg_press *p, const mg_strip *strip, int back) {
 }
 
 /* The part of a straight strip that is pressed. */
-static void mg_clip_straight(mg_press *p, mg_strip s, int back) {
+static void mg_clip_straight(mg_pressure *p, mg_boundary_strip s, int back) {
   const mg_real a = mg_pressure_at(p, s.P), b = mg_pressure_at(p, s.Q);
   if (a <= 0 && b <= 0) {
-    p->cut = 1;
+    p->partly_unloaded = 1;
     return;
   }
   for (int end = 0; end < 2; end++) {
@@ -39,20 +39,20 @@ static void mg_clip_straight(mg_press *p, mg_strip s, int back) {
     const mg_real part = a / (a - b);
     mg_real *x = end ? s.Q : s.P;
     const mg_real at[2] = {s.P[0] + part * (s.Q[0] - s.P[0]), s.P[1] + part * (s.Q[1] - s.P[1])};
-    x[0] = at[0], x[1] = at[1], s.ends[end] = p->cut = 1;
+    x[0] = at[0], x[1] = at[1], s.ends[end] = p->partly_unloaded = 1;
   }
   mg_put_strip(p, &s, back);
 }
 
 /* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
-static mg_real mg_find_level(const mg_press *p, const mg_track *k, mg_real t0, mg_real t1) {
+static mg_real mg_find_level(const mg_pressure *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
   mg_on(k, t0, x, T);
   const int sign = mg_pressure_at(p, x) > 0;
   mg_real t = (t0 + t1) / 2;
   for (int i = 0; i < 100; i++) {
     mg_on(k, t, x, T);
-    const mg_real value = mg_pressure_at(p, x), slope = p->level[1] * T[0] + p->level[2] * T[1];
+    const mg_real value = mg_pressure_at(p, x), slope = p->coefficients[1] * T[0] + p->coefficients[2] * T[1];
     if ((value > 0) == sign) low = t;
     else high = t;
     const mg_real step = slope != 0 ? -value / slope : 0, next = t + step;
@@ -64,24 +64,24 @@ static mg_real mg_find_level(const mg_press *p, const mg_track *k, mg_real t0, m
   return t;
 }
 
-static void mg_put_curve(mg_press *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
-  mg_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
+static void mg_put_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
+  mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
-  mg_on(p->hull->track + track, t0, s.P, T), mg_on(p->hull->track + track, t1, s.Q, T);
+  mg_on(p->hull->arcs + track, t0, s.P, T), mg_on(p->hull->arcs + track, t1, s.Q, T);
   mg_put_strip(p, &s, back);
 }
 
 /* The parts of a curve that are pressed; it turns by so little that there are two at most. */
-static void mg_clip_curve(mg_press *p, int track, mg_real t0, mg_real t1, int back) {
-  const mg_track *k = p->hull->track + track;
-  const mg_real along[2] = {p->level[1], p->level[2]};
+static void mg_clip_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, int back) {
+  const mg_placed_arc *k = p->hull->arcs + track;
+  const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
   mg_real t[3] = {t0, t0, t1}, value[3], slope[3], T[2], x[2];
   for (int i = 0; i < 3; i += 2) mg_on(k, t[i], x, T), value[i] = mg_pressure_at(p, x), slope[i] = mg_dot2(along, T);
-  t[1] = slope[0] * slope[2] < 0 ? mg_zero_along(k, MG_LEVEL, along, t0, t1) : t0;
+  t[1] = slope[0] * slope[2] < 0 ? mg_zero_along(k, MG_ZERO_SUPPORT, along, t0, t1) : t0;
   mg_on(k, t[1], x, T), value[1] = mg_pressure_at(p, x);
   for (int half = t[1] == t0; half < 2; half++) {
     const int in = value[half] > 0, out = value[half + 1] > 0;
-    if (!in || !out) p->cut = 1;
+    if (!in || !out) p->partly_unloaded = 1;
     if (!in && !out) continue;
     const mg_real at = in == out ? 0 : mg_find_level(p, k, t[half], t[half + 1]);
     const int ends[2] = {!in, !out};
@@ -90,23 +90,23 @@ static void mg_clip_curve(mg_press *p, int track, mg_real t0, mg_real t1, int ba
 }
 
 /* The boundary of what is pressed with the pressure at hand; all of it with a pressure of 1. */
-static void mg_strip_boundary(mg_press *p) {
+static void mg_strip_boundary(mg_pressure *p) {
   const mg_hull *h = p->hull;
-  p->n = p->cut = 0;
+  p->n = p->partly_unloaded = 0;
   for (int i = 0; i < h->n_piece; i++) {
-    const mg_piece *piece = h->piece + i;
-    const mg_track *k = h->track + piece->track;
+    const mg_boundary_piece *piece = h->pieces + i;
+    const mg_placed_arc *k = h->arcs + piece->track;
     const int back = k->right != (k->side && h->mirrored);
-    if (piece->thin) continue;
+    if (piece->is_thin) continue;
     for (int j = k->span; j < k->span + k->n_span; j++) {
-      const mg_span *s = h->span + j;
+      const mg_arc_span *s = h->spans + j;
       const mg_real a = fmax(s->a, piece->t[0]), b = fmin(s->b, piece->t[1]);
       if (!(a < b)) continue;
       if (!k->straight) {
         mg_clip_curve(p, piece->track, a, b, back);
         continue;
       }
-      mg_strip strip = {piece->track, 1, {0, 0}, {a, b}, {0, 0}, {0, 0}};
+      mg_boundary_strip strip = {piece->track, 1, {0, 0}, {a, b}, {0, 0}, {0, 0}};
       mg_real T[2];
       if (a == s->a) strip.P[0] = s->P[0], strip.P[1] = s->P[1];
       else mg_on(k, a, strip.P, T);
@@ -118,23 +118,23 @@ static void mg_strip_boundary(mg_press *p) {
 }
 
 /* Adds the moments of the triangle between a piece of boundary, at x with weight x cross dx, and the foot. */
-static void mg_add_moments(mg_press *p, mg_real weight, const mg_real *x) {
-  const mg_real d[2] = {x[0] - p->foot[0], x[1] - p->foot[1]};
+static void mg_add_moments(mg_pressure *p, mg_real weight, const mg_real *x) {
+  const mg_real d[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]};
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
   m[3] += weight * d[0] * d[0] / 4, m[4] += weight * d[0] * d[1] / 4, m[5] += weight * d[1] * d[1] / 4;
-  p->extent = fmax(p->extent, mg_apart2(x, p->centre));
+  p->reach = fmax(p->reach, mg_apart2(x, p->centre));
 }
 
 /* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts, moved
    to the centre. */
-static void mg_take_moments(mg_press *p) {
-  const mg_real *o = p->foot, shift[2] = {p->foot[0] - p->centre[0], p->foot[1] - p->centre[1]};
+static void mg_take_moments(mg_pressure *p) {
+  const mg_real *o = p->line_foot, shift[2] = {p->line_foot[0] - p->centre[0], p->line_foot[1] - p->centre[1]};
   mg_real *m = p->moments;
   for (int k = 0; k < 6; k++) m[k] = 0;
-  p->extent = 0;
+  p->reach = 0;
   for (long i = 0; i < p->n; i++) {
-    const mg_strip *s = p->strip + i;
+    const mg_boundary_strip *s = p->strips + i;
     if (s->straight) {
       const mg_real P[2] = {s->P[0] - o[0], s->P[1] - o[1]}, Q[2] = {s->Q[0] - o[0], s->Q[1] - o[1]};
       const mg_real middle[2] = {(s->P[0] + s->Q[0]) / 2, (s->P[1] + s->Q[1]) / 2}, whole = mg_cross2(P, Q);
@@ -143,7 +143,7 @@ static void mg_take_moments(mg_press *p) {
     }
     for (int j = 0; j < MG_NODES; j++) {
       mg_real x[2], T[2];
-      mg_on(p->hull->track + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      mg_on(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
       const mg_real d[2] = {x[0] - o[0], x[1] - o[1]};
       mg_add_moments(p, mg_node_weight[j] * (s->t[1] - s->t[0]) * mg_cross2(d, T), x);
     }
@@ -154,8 +154,8 @@ static void mg_take_moments(mg_press *p) {
 }
 
 /* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
-MG_INTERNAL int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_real *level) {
-  const mg_real *m = p->moments, r = p->extent;
+MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg_real *level) {
+  const mg_real *m = p->moments, r = p->reach;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
   const mg_real free = yy - xy * xy / xx, bx = moment[1] - x * moment[0], by = moment[2] - y * moment[0];
   if (!(m[0] > 0) || !(xx > 0) || !(free > 0) || !(r > 0)) return 0;
@@ -165,24 +165,24 @@ MG_INTERNAL int mg_solve_moments(const mg_press *p, const mg_real *moment, mg_re
 }
 
 /* All of the region pressed alike, with moments about a point. */
-MG_INTERNAL void mg_press_whole(mg_press *p, const mg_real *about) {
-  for (int k = 0; k < 2; k++) p->centre[k] = p->foot[k] = about[k];
-  p->level[0] = 1, p->level[1] = p->level[2] = 0;
+MG_INTERNAL void mg_press_whole(mg_pressure *p, const mg_real *about) {
+  for (int k = 0; k < 2; k++) p->centre[k] = p->line_foot[k] = about[k];
+  p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
   mg_strip_boundary(p);
   mg_take_moments(p);
 }
 
-static void mg_set_level(mg_press *p, const mg_real *level) {
-  for (int k = 0; k < 3; k++) p->level[k] = level[k];
+static void mg_set_level(mg_pressure *p, const mg_real *level) {
+  for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
   mg_strip_boundary(p);
   const mg_real slope = level[1] * level[1] + level[2] * level[2];
-  for (int k = 0; k < 2; k++) p->foot[k] = p->centre[k] - (p->cut ? level[0] * level[1 + k] / slope : 0);
+  for (int k = 0; k < 2; k++) p->line_foot[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
   mg_take_moments(p);
 }
 
 /* What the pressure wanted minimises: half its square, less the level's share of the moments. */
-static mg_real mg_press_merit(const mg_press *p, mg_real force) {
-  const mg_real *m = p->moments, *l = p->level;
+static mg_real mg_press_merit(const mg_pressure *p, mg_real force) {
+  const mg_real *m = p->moments, *l = p->coefficients;
   return (m[0] * l[0] * l[0] + m[3] * l[1] * l[1] + m[5] * l[2] * l[2]) / 2 + m[1] * l[0] * l[1] + m[2] * l[0] * l[2] +
          m[4] * l[1] * l[2] - force * l[0];
 }
@@ -192,15 +192,15 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   mg_real reach = 0;
   middle[0] = middle[1] = 0;
   for (int i = 0; i < h->n_edge; i++)
-    for (int k = 0; k < 2; k++) middle[k] += h->spot[h->edge[i].u].point[k] / h->n_edge;
-  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_apart2(h->spot[h->edge[i].u].point, middle));
+    for (int k = 0; k < 2; k++) middle[k] += h->vertices[h->edges[i].u].point[k] / h->n_edge;
+  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_apart2(h->vertices[h->edges[i].u].point, middle));
   return reach;
 }
 
 /* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether it
    had to. */
 MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x) {
-  mg_brink brink;
+  mg_nearest_boundary brink;
   mg_real middle[2];
   const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
   if (margin >= least || h->n_edge == 0) return 0;
@@ -213,28 +213,28 @@ MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x) {
 
 /* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a convex
    function, whose Hessian the moments are; 0 where it is not found. */
-static int mg_press_from(mg_press *p, mg_real force, const mg_real *centre, const mg_real *start) {
+static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
   for (int k = 0; k < 2; k++) p->centre[k] = centre[k];
   for (int k = 0; k < 3; k++) level[k] = start[k];
-  for (int step = 0; step < MG_PRESS_STEPS; step++) {
+  for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     mg_real tried[3], change = 0;
     for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
     mg_set_level(p, tried);
-    const mg_real now = p->level[0] > 0 ? mg_press_merit(p, force) : MG_MAX;
-    if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_PART_LEAST) {
+    const mg_real now = p->coefficients[0] > 0 ? mg_press_merit(p, force) : MG_MAX;
+    if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_NEWTON_PART_MIN) {
       part /= 2;
       continue;
     }
     if (!mg_solve_moments(p, moment, level)) return 0;
-    const mg_real r[3] = {1, p->extent, p->extent};
+    const mg_real r[3] = {1, p->reach, p->reach};
     for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
-    const mg_real noise = 65536 * MG_EPS * p->hull->size / p->extent; /* of a part so small */
+    const mg_real noise = 65536 * MG_EPS * p->hull->size / p->reach; /* of a part so small */
     const int stalls = near && change > last / 4; /* Newton's method does so at rounding alone */
-    if (!p->cut || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
-      for (int k = 0; k < 3; k++) p->level[k] = level[k];
+    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
+      for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
       return 1;
     }
     merit = now, part = 1, last = change, near = change <= level[0] / 16; /* where rounding would tell the merit */
@@ -243,28 +243,28 @@ static int mg_press_from(mg_press *p, mg_real force, const mg_real *centre, cons
 }
 
 /* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
-static int mg_press_along(mg_press *p, mg_real force, const mg_real *centre) {
+static int mg_press_along(mg_pressure *p, mg_real force, const mg_real *centre) {
   mg_press_whole(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
   mg_real level[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
-  for (int step = 0; step < MG_PRESS_STEPS; step++) {
+  for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     const mg_real next = left * (1 - part);
     mg_real at[2], start[3] = {level[0], level[1], level[2]};
     for (int k = 0; k < 2; k++) at[k] = centre[k] - next * way[k], start[0] += level[1 + k] * (left - next) * way[k];
     if (!mg_press_from(p, force, at, start)) {
-      if ((part /= 2) < MG_WAY_LEAST) return 0;
+      if ((part /= 2) < MG_CONTINUATION_PART_MIN) return 0;
       continue;
     }
     if (next == 0) return 1;
-    for (int k = 0; k < 3; k++) level[k] = p->level[k];
+    for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
     left = next, part = 1;
   }
   return 0;
 }
 
 /* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
-MG_INTERNAL int mg_press_at(mg_press *p, mg_real force, const mg_real *centre) {
+MG_INTERNAL int mg_press_at(mg_pressure *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3];
   mg_press_whole(p, centre);

@@ -13,53 +13,53 @@
 static int mg_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
   mg_real most = 6;
-  c->tried = 0;
+  c->step.rolling_step = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
-    const int finite = mg_all_finite(c->n_x, c->x_next) && error <= MG_MAX;
+    const int finite = mg_all_finite(c->n_states, c->step.end) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_growth(error, most);
-      if (c->set->method == MG_RK4) return MG_DONE;
-      if (mg_starts_slipping(c)) run->h = c->pace;
+      if (c->settings->method == MG_RK4) return MG_DONE;
+      if (mg_starts_slipping(c)) run->h = c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
     run->rejected++;
-    if (c->set->method == MG_RK4) return MG_NOT_FINITE;
+    if (c->settings->method == MG_RK4) return MG_NOT_FINITE;
     most = 1;
-    *h *= finite ? mg_growth(error, most) : MG_SHORTER;
+    *h *= finite ? mg_growth(error, most) : MG_NONFINITE_STEP_CUT;
     run->h = *h;
-    if (*h < c->set->step_min * c->sys->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
+    if (*h < c->settings->step_min * c->system->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
   }
 }
 
-/* The end of the step h with eta on the extremum, in c->settled. Returns 0 where a closed contact passed its
+/* The end of the step h with eta on the extremum, in c->step.settled. Returns 0 where a closed contact passed its
    singularity, or lost it, and a shorter step can still come nearer. */
 static int mg_settle_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
-  for (int i = 0; i < c->n_x; i++) c->settled[i] = c->x_next[i];
-  mg_normalise(c, c->settled);
-  int sound = mg_place_all(c, run->t + h, c->settled);
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->n_states; i++) c->step.settled[i] = c->step.end[i];
+  mg_normalise(c, c->step.settled);
+  int sound = mg_place_all(c, run->t + h, c->step.settled);
+  for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_singular(c, i)) sound = 0;
-  return sound || c->set->method == MG_RK4 || h <= c->set->event * c->sys->time;
+  return sound || c->settings->method == MG_RK4 || h <= c->settings->event * c->system->time;
 }
 
 /* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points have
    leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
 static int mg_leaps(const mg_context *c, mg_real h) {
-  const mg_real least = c->sys->length / c->sys->time, part = c->set->leap * c->set->tolerance;
-  if (c->set->method == MG_RK4 || !c->set->project || !c->set->use_gamma) return 0;
-  if (mg_starts_rolling(c) || h <= c->set->event * c->sys->time) return 0;
-  for (int i = 0; i < c->first_pad; i++) {
+  const mg_real least = c->system->length / c->system->time, part = c->settings->leap * c->settings->tolerance;
+  if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
+  if (mg_starts_rolling(c) || h <= c->settings->event * c->system->time) return 0;
+  for (int i = 0; i < c->support_begin; i++) {
     if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->d_dot[i]) > part * least)) continue;
-    if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->sys->contact_pair[i]).speed) return 1;
+    if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->system->contact_pair[i]).speed) return 1;
   }
   return 0;
 }
 
 static void mg_commit(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->settled[i];
+  for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.settled[i];
   mg_pass_time(c->run, h);
   c->run->steps++;
   mg_grow_up(c);
@@ -67,9 +67,9 @@ static void mg_commit(mg_context *c, mg_real h) {
 }
 
 static int mg_settle_drift(mg_context *c) {
-  if (!mg_all_finite(c->n_x, c->run->x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->n_states, c->run->x)) return MG_NOT_FINITE;
   mg_refresh(c);
-  if (!c->set->project || ++c->run->since_projection < c->set->project) return MG_DONE;
+  if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
   return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
 }
@@ -77,13 +77,13 @@ static int mg_settle_drift(mg_context *c) {
 /* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be one
    alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
 static int mg_differs(const mg_context *c, mg_real h) {
-  return c->set->stride < 1 && c->run->t == c->run->t_event && h > c->set->event * c->sys->time;
+  return c->settings->stride < 1 && c->run->t == c->run->t_event && h > c->settings->event * c->system->time;
 }
 
 static int mg_step_part(mg_context *c, mg_real *h) {
-  *h *= c->set->stride;
+  *h *= c->settings->stride;
   int outcome = MG_DONE;
-  if (mg_starts_rolling(c)) mg_end_earlier(c, c->run->x, c->set->stride);
+  if (mg_starts_rolling(c)) mg_end_earlier(c, c->run->x, c->settings->stride);
   else {
     mg_refresh(c);
     outcome = mg_accurate_step(c, h);
@@ -96,13 +96,13 @@ static int mg_step_part(mg_context *c, mg_real *h) {
 static mg_real mg_longest(const mg_context *c) {
   const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), unfolding = mg_unfolding(c);
   const mg_real seen = sight < reach ? sight : reach;
-  return (mg_differs(c, MG_MAX) ? 1 : c->set->stride) * (seen < unfolding ? seen : unfolding);
+  return (mg_differs(c, MG_MAX) ? 1 : c->settings->stride) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_mark_dips(c, h), fired = mg_fired(c, c->x_next), hidden = !fired && !c->suspect && mg_may_strain(c);
-  const int passed = fired || c->suspect || hidden || dips == MG_WAVES;
+  const int dips = mg_mark_dips(c, h), fired = mg_fired(c, c->step.end), hidden = !fired && !c->step.sign_changed && mg_may_strain(c);
+  const int passed = fired || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
   if (!passed && !dips) return 0;
   mg_make_dense(c, c->run->t, c->run->x, h);
   return mg_locate(c, h, passed);
@@ -110,7 +110,7 @@ static mg_real mg_first_within(mg_context *c, mg_real h) {
 
 /* A stage saw an event that is over before it could be located: what moves in time came and went. */
 static int mg_overlooks(const mg_context *c, mg_real h) {
-  return c->n_timed && c->suspect && h > c->set->look * c->sys->time;
+  return c->n_timed && c->step.sign_changed && h > c->settings->look * c->system->time;
 }
 
 /* Ends a step that was collocated beyond the time it may take. */
@@ -153,15 +153,15 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   const mg_real end = h;
   const mg_real longest = mg_longest(c);
   if (mg_starts_rolling(c)) h = run->h;
-  if (c->set->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
+  if (c->settings->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
   mg_real before, after;
   const int jerks = mg_find_jerk(c, h, &before, &after);
-  if (jerks && before - run->t <= c->set->event * c->sys->time) return mg_take_jerk(c, after, events);
+  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_take_jerk(c, after, events);
   if (jerks) h = before - run->t;
-  c->left.count = 0;
+  c->search.abandoned.count = 0;
   mg_note_gaps(c);
   mg_mark_upright(c);
-  if (c->sys->n_grip) mg_aim_all(c), mg_aim_rubs(c);
+  if (c->system->n_grip) mg_aim_all(c), mg_aim_rubs(c);
   mg_begin_strain(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
@@ -195,7 +195,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
                       long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_open(&c, system, settings, run, work, iwork);
-  c.until = t_stop;
+  c.step.stop_time = t_stop;
   mg_refresh(&c);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_preview(&c, record);
@@ -203,12 +203,12 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
-    const mg_real left = t_stop - run->t - run->t_rest;
+    const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
     const int last = h >= left * (1 - 8 * MG_EPS);
     const int outcome = mg_step_on(&c, last ? left : h, record, events);
     if (outcome) return outcome;
-    if (last && t_stop - run->t - run->t_rest <= 8 * MG_EPS * left) run->t = t_stop, run->t_rest = 0;
+    if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);
   }
   return MG_DONE;

@@ -9,23 +9,23 @@
 #include "timestep/timestep.h"
 
 static int mg_find_extrema(mg_context *c) {
-  const mg_system *s = c->sys;
-  const mg_real touching = c->set->start_gap * s->length;
+  const mg_system *s = c->system;
+  const mg_real touching = c->settings->start_gap * s->length;
   for (int i = 0; i < s->n_contact; i++) {
     c->run->failed_contact = i;
     c->run->closed[i] = c->run->active[i] = c->run->fresh[i] = 0;
     if (!mg_present(c, i)) continue;
-    const int lost = mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0 || !(mg_margin_of(c) >= c->set->margin_refuse);
+    const int lost = mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0 || !(mg_margin_of(c) >= c->settings->margin_refuse);
     if (lost && mg_is_flat_on(c, i)) {
       mg_set_link(c, i, -1, 0);
       continue;
     }
     if (mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
-    if (c->place[0] < -touching) return MG_PENETRATION;
-    c->run->closed[i] = c->place[0] <= touching;
+    if (c->search.placement[0] < -touching) return MG_PENETRATION;
+    c->run->closed[i] = c->search.placement[0] <= touching;
     c->run->margin[i] = mg_margin_of(c);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
-    if (c->run->closed[i] && !(c->run->margin[i] >= c->set->margin_refuse)) return MG_MARGIN;
+    if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
   return mg_has_room(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
@@ -33,30 +33,30 @@ static int mg_find_extrema(mg_context *c) {
 
 /* After the first impacts: contacts that were struck and do not rebound. */
 static void mg_report_caught(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_approaching(c, i))
-      mg_befalls(c, events, i, MG_IS_CAUGHT, c->run->t, -c->d_dot[i]);
+      mg_befalls(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
-  run->redundant_max = run->falls = run->fall_left = run->rough = run->relaxed = 0;
-  run->watch_tries = run->watch_rejected = 0, run->watch_t = run->t;
-  run->vaults = 0, run->vaulted = -1;
-  run->fall_first = run->fall_end = run->fall_time = 0, run->fall_cause = run->fall_doublings = 0;
+  run->redundant_max = run->fallbacks = run->fallback_steps_left = run->loose_solutions = run->relaxed_solutions = 0;
+  run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
+  run->singular_passages = 0, run->passage_contact = -1;
+  run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
-  run->gain_max = run->gain_t = 0, run->gain = run->chain = run->paradox = -1, run->shared = 0;
+  run->gain_max = run->gain_t = 0, run->gain_contact = run->chain_contact = run->paradox_contact = -1, run->forces_redundant = 0;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;
-  run->t_event = run->t, run->t_rest = 0;
+  run->t_event = run->t, run->t_roundoff = 0;
 }
 
 /* Time-stepping needs no modes: its first step takes the first impacts. */
 static int mg_begin_in_time(mg_context *c) {
   mg_rows_at(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->n_all; i++) c->force[i] = 0;
+  for (int i = 0; i < c->friction_row_end; i++) c->force[i] = 0;
   mg_ledger(c);
   return MG_DONE;
 }
@@ -75,9 +75,9 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_open(&c, system, settings, run, work, iwork);
   mg_reset(run);
   mg_start_after_kink(&c);
-  for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_LOOSE, c.slipped[i] = 0, c.before[i] = MG_LOOSE;
-  for (int i = 0; i < system->n_slot; i++) run->rub[i] = MG_LOOSE;
-  run->x[c.work_index] = 0;
+  for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
+  for (int i = 0; i < system->n_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  run->x[c.work_state] = 0;
   mg_normalise(&c, run->x);
   mg_poses(&c, run->t, run->x);
   int outcome = mg_start_pairs(&c);

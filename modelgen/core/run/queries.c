@@ -12,9 +12,9 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
   mg_open(&c, system, settings, &copy, work, iwork);
   mg_poses(&c, run->t, run->x);
   const int steps = mg_settle_in(&c, contact, eta);
-  *d = c.place[0], residual[0] = c.place[1], residual[1] = c.place[2], margin[0] = c.place[3], margin[1] = c.place[4];
+  *d = c.search.placement[0], residual[0] = c.search.placement[1], residual[1] = c.search.placement[2], margin[0] = c.search.placement[3], margin[1] = c.search.placement[4];
   for (int k = 0; k < 3; k++)
-    normal[k] = c.place[5 + k], point_o[k] = c.place[8 + k], point_f[k] = c.place[11 + k];
+    normal[k] = c.search.placement[5 + k], point_o[k] = c.search.placement[8 + k], point_f[k] = c.search.placement[11 + k];
   return steps;
 }
 
@@ -49,9 +49,9 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
   mg_context c;
   mg_open(&c, system, settings, run, work, iwork);
   for (long step = 0; step < n; step++) {
-    mg_rhs(&c, run->t, run->x, c.K);
+    mg_rhs(&c, run->t, run->x, c.step.slopes);
     mg_rk4(&c, run->t, run->x, settings->step);
-    for (int i = 0; i < c.n_x; i++) run->x[i] = c.x_next[i];
+    for (int i = 0; i < c.n_states; i++) run->x[i] = c.step.end[i];
     mg_pass_time(run, settings->step);
   }
   run->steps += n;

@@ -10,12 +10,12 @@
 
 enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
 
-MG_INTERNAL int mg_steps_in_time(const mg_context *c) { return c->set->method == MG_TIME_STEPPING || c->run->fall_left > 0; }
+MG_INTERNAL int mg_steps_in_time(const mg_context *c) { return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0; }
 
 /* The length of the next step: given, that of a fall, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
-  if (c->set->method == MG_TIME_STEPPING) return c->set->step;
-  return c->run->fall_left > 0 ? c->set->fallback_step * c->sys->time : c->run->h;
+  if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
+  return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
 }
 
 MG_INTERNAL int mg_is_closed_to_events(int outcome) {
@@ -24,8 +24,8 @@ MG_INTERNAL int mg_is_closed_to_events(int outcome) {
 }
 
 static int mg_is_gripped(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact && c->sys->n_grip; i++)
-    if (c->run->closed[i] && c->sys->contact_grip[i + 1] > c->sys->contact_grip[i]) return 1;
+  for (int i = 0; i < c->system->n_contact && c->system->n_grip; i++)
+    if (c->run->closed[i] && c->system->contact_grip[i + 1] > c->system->contact_grip[i]) return 1;
   return 0;
 }
 
@@ -33,24 +33,24 @@ static int mg_is_gripped(const mg_context *c) {
    slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
 MG_INTERNAL int mg_crawls(mg_context *c) {
   mg_run *run = c->run;
-  const long tries = run->steps + run->rejected - run->watch_tries, refused = run->rejected - run->watch_rejected;
+  const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
-  const mg_real way = run->t - run->watch_t, least = c->set->crawl * c->sys->time;
+  const mg_real way = run->t - run->progress_t, least = c->settings->crawl * c->system->time;
   const int crawls = way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_is_gripped(c)));
-  run->watch_tries += tries, run->watch_rejected = run->rejected, run->watch_t = run->t;
+  run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
   return crawls;
 }
 
 static int mg_first_closed(const mg_context *c) {
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i]) return i;
   return 0;
 }
 
 /* Time-stepping knows no patches: what they covered stands open again. Needs the poses at run->x. */
 static void mg_release_patches(mg_context *c) {
-  mg_founds found;
-  for (int slot = 0; slot < c->sys->n_slot; slot++) {
+  mg_minima found;
+  for (int slot = 0; slot < c->system->n_slot; slot++) {
     const int patch = mg_patch_in(c, slot);
     if (patch < 0) continue;
     mg_drop_patch(c, slot);
@@ -62,12 +62,12 @@ static void mg_release_patches(mg_context *c) {
    another lasts twice as long. */
 MG_INTERNAL int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->set->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
-  const mg_real span = (MG_FALL_STEPS * c->set->fallback_step + c->set->crawl) * c->sys->time;
-  const int again = run->falls > 0 && run->t - run->fall_end <= span;
-  run->fall_doublings = again ? run->fall_doublings + (run->fall_doublings < MG_FALL_DOUBLINGS) : 0;
-  run->fall_left = (long)MG_FALL_STEPS << run->fall_doublings;
-  if (!run->falls++) run->fall_first = run->t, run->fall_cause = outcome;
+  if (!c->settings->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
+  const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->crawl) * c->system->time;
+  const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
+  run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
+  run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
+  if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
   mg_emit(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
   mg_release_patches(c);
   return 1;
@@ -78,25 +78,25 @@ static int mg_hand_over(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
   const mg_real before = mg_energy(c, &kinetic);
-  for (int i = 0; i < c->sys->n_contact; i++) run->active[i] = c->fired[i] = 0;
-  for (int g = 0; g < c->sys->n_grip; g++) run->grip[g] = c->before[g] = MG_LOOSE, c->slipped[g] = 0, c->over[g] = 0;
+  for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
+  for (int g = 0; g < c->system->n_grip; g++) run->grip[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0, c->friction.slip_time_left[g] = 0;
   mg_refresh(c);
   mg_open_leaving(c);
   if (!mg_has_room(c)) return MG_TOO_MANY_CLOSED;
-  if (c->set->project && !mg_project(c)) return MG_NOT_FINITE;
-  run->x[c->work_index] += mg_energy(c, &kinetic) - before;
+  if (c->settings->project && !mg_project(c)) return MG_NOT_FINITE;
+  run->x[c->work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }
 
 /* Counts a step of a fall; after the last one events are told again. */
 MG_INTERNAL int mg_take_up(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
-  if (c->set->method == MG_TIME_STEPPING || --run->fall_left > 0) return MG_DONE;
-  run->fall_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
+  if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
+  run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
   int outcome = mg_hand_over(c);
   if (!outcome) outcome = mg_impact(c, events);
   if (!outcome) outcome = mg_solve_modes(c, events);
-  if (!outcome && c->set->project && !mg_project(c)) outcome = MG_NOT_FINITE;
+  if (!outcome && c->settings->project && !mg_project(c)) outcome = MG_NOT_FINITE;
   if (!outcome) mg_emit(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
   return outcome;
 }

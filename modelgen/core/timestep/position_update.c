@@ -16,21 +16,21 @@ static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
 /* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
 static void mg_work_of_impulses(mg_context *c, mg_real h) {
   mg_run *run = c->run;
-  for (int i = 0; i < c->n_all; i++) run->x[c->work_index] += mg_work_of(c, i, h);
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    const int first = c->below + (mg_rows_below(c, i) ? c->sys->contact_below[i] : 0);
+  for (int i = 0; i < c->friction_row_end; i++) run->x[c->work_state] += mg_work_of(c, i, h);
+  for (int i = 0; i < c->system->n_contact; i++) {
+    const int first = c->friction_row_begin + (mg_rows_below(c, i) ? c->system->contact_below[i] : 0);
     mg_real gain = mg_work_of(c, i, h);
     for (int row = first; row < first + mg_rows_below(c, i); row++) gain += mg_work_of(c, row, h);
     if (!mg_is_sent_back(c, i, h) || !(gain > run->gain_max)) continue;
-    run->gain_max = gain, run->gain_t = run->t + h, run->gain = i;
+    run->gain_max = gain, run->gain_t = run->t + h, run->gain_contact = i;
   }
 }
 
 /* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
 MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   mg_work_of_impulses(c, h);
-  c->run->x[c->work_index] += h * c->K[c->n_x + c->work_index];
+  c->run->x[c->work_state] += h * c->step.slopes[c->n_states + c->work_state];
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
       c->run->x[s->n_q + s->body_u[b] + k] += h * c->accel[6 * b + k] + c->wrench[6 * b + k];
@@ -39,26 +39,26 @@ MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
 
 /* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
 MG_INTERNAL void mg_drift_on(mg_context *c, mg_real h) {
-  const mg_system *s = c->sys;
+  const mg_system *s = c->system;
   const mg_real left = mg_theta(c) * h, none[6] = {0};
   mg_real unused[6];
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
-    const mg_real *from = c->settled + s->body_q[b];
+    const mg_real *from = c->step.settled + s->body_q[b];
     c->kernels->body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
                    s->parameters + s->body_parameters[b], slope, unused);
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
-    c->run->x[k] = c->settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
+    c->run->x[k] = c->step.settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
   mg_normalise(c, c->run->x);
 }
 
 /* From where the step has led eta, else from where it began. Returns 0 where neither finds the extremum. */
 static int mg_settle_one(mg_context *c, int contact) {
-  mg_real *eta = mg_eta_of(c, c->run->x, contact), found[MG_ETA];
-  const mg_real *before = mg_eta_of(c, c->settled, contact);
+  mg_real *eta = mg_eta_of(c, c->run->x, contact), found[MG_MAX_ETA];
+  const mg_real *before = mg_eta_of(c, c->step.settled, contact);
   const int n = c->n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
   int steps = mg_settle_in(c, contact, found);
@@ -74,10 +74,10 @@ static int mg_settle_one(mg_context *c, int contact) {
 MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
   int count = 0;
   mg_poses(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->sys->n_contact; i++) {
+  for (int i = 0; i < c->system->n_contact; i++) {
     if (!mg_present(c, i)) continue;
     if (mg_settle_one(c, i)) {
-      c->d[i] = c->place[0], c->run->margin[i] = mg_margin_of(c);
+      c->d[i] = c->search.placement[0], c->run->margin[i] = mg_margin_of(c);
       continue;
     }
     mg_leave(c, events, i);
@@ -89,9 +89,9 @@ MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
 /* The deepest penetration, or the largest miss of a joint. */
 static mg_real mg_deepest(const mg_context *c) {
   mg_real worst = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
+  for (int i = 0; i < c->system->n_contact; i++)
     if (-c->d[i] > worst) worst = -c->d[i];
-  for (int i = c->bilateral; i < c->n_rows; i++)
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
     if (fabs(c->d[i]) > worst) worst = fabs(c->d[i]);
   return worst;
 }
@@ -100,11 +100,11 @@ static mg_real mg_deepest(const mg_context *c) {
 static int mg_push_once(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
-  for (int i = 0; i < c->sys->n_contact; i++)
-    if (mg_present(c, i) && c->d[i] <= worst && n < c->sys->n_closed) c->list[n] = i, c->mask[n++] = 1;
+  for (int i = 0; i < c->system->n_contact; i++)
+    if (mg_present(c, i) && c->d[i] <= worst && n < c->system->n_closed) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
   if (mg_complement(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
-  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < n + c->sys->n_row; r++) mg_add(c, c->list[r], c->z[r], c->wrench);
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int r = 0; r < n + c->system->n_row; r++) mg_add(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
   mg_move(c);
   return 1;
 }
@@ -115,19 +115,19 @@ MG_INTERNAL int mg_push_apart(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0;
   int moved = 0;
   mg_rows_at(c, c->run->t, c->run->x);
-  for (int round = 0; round < 4 && c->set->project; round++) {
+  for (int round = 0; round < 4 && c->settings->project; round++) {
     const mg_real worst = mg_deepest(c);
-    if (!(worst > c->set->gap * c->sys->length)) break;
+    if (!(worst > c->settings->gap * c->system->length)) break;
     if (!moved++) before = mg_energy(c, &kinetic);
-    for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->run->x[i];
+    for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->run->x[i];
     if (!mg_push_once(c, worst)) break;
     mg_settle_eta(c, events);
     mg_rows_at(c, c->run->t, c->run->x);
     if (mg_deepest(c) < 2 * worst) continue;
-    for (int i = 0; i < c->n_x; i++) c->run->x[i] = c->x_stage[i];
+    for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.stage[i];
     mg_rows_at(c, c->run->t, c->run->x);
     break;
   }
-  if (moved) c->run->x[c->work_index] += mg_energy(c, &kinetic) - before;
+  if (moved) c->run->x[c->work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }

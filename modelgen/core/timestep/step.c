@@ -12,28 +12,28 @@
 
 /* Impulses over the step become forces. */
 static void mg_spread_over(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->n_all; i++) c->force[i] /= h;
-  for (int i = 0; i < c->sys->n_contact; i++) c->run->force[i] = c->force[i];
+  for (int i = 0; i < c->friction_row_end; i++) c->force[i] /= h;
+  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];
 }
 
-/* Samples due within the step from the state in c->x_next to run->x, on the straight line between them. */
+/* Samples due within the step from the state in c->step.end to run->x, on the straight line between them. */
 static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t - h;
   while (mg_due(record, c->run->t)) {
     const mg_real theta = (record->t[record->count] - t) / h;
-    for (int i = 0; i < c->n_x; i++) c->x_stage[i] = c->x_next[i] + theta * (c->run->x[i] - c->x_next[i]);
-    mg_normalise(c, c->x_stage);
-    mg_rows_at(c, t + theta * h, c->x_stage);
-    mg_record_row(c, record, c->x_stage);
+    for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
+    mg_normalise(c, c->step.stage);
+    mg_rows_at(c, t + theta * h, c->step.stage);
+    mg_record_row(c, record, c->step.stage);
   }
 }
 
 /* Contacts that left their links walk on. Needs the poses at run->x. */
 static void mg_walk_in_time(mg_context *c, mg_events *events) {
   int count = 0;
-  for (int i = 0; i < c->sys->n_contact; i++) {
-    c->upright[i] = 0;
-    c->fired[i] = mg_present(c, i) ? mg_leaves(c, i, c->run->x) : 0, count += c->fired[i] != 0;
+  for (int i = 0; i < c->system->n_contact; i++) {
+    c->events.within_border[i] = 0;
+    c->events.triggered[i] = mg_present(c, i) ? mg_leaves(c, i, c->run->x) : 0, count += c->events.triggered[i] != 0;
   }
   if (count) mg_walk_all(c, events);
 }
@@ -52,20 +52,20 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_run *run = c->run;
   const mg_real sight = mg_sight(c);
   if (h > sight) h = sight;
-  c->left.count = 0;
+  c->search.abandoned.count = 0;
   mg_take_geometry(c, h);
-  const int powered = mg_all_finite(1, c->K + c->n_x + c->work_index); /* by the loads */
+  const int powered = mg_all_finite(1, c->step.slopes + c->n_states + c->work_state); /* by the loads */
   if (!powered || mg_a_path_ends(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_tell_modes(c, events, h);
-  for (int i = 0; i < c->n_x; i++) c->x_next[i] = run->x[i];
+  for (int i = 0; i < c->n_states; i++) c->step.end[i] = run->x[i];
   mg_book_impulses(c, h);
   mg_drift_on(c, h);
-  if (!mg_all_finite(c->n_x, run->x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->n_states, run->x)) return MG_NOT_FINITE;
   mg_spread_over(c, h);
   mg_pass_time(run, h);
-  run->steps++, run->fall_time += run->fall_left > 0 ? h : 0;
+  run->steps++, run->fallback_time += run->fallback_steps_left > 0 ? h : 0;
   outcome = mg_settle_contacts(c, events, h);
   if (outcome) return outcome;
   if (mg_due(record, run->t)) {
@@ -82,6 +82,6 @@ MG_INTERNAL void mg_preview(mg_context *c, const mg_record *record) {
   const mg_real h = mg_next_step(c);
   mg_take_geometry(c, h);
   if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
-  for (int i = 0; i < 6 * c->sys->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
   mg_rows_at(c, c->run->t, c->run->x);
 }

@@ -65,7 +65,19 @@ SETTINGS_REALS = (
 )
 SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
 RUN_ARRAYS = (
-    *("x", "link", "point", "moved", "closed", "active", "grip", "course", "rub", "rub_course", "share"),
+    *(
+        "x",
+        "link",
+        "point",
+        "moved",
+        "closed",
+        "active",
+        "grip",
+        "slip_direction",
+        "patch_mode",
+        "patch_slip_direction",
+        "reference_force",
+    ),
     *("force", "margin", "fresh", "outward"),
 )
 RUN_COUNTS = (
@@ -75,21 +87,28 @@ RUN_COUNTS = (
     "lcp_solves",
     "since_projection",
     "events_at_t",
-    *("watch_tries", "watch_rejected", "falls", "fall_left", "rough", "relaxed"),
-    "vaults",
+    *(
+        "progress_tries",
+        "progress_rejected",
+        "fallbacks",
+        "fallback_steps_left",
+        "loose_solutions",
+        "relaxed_solutions",
+    ),
+    "singular_passages",
     "redundant_max",
 )
 RUN_REALS = (
-    *("t_event", "t_rest", "energy_0", "energy_error_max", "kinetic_max"),
+    *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("watch_t", "fall_first", "fall_end", "fall_time"),
+    *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
     *("gain_max", "gain_t", "chain_t", "paradox_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre", "gain", "chain", "paradox"),
-    *("fall_cause", "fall_doublings", "vaulted", "shared"),
+    *("dead_centres", "dead_centre", "gain_contact", "chain_contact", "paradox_contact"),
+    *("fallback_cause", "fallback_doublings", "passage_contact", "forces_redundant"),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),

@@ -44,11 +44,11 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
             f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
             "its contact points lose about as many digits as the margin has zeros"
         )
-    if session.run.vaults:
+    if session.run.singular_passages:
         found.append(
-            f"closed contacts, first {session.contacts[session.run.vaulted]}, passed "
-            f"{int(session.run.vaults)} times where curvature vanishes or points of a pair become one: "
-            "forces there are peaks whose impulses count, but that samples do not show"
+            f"closed contacts, first {session.contacts[session.run.passage_contact]}, passed "
+            f"{int(session.run.singular_passages)} times where curvature vanishes or points of a pair become "
+            "one: forces there are peaks whose impulses count, but that samples do not show"
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_grip)))

@@ -21,9 +21,9 @@ def _law_of(session: Session, contact: str) -> str:
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
     """Newton's law of impact, and Poisson's, may make energy where there is friction."""
     run = session.run
-    if run.gain < 0 or float(run.gain_max) <= accuracy.tolerance * float(run.kinetic_max):
+    if run.gain_contact < 0 or float(run.gain_max) <= accuracy.tolerance * float(run.kinetic_max):
         return []
-    contact = session.contacts[run.gain]
+    contact = session.contacts[run.gain_contact]
     return [
         f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
         f"{contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
@@ -33,27 +33,27 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
 def _laws(session: Session) -> list[str]:
     """Time-stepping has Newton's law alone."""
     others = [p["name"] for p in session.sentence["pairs"] if p.get("law", "newton") != "newton"]
-    if not others or not (session.accuracy.method == "time-stepping" or session.run.falls):
+    if not others or not (session.accuracy.method == "time-stepping" or session.run.fallbacks):
         return []
     return [f"time-stepping follows Newton's law of impact; another is asked for at {', '.join(others)}"]
 
 
 def _chains(session: Session) -> list[str]:
     run = session.run
-    if run.chain < 0:
+    if run.chain_contact < 0:
         return []
     return [
-        f"a blow at t = {float(run.chain_t):.6g} s reached {session.contacts[run.chain]}, whose bodies "
-        'touched at rest: all contacts were struck at once; impacts = "sequential" passes blows on one by '
+        f"a blow at t = {float(run.chain_t):.6g} s reached {session.contacts[run.chain_contact]}, "
+        'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes blows on one by '
         "one, after which bodies may part otherwise"
     ]
 
 
 def _paradox(session: Session) -> list[str]:
     run = session.run
-    if run.paradox < 0:
+    if run.paradox_contact < 0:
         return []
     return [
-        f"at t = {float(run.paradox_t):.6g} s the contact {session.contacts[run.paradox]} could as well slip "
-        "on, pressed by its own friction, as part (Painleve): the motion from there is one of several"
+        f"at t = {float(run.paradox_t):.6g} s the contact {session.contacts[run.paradox_contact]} could as "
+        "well slip on, pressed by its own friction, as part (Painleve): the motion from there is one of several"
     ]

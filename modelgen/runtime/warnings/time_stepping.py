@@ -16,21 +16,21 @@ CAUSES = {
 def stepping_warnings(session: Session) -> list[str]:
     """Where the run fell back on time-stepping, and where the exact law of friction was replaced."""
     run, found = session.run, []
-    if run.falls:
-        more = f" ({run.falls} times in all)" if run.falls > 1 else ""
+    if run.fallbacks:
+        more = f" ({run.fallbacks} times in all)" if run.fallbacks > 1 else ""
         found.append(
-            f"at t = {float(run.fall_first):.6g} s the event-driven run could not go on: "
-            f"{CAUSES[OUTCOME_OF_CODE[run.fall_cause]]}; it went on by time-stepping{more}, for "
-            f"{float(run.fall_time):.3g} s, which is of order 1: fallback = false forbids that"
+            f"at t = {float(run.fallback_first):.6g} s the event-driven run could not go on: "
+            f"{CAUSES[OUTCOME_OF_CODE[run.fallback_cause]]}; it went on by time-stepping{more}, for "
+            f"{float(run.fallback_time):.3g} s, which is of order 1: fallback = false forbids that"
         )
-    if run.rough:
+    if run.loose_solutions:
         found.append(
-            f"in {run.rough} steps the impulses were found to a residual of up to "
+            f"in {run.loose_solutions} steps the impulses were found to a residual of up to "
             f"{float(run.lcp_residual_max):.1e} only: so much of the largest velocity may be wrong in them"
         )
-    if run.relaxed:
+    if run.relaxed_solutions:
         found.append(
-            f"in {run.relaxed} steps no solution of Coulomb's law was found and its convex relaxation was "
-            "taken, with which sliding contacts move off"
+            f"in {run.relaxed_solutions} steps no solution of Coulomb's law was found and its convex "
+            "relaxation was taken, with which sliding contacts move off"
         )
     return found

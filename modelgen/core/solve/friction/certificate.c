@@ -25,7 +25,7 @@ static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w,
   return mg_friction_norm(k, error) * (mg_real)sqrt(rho);
 }
 
-MG_INTERNAL mg_real mg_friction_slack(const mg_frictional *s, int contact)
+MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact)
 {
   mg_real slack = s->v[s->normal[contact]];
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p)
@@ -34,7 +34,7 @@ MG_INTERNAL mg_real mg_friction_slack(const mg_frictional *s, int contact)
 }
 
 /* Of y and v as they stand. */
-MG_INTERNAL mg_real mg_friction_error(const mg_frictional *s)
+MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s)
 {
   mg_real worst = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -53,7 +53,7 @@ MG_INTERNAL mg_real mg_friction_error(const mg_frictional *s)
 }
 
 /* v = S y + c */
-MG_INTERNAL void mg_friction_motion(mg_frictional *s)
+MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s)
 {
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
@@ -63,14 +63,14 @@ MG_INTERNAL void mg_friction_motion(mg_frictional *s)
 }
 
 /* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
-MG_INTERNAL mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y)
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y)
 {
   const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
 /* Keeps y as the best if it is; returns whether it is good enough. */
-MG_INTERNAL int mg_friction_keep(mg_frictional *s)
+MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s)
 {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
@@ -158,7 +158,7 @@ MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg
   return mg_friction_certify(problem, z, &growth);
 }
 
-static int mg_friction_symmetric(const mg_frictional *s)
+static int mg_friction_symmetric(const mg_scaled_friction *s)
 {
   const int m = s->m;
   mg_real largest = mg_max_abs(m * m, s->S), odd = 0;
@@ -172,7 +172,7 @@ static int mg_friction_symmetric(const mg_frictional *s)
 
 /* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
    program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
-static int mg_friction_unbounded(mg_frictional *s)
+static int mg_friction_unbounded(mg_scaled_friction *s)
 {
   const int m = s->m;
   mg_real *shift = s->spare, size, work = 0, bound = 0;
@@ -191,7 +191,7 @@ static int mg_friction_unbounded(mg_frictional *s)
 /* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
    then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
    only where it has no other rows. */
-MG_INTERNAL int mg_friction_impossible(mg_frictional *s)
+MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s)
 {
   const int n = s->n;
   mg_real *N = s->work, *b = N + n * n, *z = b + n;
@@ -222,7 +222,7 @@ static mg_real mg_friction_bound(int k, const mg_real *M)
 }
 
 /* Bound of (S^-1)_nn, or of nothing (MG_MAX) where S is not clearly definite. */
-static mg_real mg_friction_inverse_bound(const mg_frictional *s, mg_real *L, mg_real *x, mg_real *inverse)
+static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L, mg_real *x, mg_real *inverse)
 {
   const int m = s->m;
   for (int i = 0; i < m * m; ++i) L[i] = s->S[i];
@@ -235,7 +235,7 @@ static mg_real mg_friction_inverse_bound(const mg_frictional *s, mg_real *L, mg_
   return mg_friction_bound(s->n, inverse);
 }
 
-static mg_real mg_friction_tangential_bound(const mg_frictional *s)
+static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s)
 {
   mg_real largest = 0;
   for (int p = 0; p < s->n_part; ++p)
@@ -250,7 +250,7 @@ static mg_real mg_friction_tangential_bound(const mg_frictional *s)
 
 /* v_t as a function of the shift s = sum |v_t| of the convex problem (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011),
    155-175) has the Lipschitz constant sqrt(parts |S_tt| |(S^-1)_nn|): below 1 there is one solution for every b. */
-static int mg_friction_one_only(const mg_frictional *s)
+static int mg_friction_one_only(const mg_scaled_friction *s)
 {
   mg_real *L = s->work, *x = L + s->m * s->m, inverse = mg_friction_inverse_bound(s, L, x, x + s->m);
   int parts = 0;
@@ -261,7 +261,7 @@ static int mg_friction_one_only(const mg_frictional *s)
 }
 
 /* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
-MG_INTERNAL void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report)
+MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report)
 {
   if (!mg_friction_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;

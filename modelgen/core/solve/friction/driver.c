@@ -6,7 +6,7 @@
 enum { MG_FRICTION_ROUNDS = 4, MG_FRICTION_SWEEPS = 6, MG_FRICTION_MORE = 4, MG_FRICTION_STEPS = 40, MG_FRICTION_LAST = 3 };
 
 /* Sweeps, then Newton; more sweeps from where the first ended where Newton failed. */
-static int mg_friction_try(mg_frictional *s, int rounds)
+static int mg_friction_try(mg_scaled_friction *s, int rounds)
 {
   const int m = s->m;
   mg_real *swept = s->spare;
@@ -22,7 +22,7 @@ static int mg_friction_try(mg_frictional *s, int rounds)
 }
 
 /* A guess may be the solution, or near it; leaves y there. */
-static int mg_friction_warm(mg_frictional *s, const mg_real *z)
+static int mg_friction_warm(mg_scaled_friction *s, const mg_real *z)
 {
   const int guessed = mg_max_abs(s->given->n, z) > 0;
   mg_friction_take(s, z);
@@ -33,12 +33,12 @@ static int mg_friction_warm(mg_frictional *s, const mg_real *z)
   return 0;
 }
 
-static mg_real mg_friction_speed(const mg_frictional *s, int part)
+static mg_real mg_friction_speed(const mg_scaled_friction *s, int part)
 {
   return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
 }
 
-static int mg_friction_mark(const mg_frictional *s, int contact)
+static int mg_friction_mark(const mg_scaled_friction *s, int contact)
 {
   const mg_real radius = s->y[s->normal[contact]];
   int mark = MG_PRESSES;
@@ -53,7 +53,7 @@ static int mg_friction_mark(const mg_frictional *s, int contact)
 }
 
 /* The best candidate in the units of the problem, and what the certificate says of it. */
-static int mg_friction_judge(mg_frictional *s, mg_real *z, int *marks, mg_friction_report *report)
+static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report)
 {
   mg_real growth;
   for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
@@ -66,7 +66,7 @@ static int mg_friction_judge(mg_frictional *s, mg_real *z, int *marks, mg_fricti
 }
 
 /* Newton steps from a solution for its last digits, as long as they gain: the tolerance is a thousand roundings. */
-static void mg_friction_polish(mg_frictional *s)
+static void mg_friction_polish(mg_scaled_friction *s)
 {
   const int m = s->m;
   mg_real *before = s->spare;
@@ -85,7 +85,7 @@ static void mg_friction_polish(mg_frictional *s)
   }
 }
 
-static void mg_friction_solve(mg_frictional *s, mg_real *z, int *marks, mg_friction_report *report)
+static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report)
 {
   report->starts = 1;
   if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
@@ -107,7 +107,7 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
                        mg_real *work, int *iwork)
 {
   const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
-  mg_frictional s;
+  mg_scaled_friction s;
   *report = none;
   for (int c = 0; c < problem->n_contact; ++c) marks[c] = 0;
   if (!mg_all_finite(problem->n, z))

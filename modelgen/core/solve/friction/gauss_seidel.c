@@ -82,7 +82,7 @@ static void mg_disc_solve(const mg_disc *d, mg_real *f)
 }
 
 /* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */
-static mg_real mg_local_motion(const mg_frictional *s, int row, int from, int to, const mg_real *y)
+static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y)
 {
   mg_real b = s->v[row];
   for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
@@ -90,7 +90,7 @@ static mg_real mg_local_motion(const mg_frictional *s, int row, int from, int to
 }
 
 /* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
-static void mg_disc_set(const mg_frictional *s, int part, int from, int to, int held, mg_real *y, mg_disc *d)
+static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d)
 {
   const int m = s->m, row = s->part_row[part];
   const mg_real a = s->S[from + from * m];
@@ -116,7 +116,7 @@ static void mg_disc_set(const mg_frictional *s, int part, int from, int to, int 
 }
 
 /* y: the contact's rows, from s->y on entry, solved on return. */
-static void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y)
+static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y)
 {
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   int part = s->part[contact];
@@ -144,7 +144,7 @@ static void mg_friction_contact(const mg_frictional *s, int contact, mg_real *y)
 }
 
 /* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
-static void mg_friction_project(const mg_frictional *s, int contact, mg_real *y)
+static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_real *y)
 {
   const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
   mg_real N = y[0], size[3];
@@ -164,7 +164,7 @@ static void mg_friction_project(const mg_frictional *s, int contact, mg_real *y)
 }
 
 /* A projected gradient step of one contact: the convex program's own sweep. */
-static void mg_friction_descend(const mg_frictional *s, int contact, mg_real *y)
+static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_real *y)
 {
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   mg_real trace = 0;
@@ -173,7 +173,7 @@ static void mg_friction_descend(const mg_frictional *s, int contact, mg_real *y)
   mg_friction_project(s, contact, y);
 }
 
-static void mg_friction_change(mg_frictional *s, int contact)
+static void mg_friction_change(mg_scaled_friction *s, int contact)
 {
   const int m = s->m, from = s->normal[contact], to = mg_friction_end_of(s, contact);
   mg_real y[MG_ROWS_AT_MOST];
@@ -189,7 +189,7 @@ static void mg_friction_change(mg_frictional *s, int contact)
 }
 
 /* Sweeps forth and back from y. Returns whether that is a solution. */
-MG_INTERNAL int mg_friction_sweep(mg_frictional *s, int sweeps)
+MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps)
 {
   mg_friction_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {

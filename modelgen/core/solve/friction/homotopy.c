@@ -12,7 +12,7 @@ enum { MG_SHIFTS = 12, MG_SETTLING = 8, MG_PATH_STEPS = 60, MG_PATH_NEWTON = 12,
 #define MG_PATH_GAP (MG_EPS * 1000)
 
 typedef struct {
-  mg_frictional *s;
+  mg_scaled_friction *s;
   mg_real *diagonal, *weight, *anchor, *c; /* of S; of the softness; where it pulls to; c of the problem */
   mg_real *last;
 } mg_path;
@@ -24,13 +24,13 @@ static mg_real mg_path_scatter(int i)
   return x - (mg_real)(int)x;
 }
 
-static void mg_path_restore(mg_frictional *s, const mg_real *from)
+static void mg_path_restore(mg_scaled_friction *s, const mg_real *from)
 {
   for (int i = 0; i < s->m; ++i) s->y[i] = from[i];
 }
 
 /* Newton of both kinds from the point `from`; returns whether that gave a solution. */
-static int mg_path_polish(mg_frictional *s, const mg_real *from, int limit)
+static int mg_path_polish(mg_scaled_friction *s, const mg_real *from, int limit)
 {
   for (int augmented = 0; augmented <= 1; ++augmented) {
     mg_path_restore(s, from);
@@ -41,7 +41,7 @@ static int mg_path_polish(mg_frictional *s, const mg_real *from, int limit)
 
 /* Coulomb's law is the convex program with w_n shifted by |mu w_t|, if that is the |mu w_t| that comes out: a
    fixed point, iterated with damping from shifts that are all `from` (Acary, Cadoux, Lemarechal, Malick). */
-static int mg_friction_shift(mg_frictional *s, mg_real from, int scatter)
+static int mg_friction_shift(mg_scaled_friction *s, mg_real from, int scatter)
 {
   const int relaxed = s->given->law == MG_RELAXED;
   mg_real *shift = s->spare, *start = shift + s->m;
@@ -63,7 +63,7 @@ static int mg_friction_shift(mg_frictional *s, mg_real from, int scatter)
   return 0;
 }
 
-static void mg_path_open(mg_path *p, mg_frictional *s, int which)
+static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which)
 {
   const int m = s->m;
   p->s = s;
@@ -84,7 +84,7 @@ static void mg_path_open(mg_path *p, mg_frictional *s, int which)
 /* The problem at `along`, 0..1: at 1 the given one. */
 static void mg_path_set(mg_path *p, mg_real along)
 {
-  mg_frictional *s = p->s;
+  mg_scaled_friction *s = p->s;
   const mg_real delta = along >= 1 ? 0 : (mg_real)pow(MG_PATH_SOFT, along);
   s->residual = MG_MAX;
   for (int i = 0; i < s->m; ++i) {
@@ -102,7 +102,7 @@ static int mg_path_advance(mg_path *p, mg_real along)
 }
 
 /* From S + delta I, delta = 1 (which = 0), or from another definite matrix and offset, to S. */
-static int mg_friction_soften(mg_frictional *s, int which)
+static int mg_friction_soften(mg_scaled_friction *s, int which)
 {
   mg_path p;
   mg_real along = 0, step = (mg_real)0.1;
@@ -123,7 +123,7 @@ static int mg_friction_soften(mg_frictional *s, int which)
 }
 
 /* Start number `which`, from the likeliest to the rest. */
-MG_INTERNAL int mg_friction_follow(mg_frictional *s, int which)
+MG_INTERNAL int mg_friction_follow(mg_scaled_friction *s, int which)
 {
   if (which < 2) return mg_friction_shift(s, (mg_real)(1 - which), 0);
   if (which % 2) return mg_friction_shift(s, 1, which);

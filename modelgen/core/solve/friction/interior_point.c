@@ -12,7 +12,7 @@ typedef struct {           /* one second-order cone: (N, f), f of k rows, and it
 } mg_lorentz;
 
 typedef struct {
-  mg_frictional *s;
+  mg_scaled_friction *s;
   const mg_real *shift;    /* per contact */
   int *swap;
   mg_real *K, *dy, *residual; /* m^2; m */
@@ -20,7 +20,7 @@ typedef struct {
   mg_real gap;
 } mg_interior;
 
-static int mg_interior_cones(const mg_frictional *s, int contact)
+static int mg_interior_cones(const mg_scaled_friction *s, int contact)
 {
   const int parts = s->part[contact + 1] - s->part[contact];
   return parts > 0 ? parts : 1;
@@ -40,7 +40,7 @@ static mg_real mg_lorentz_size(int k, const mg_real *x)
   return square > MG_EPS * MG_EPS * x[0] * x[0] ? (mg_real)sqrt(square) : MG_EPS * (mg_real)fabs(x[0]);
 }
 
-static void mg_lorentz_rows(const mg_frictional *s, int contact, int cone, const mg_real *y, mg_lorentz *q, mg_real *x)
+static void mg_lorentz_rows(const mg_scaled_friction *s, int contact, int cone, const mg_real *y, mg_lorentz *q, mg_real *x)
 {
   const int part = s->part[contact] + cone;
   q->k = part < s->part[contact + 1] ? s->part_dim[part] : 0;
@@ -50,7 +50,7 @@ static void mg_lorentz_rows(const mg_frictional *s, int contact, int cone, const
 }
 
 /* x of a cone of a contact and the scaling point between x and u. */
-static void mg_lorentz_set(const mg_frictional *s, int contact, int cone, const mg_real *u, mg_lorentz *q)
+static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, const mg_real *u, mg_lorentz *q)
 {
   mg_real size_x, size_u, g = 1;
   mg_lorentz_rows(s, contact, cone, s->y, q, q->x);
@@ -90,7 +90,7 @@ static mg_real mg_lorentz_reach(int k, const mg_real *x, const mg_real *d)
 /* residual = sum of u over the cones - v - shift, and the mean of x.u */
 static void mg_interior_measure(mg_interior *n)
 {
-  mg_frictional *s = n->s;
+  mg_scaled_friction *s = n->s;
   const mg_real *u = n->u;
   int count = 0;
   mg_lorentz q;
@@ -112,7 +112,7 @@ static void mg_interior_measure(mg_interior *n)
 /* K = S + sum of W^-2 = (2 (J w)(J w)' - J) / eta^2, J = diag(1, -1, ..) */
 static int mg_interior_factor(mg_interior *n)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   const int m = s->m;
   const mg_real *u = n->u;
   mg_lorentz q;
@@ -155,7 +155,7 @@ static void mg_interior_dual(const mg_lorentz *q, const mg_real *pull, const mg_
 /* Steps dy, du towards the centre, and how far they may go. `guess` takes part if `corrected`, else is set. */
 static mg_real mg_interior_direct(mg_interior *n, mg_real centre, int corrected)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   mg_real reach = MG_MAX;
   mg_lorentz q;
   for (int i = 0; i < s->m; ++i) n->dy[i] = n->residual[i];
@@ -186,7 +186,7 @@ static mg_real mg_interior_direct(mg_interior *n, mg_real centre, int corrected)
   return reach;
 }
 
-static void mg_interior_open(mg_interior *n, mg_frictional *s, const mg_real *shift)
+static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_real *shift)
 {
   const int m = s->m;
   n->s = s;
@@ -204,7 +204,7 @@ static void mg_interior_open(mg_interior *n, mg_frictional *s, const mg_real *sh
 }
 
 /* y of the program's optimum, roughly: complementary to `gap` per cone, or the last point that can be told. */
-MG_INTERNAL void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap)
+MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap)
 {
   mg_interior n;
   mg_interior_open(&n, s, shift);

@@ -5,7 +5,7 @@
 enum { MG_EVEN_HALVINGS = 8 };
 
 /* Adds the entry of row i, in the units of N, to column k; e_i / e_n is the coefficient of friction. */
-static void mg_even_set(const mg_frictional *s, int contact, int i, mg_real value, mg_real *column, mg_real *square)
+static void mg_even_set(const mg_scaled_friction *s, int contact, int i, mg_real value, mg_real *column, mg_real *square)
 {
   const mg_real mu = s->e[i] / s->e[s->normal[contact]];
   column[i] = value;
@@ -18,7 +18,7 @@ static void mg_even_unit(int m, mg_real square, mg_real *column)
 }
 
 /* Columns of D: how the forces may change at the same w. A force of slip grows with N, one that sticks on its own. */
-static int mg_even_directions(const mg_frictional *s, const int *marks, mg_real *D)
+static int mg_even_directions(const mg_scaled_friction *s, const int *marks, mg_real *D)
 {
   const int m = s->m;
   int k = 0;
@@ -47,7 +47,7 @@ static int mg_even_directions(const mg_frictional *s, const int *marks, mg_real 
 }
 
 /* No force at the edge of its cone, but for those that slip. */
-static int mg_even_strict(const mg_frictional *s, const int *marks)
+static int mg_even_strict(const mg_scaled_friction *s, const int *marks)
 {
   const mg_real small = (mg_real)sqrt(MG_EPS);
   for (int c = 0; c < s->n; ++c) {
@@ -63,7 +63,7 @@ static int mg_even_strict(const mg_frictional *s, const int *marks)
 }
 
 /* G = D'S D and g = D'(c - v), k by k; the diagonal past the end is 0, so that k >= 3. */
-static void mg_even_assemble(const mg_frictional *s, int k, int size, const mg_real *D, mg_real *G, mg_real *g,
+static void mg_even_assemble(const mg_scaled_friction *s, int k, int size, const mg_real *D, mg_real *G, mg_real *g,
                              mg_real *image)
 {
   const int m = s->m;
@@ -80,7 +80,7 @@ static void mg_even_assemble(const mg_frictional *s, int k, int size, const mg_r
 }
 
 /* Goes from y towards the least norm as far as the cones allow. */
-static void mg_even_move(mg_frictional *s, int k, const mg_real *D, const mg_real *a, mg_real *target)
+static void mg_even_move(mg_scaled_friction *s, int k, const mg_real *D, const mg_real *a, mg_real *target)
 {
   const mg_real limit = s->residual > mg_friction_tolerance(s, s->best) ? s->residual : mg_friction_tolerance(s, s->best);
   mg_real part = 1;
@@ -99,7 +99,7 @@ static void mg_even_move(mg_frictional *s, int k, const mg_real *D, const mg_rea
 }
 
 /* Reports rank and active, and evens `best` out. Returns whether no force was at the edge of what its contact allows. */
-MG_INTERNAL int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report)
+MG_INTERNAL int mg_friction_even(mg_scaled_friction *s, const int *marks, mg_friction_report *report)
 {
   const int m = s->m, room = m + 3;
   mg_real *D = s->work, *G = D + m * m, *g = G + room * room, *image = g + room, *a = image + room, *rest = a + room;

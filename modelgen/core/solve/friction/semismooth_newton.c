@@ -7,7 +7,7 @@
 enum { MG_BLOCK = 6, MG_HALVINGS = 10, MG_MEMORY = 4 };
 
 typedef struct {
-  mg_frictional *s;
+  mg_scaled_friction *s;
   int k, augmented;        /* rows in play; the radius of slip is y_n - slack instead of y_n */
   int *index, *swap, *place; /* rows in play; pivots; per row its place among them or -1 */
   mg_real *J, *normal;     /* k by k; J'J + damping */
@@ -16,7 +16,7 @@ typedef struct {
   mg_real before[MG_MEMORY];
 } mg_semismooth;
 
-static void mg_semismooth_open(mg_semismooth *n, mg_frictional *s)
+static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s)
 {
   const int m = s->m;
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
@@ -32,7 +32,7 @@ static void mg_semismooth_open(mg_semismooth *n, mg_frictional *s)
 /* phi of one part that presses, and its rows of gy and gv. */
 static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   const int k = s->part_dim[part], row = s->part_row[part], at = row - s->normal[contact];
   const mg_real rho = s->rho[part], root = (mg_real)sqrt(rho);
   mg_real q[2] = {0, 0}, size, ratio;
@@ -62,7 +62,7 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
 /* phi of a contact; gy and gv if it presses (returns 1), else nothing. Row 0 of gv is the change of the slack. */
 static int mg_semismooth_contact(mg_semismooth *n, int contact)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   const mg_real slack = mg_friction_slack(s, contact), force = s->y[from];
   if (!(force - slack > 0)) {
@@ -96,7 +96,7 @@ static mg_real mg_semismooth_merit(mg_semismooth *n)
 /* The contact's rows of J, and of the right-hand side what the rows out of play add by going to zero. */
 static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   const int m = s->m, from = s->normal[contact], width = mg_friction_end_of(s, contact) - from;
   for (int i = 0; i < width; ++i) {
     const mg_real *gv = n->gv + i * MG_BLOCK, *gy = n->gy + i * MG_BLOCK;
@@ -115,7 +115,7 @@ static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift)
 
 static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   n->k = 0;
   for (int c = 0; c < s->n; ++c) {
     const int presses = mg_semismooth_contact(n, c);
@@ -131,7 +131,7 @@ static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift)
 /* The step of all rows from that of the rows in play. */
 static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x)
 {
-  const mg_frictional *s = n->s;
+  const mg_scaled_friction *s = n->s;
   const int m = s->m;
   for (int i = 0; i < m; ++i) {
     n->step[i] = n->place[i] >= 0 ? x[n->place[i]] : -s->y[i];
@@ -171,7 +171,7 @@ static int mg_semismooth_straight(mg_semismooth *n, mg_real *x)
 /* Goes along the step until the merit falls below the worst of the last few. Returns 0 if it does not. */
 static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings)
 {
-  mg_frictional *s = n->s;
+  mg_scaled_friction *s = n->s;
   mg_real worst = 0, length = 1;
   for (int i = 0; i < MG_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
   for (int i = 0; i < s->m; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
@@ -210,7 +210,7 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration)
 }
 
 /* From s->y for at most `limit` steps. Returns whether a solution was found. */
-MG_INTERNAL int mg_friction_newton(mg_frictional *s, int limit, int augmented)
+MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented)
 {
   mg_semismooth n = {0};
   mg_semismooth_open(&n, s);

@@ -25,41 +25,41 @@ typedef struct {
   mg_real scale, theta;    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb, 1 relaxed */
   mg_real residual;        /* of best */
   int sweeps, newton;
-} mg_frictional;
+} mg_scaled_friction;
 
 enum { MG_PATHS = 20 };
 
 /* certificate.c */
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
-MG_INTERNAL mg_real mg_friction_slack(const mg_frictional *s, int contact);
-MG_INTERNAL mg_real mg_friction_error(const mg_frictional *s);
-MG_INTERNAL void mg_friction_motion(mg_frictional *s);
-MG_INTERNAL mg_real mg_friction_tolerance(const mg_frictional *s, const mg_real *y);
-MG_INTERNAL int mg_friction_keep(mg_frictional *s);
+MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
+MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s);
+MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s);
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y);
+MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s);
 MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
-MG_INTERNAL int mg_friction_impossible(mg_frictional *s);
-MG_INTERNAL void mg_friction_tell(mg_frictional *s, int strict, mg_friction_report *report);
+MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s);
+MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report);
 
 /* scaled_problem.c */
-MG_INTERNAL int mg_friction_end_of(const mg_frictional *s, int contact);
-MG_INTERNAL int mg_friction_layout(mg_frictional *s, const mg_friction_problem *problem, mg_real *work, int *iwork);
-MG_INTERNAL int mg_friction_scale(mg_frictional *s);
-MG_INTERNAL void mg_friction_take(mg_frictional *s, const mg_real *z);
-MG_INTERNAL void mg_friction_give(const mg_frictional *s, const mg_real *y, mg_real *z);
+MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact);
+MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work, int *iwork);
+MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
+MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z);
+MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z);
 
 /* gauss_seidel.c */
-MG_INTERNAL int mg_friction_sweep(mg_frictional *s, int sweeps);
+MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps);
 
 /* semismooth_newton.c */
-MG_INTERNAL int mg_friction_newton(mg_frictional *s, int limit, int augmented);
+MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented);
 
 /* interior_point.c */
-MG_INTERNAL void mg_friction_interior(mg_frictional *s, const mg_real *shift, mg_real gap);
+MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap);
 
 /* homotopy.c */
-MG_INTERNAL int mg_friction_follow(mg_frictional *s, int which);
+MG_INTERNAL int mg_friction_follow(mg_scaled_friction *s, int which);
 
 /* least_norm.c */
-MG_INTERNAL int mg_friction_even(mg_frictional *s, const int *marks, mg_friction_report *report);
+MG_INTERNAL int mg_friction_even(mg_scaled_friction *s, const int *marks, mg_friction_report *report);
 
 #endif
