@@ -44,12 +44,18 @@ def page(topic: str) -> str:
     """The Markdown text of a topic. Raises ModelgenError if there is no such topic."""
     if topic not in TOPICS:
         allowed = "the topics are " + ", ".join(TOPICS)
-        raise ModelgenError(f"topic {topic!r}", "the manual has no such page", allowed, nearest(topic, TOPICS))
+        raise ModelgenError(f"topic {topic!r}", "the manual has no such page", allowed, _meant(topic))
     if topic == "keys":
         from modelgen.report.keys import keys_page
 
         return keys_page()
     return (FOLDER / f"{topic}.md").read_text(encoding="utf-8")
+
+
+def _meant(topic: str) -> str:
+    """`did you mean 'x'?` for the topic nearest to a text, or for one that has the text as a word."""
+    having = [name for name in TOPICS if topic.lower() in name.split("_")]
+    return f"did you mean {having[0]!r}?" if having else nearest(topic, TOPICS)
 
 
 def summary_of(text: str) -> str:

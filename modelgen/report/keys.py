@@ -14,10 +14,15 @@ HEADER = """# Keys of scene files
 
 Every table and key of a scene file, with values, default and meaning; generated from the JSON Schema.
 
-A number may be written as an expression of constants, such as `"pi/2"`. `modelgen schema` prints the same as JSON
-Schema, for validation and for completion in editors. [Scenes](scenes.md) explains how the tables work together.
+A number may be written as an expression of constants, such as `"pi/2"`. `modelgen schema` prints the same as
+JSON Schema, for validation and for completion in editors. [Scenes](scenes.md) explains the tables.
 """
-TABLES = (("contact", "[[contact]]"), ("force", "[[force]]"), ("torque", "[[torque]]"), ("spring", "[[spring]]"))
+TABLES = (
+    ("contact", "[[contact]]"),
+    ("force", "[[force]]"),
+    ("torque", "[[torque]]"),
+    ("spring", "[[spring]]"),
+)
 
 
 def keys_page() -> str:
@@ -57,7 +62,7 @@ def _variants(title: str, tag: str, schema: Schema) -> list[str]:
     for name, table in tables.items():
         own = {key: each for key, each in table["properties"].items() if key != tag and key not in shared}
         if own:
-            section = _section(f"{title} with `{tag} = \"{name}\"`", own, table.get("required", ()))
+            section = _section(f'{title} with `{tag} = "{name}"`', own, table.get("required", ()))
             parts += [f"#{section[0]}", *section[1:]]
     alone = [name for name, t in tables.items() if set(t["properties"]) <= {tag, *shared}]
     return [*parts, f"No keys of its own: {', '.join(f'`{name}`' for name in alone)}.\n"] if alone else parts

@@ -1,4 +1,4 @@
-"""The pictures of the README, written into modelgen/manual/images. Run with `python -m tests.benchmarks.pictures`."""
+"""The pictures of the README, in modelgen/manual/images. Run with `python -m tests.benchmarks.pictures`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from PIL import Image
 
 from modelgen import record_of, simulate
 from modelgen.report.frames import draw_frames
@@ -18,8 +19,9 @@ matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
 FOLDER = Path(__file__).parents[2] / "modelgen" / "manual" / "images"
-RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "cylinder_dropped", 0.5, (0, 48, 90, 200)
-SAMPLES, DPI, FLOOR = 200, 80, 1e-18  # m; the least error that the logarithmic axis shows
+RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
+COLOURS = 16
+SAMPLES, DPI, FLOOR = 200, 80, 1e-18  # FLOOR in m: the least error that the logarithmic axis shows
 
 
 def draw_gamma2(path: Path) -> None:
@@ -34,7 +36,7 @@ def draw_gamma2(path: Path) -> None:
         place.grid(alpha=0.3)
     axes[0].set_ylabel("error of body points, m")
     axes[0].legend(loc="center right")
-    figure.savefig(path, dpi=DPI)
+    _save(figure, path)
 
 
 def error_over_time(name: str, use_gamma: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -60,7 +62,13 @@ def draw_run(path: Path) -> None:
     for place in axes:
         place.set_axis_off()
     figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.88, wspace=0.0)
+    _save(figure, path)
+
+
+def _save(figure: plt.Figure, path: Path) -> None:
+    """A PNG file of few colours, which is small."""
     figure.savefig(path, dpi=DPI)
+    Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
 
 
 if __name__ == "__main__":
