@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -87,7 +88,7 @@ def _row(name: str, each: Schema, required: set[str]) -> str:
 def _written(default: Any) -> str:
     if default is None or default in ([], ()):
         return ""
-    return f"`{str(default).lower() if isinstance(default, bool) else default}`"
+    return f"`{json.dumps(default, ensure_ascii=False)}`"
 
 
 def _values(each: Schema) -> str:

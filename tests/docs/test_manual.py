@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from modelgen.cli import manual
 from modelgen.cli.commands import app
 from modelgen.cli.manual import FOLDER, TOPICS, page
 from modelgen.report.keys import keys_page
+from modelgen.scene.format import SHAPE_KINDS
+from modelgen.scene.joint_format import JOINT
 from tests.docs.pages import PAGES, README, anchors, links, text_of
 
 
@@ -61,6 +64,11 @@ def test_an_unknown_topic_names_the_nearest(wrong: str, nearest: str) -> None:
 def test_the_page_of_keys_is_that_of_the_schema() -> None:
     """Written anew by `modelgen manual keys > modelgen/manual/keys.md`."""
     assert text_of(FOLDER / "keys.md") == keys_page()
+
+
+@pytest.mark.parametrize("names", [SHAPE_KINDS, JOINT.tables, ("[[contact]]", "[[spring]]", "[run]")])
+def test_the_page_of_keys_has_every_table(names: Iterable[str]) -> None:
+    assert not [name for name in names if f"`{name}`" not in keys_page()]
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
