@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markdown import Markdown
 
 from modelgen.cli.output import guarded
 from modelgen.errors import ModelgenError, nearest
@@ -35,6 +34,8 @@ def manual(topic: Topic = None) -> None:
     text = page(topic)
     console = Console()
     if console.is_terminal:
+        from rich.markdown import Markdown
+
         console.print(Markdown(text), soft_wrap=False)
     else:
         typer.echo(text, nl=False)
