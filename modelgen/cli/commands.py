@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.manual import manual
 from modelgen.cli.measuring import measure, tune
 from modelgen.cli.options import (
     AsJson,
@@ -167,6 +168,7 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
 
 app.command()(measure)
 app.command()(tune)
+app.command()(manual)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""What Gamma2 is worth: the first table of the README. Run with `python -m tests.benchmarks.gamma2`."""
+"""What Gamma2 is worth: a table of the manual. Run with `python -m tests.benchmarks.gamma2`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `fast`, `balanced` and `tight` reach and cost in each shipped scene: the table of the README.
+"""What `fast`, `balanced` and `tight` reach and cost in each shipped scene: a table of the manual.
 
 Run with `python -m tests.benchmarks.presets [--jobs 16] [--scenes a,b] [--root FOLDER]`. Errors are those
 of `modelgen measure`, over the length and up to the horizon. Below the table stands what the tolerances were

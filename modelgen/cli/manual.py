@@ -1,0 +1,64 @@
+"""The manual: its topics, the text of a page, and how a page is printed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from modelgen.cli.output import guarded
+from modelgen.errors import ModelgenError, nearest
+
+FOLDER = Path(__file__).parent.parent / "manual"
+TOPICS = (
+    *("first_steps", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
+    *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "casadi", "c"),
+    *("command_line", "limits", "troubleshooting", "development", "design_notes", "measurements"),
+    *("glossary", "changelog"),
+)
+
+Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]
+
+
+@guarded
+def manual(topic: Topic = None) -> None:
+    """Print a page of the manual, or the list of its topics."""
+    if topic is None:
+        width = max(map(len, TOPICS))
+        for name in TOPICS:
+            typer.echo(f"{name:{width}}  {summary_of(page(name))}")
+        typer.echo("\nmodelgen manual TOPIC prints a page.")
+        return
+    text = page(topic)
+    console = Console()
+    if console.is_terminal:
+        from rich.markdown import Markdown
+
+        console.print(Markdown(text), soft_wrap=False)
+    else:
+        typer.echo(text, nl=False)
+
+
+def page(topic: str) -> str:
+    """The Markdown text of a topic. Raises ModelgenError if there is no such topic."""
+    if topic not in TOPICS:
+        allowed = "the topics are " + ", ".join(TOPICS)
+        raise ModelgenError(f"topic {topic!r}", "the manual has no such page", allowed, _meant(topic))
+    if topic == "keys":
+        from modelgen.report.keys import keys_page
+
+        return keys_page()
+    return (FOLDER / f"{topic}.md").read_text(encoding="utf-8")
+
+
+def _meant(topic: str) -> str:
+    """`did you mean 'x'?` for the topic nearest to a text, or for one that has the text as a word."""
+    having = [name for name in TOPICS if topic.lower() in name.split("_")]
+    return f"did you mean {having[0]!r}?" if having else nearest(topic, TOPICS)
+
+
+def summary_of(text: str) -> str:
+    """The line below the title of a page."""
+    return text.split("\n", 3)[2]

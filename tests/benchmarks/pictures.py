@@ -1,0 +1,77 @@
+"""The pictures of the README, in modelgen/manual/images. Run with `python -m tests.benchmarks.pictures`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from PIL import Image
+
+from modelgen import record_of, simulate
+from modelgen.report.frames import draw_frames
+from tests.benchmarks.gamma2 import BASE, FINEST, SCENES, UNTIL, _tips
+from tests.running import scene_of
+
+matplotlib.use("Agg")
+
+from matplotlib import pyplot as plt
+
+FOLDER = Path(__file__).parents[2] / "modelgen" / "manual" / "images"
+RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
+COLOURS = 16
+SAMPLES, DPI, FLOOR = 200, 80, 1e-18  # FLOOR in m: the least error that the logarithmic axis shows
+
+
+def draw_gamma2(path: Path) -> None:
+    """The error over time of each scene of `tests.benchmarks.gamma2`, with Gamma2 and without it."""
+    figure, axes = plt.subplots(1, len(SCENES), figsize=(9.0, 3.0), sharey=True, layout="constrained")
+    for name, place in zip(SCENES, axes, strict=True):
+        for use_gamma, colour in ((False, "tab:red"), (True, "tab:blue")):
+            times, errors = error_over_time(name, use_gamma)
+            label = "with Gamma2" if use_gamma else "without Gamma2"
+            place.semilogy(times[1:], np.maximum(errors, FLOOR)[1:], color=colour, label=label)
+        place.set(title=name, xlabel="t, s")
+        place.grid(alpha=0.3)
+    axes[0].set_ylabel("error of body points, m")
+    axes[0].legend(loc="center right")
+    _save(figure, path)
+
+
+def error_over_time(name: str, use_gamma: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Times in s, and the largest error in m of points 0.1 m along the body axes, against long double."""
+    reference = simulate(
+        scene_of(name, "implicit", "long double"),
+        until=UNTIL, samples=SAMPLES, accuracy=FINEST, estimate=False,
+    )  # fmt: skip
+    path = simulate(
+        scene_of(name, "implicit"),
+        until=UNTIL, samples=SAMPLES, accuracy=replace(BASE, use_gamma=use_gamma), estimate=False,
+    )  # fmt: skip
+    return path.t, np.abs(_tips(path) - _tips(reference)).max(axis=(1, 2))
+
+
+def draw_run(path: Path) -> None:
+    """Bodies of one run at some of its samples."""
+    library = scene_of(RUN_SCENE)
+    record = record_of(simulate(library, until=RUN_UNTIL, samples=SAMPLES, estimate=False), library)
+    size = (3.0 * len(RUN_FRAMES), 3.0)
+    figure, axes = plt.subplots(1, len(RUN_FRAMES), figsize=size, subplot_kw={"projection": "3d"})
+    draw_frames(record, list(RUN_FRAMES), list(axes))
+    for place in axes:
+        place.set_axis_off()
+    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.88, wspace=0.0)
+    _save(figure, path)
+
+
+def _save(figure: plt.Figure, path: Path) -> None:
+    """A PNG file of few colours, which is small."""
+    figure.savefig(path, dpi=DPI)
+    Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(exist_ok=True)
+    draw_run(FOLDER / "run.png")
+    draw_gamma2(FOLDER / "gamma2.png")

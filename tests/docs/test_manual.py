@@ -1,0 +1,89 @@
+"""`modelgen manual` prints every page; links lead somewhere; the page of keys is that of the schema."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from modelgen.cli import manual
+from modelgen.cli.commands import app
+from modelgen.cli.manual import FOLDER, TOPICS, page
+from modelgen.report.keys import keys_page
+from modelgen.scene.format import SHAPE_KINDS
+from modelgen.scene.joint_format import JOINT
+from tests.docs.pages import PAGES, README, anchors, links, text_of
+
+
+def test_every_page_is_a_topic() -> None:
+    assert {path.stem for path in FOLDER.glob("*.md")} == set(TOPICS)
+
+
+def test_topics_are_listed_with_a_line_each() -> None:
+    result = CliRunner().invoke(app, ["manual"])
+    assert result.exit_code == 0
+    assert [line.split()[0] for line in result.stdout.splitlines()[: len(TOPICS)]] == list(TOPICS)
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_a_page_opens_with_a_title_and_one_sentence(topic: str) -> None:
+    title, blank, summary, after = page(topic).split("\n")[:4]
+    assert title.startswith("# ")
+    assert (blank, after) == ("", "")
+    assert summary.endswith(".")
+    assert len(summary) <= 110
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_a_page_is_printed_as_it_is_through_a_pipe(topic: str) -> None:
+    result = CliRunner().invoke(app, ["manual", topic])
+    assert (result.exit_code, result.stdout) == (0, page(topic))
+
+
+def test_a_page_is_rendered_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(manual, "Console", lambda: Console(force_terminal=True, width=100))
+    result = CliRunner().invoke(app, ["manual", "joints"])
+    assert result.exit_code == 0
+    assert "# Joints" not in result.stdout
+    assert "Joints" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("wrong", "nearest"),
+    [("jonts", "joints"), ("friction", "contact_and_friction"), ("python", "python_api")],
+)
+def test_an_unknown_topic_names_the_nearest(wrong: str, nearest: str) -> None:
+    result = CliRunner().invoke(app, ["manual", wrong])
+    assert result.exit_code == 2
+    assert f"did you mean {nearest!r}?" in result.stderr
+
+
+def test_the_page_of_keys_is_that_of_the_schema() -> None:
+    """Written anew by `modelgen manual keys > modelgen/manual/keys.md`."""
+    assert text_of(FOLDER / "keys.md") == keys_page()
+
+
+@pytest.mark.parametrize("names", [SHAPE_KINDS, JOINT.tables, ("[[contact]]", "[[spring]]", "[run]")])
+def test_the_page_of_keys_has_every_table(names: Iterable[str]) -> None:
+    assert not [name for name in names if f"`{name}`" not in keys_page()]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_links_lead_somewhere(path: Path) -> None:
+    for link in links(path):
+        if "://" in link:
+            continue
+        name, _, anchor = link.partition("#")
+        target = (path.parent / name).resolve() if name else path
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_pictures_are_small() -> None:
+    pictures = list((FOLDER / "images").iterdir())
+    assert pictures
+    assert all(f"images/{picture.name}" in text_of(README) for picture in pictures)
+    assert max(picture.stat().st_size for picture in pictures) < 60_000
