@@ -44,8 +44,8 @@ def _chains(session: Session) -> list[str]:
         return []
     return [
         f"a blow at t = {float(run.chain_t):.6g} s reached {session.contacts[run.chain_contact]}, "
-        'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes blows on one by '
-        "one, after which bodies may part otherwise"
+        'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes '
+        "blows on one by one, after which bodies may part otherwise"
     ]
 
 
@@ -55,5 +55,6 @@ def _paradox(session: Session) -> list[str]:
         return []
     return [
         f"at t = {float(run.paradox_t):.6g} s the contact {session.contacts[run.paradox_contact]} could as "
-        "well slip on, pressed by its own friction, as part (Painleve): the motion from there is one of several"
+        "well slip on, pressed by its own friction, as part (Painleve): the motion from there is one of "
+        "several"
     ]
