@@ -12,18 +12,20 @@ from pathlib import Path
 import casadi as ca
 
 from modelgen import __version__
+from modelgen.codegen.amalgamation import runtime_text
 from modelgen.codegen.compiler import (
     LEVEL,
     LEVELS,
     Compiler,
     compile_library,
+    cpu_target,
     find_compiler,
 )
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import SENTENCE, STRUCTURE, BuildRecord, record_name
 from modelgen.codegen.runtime_object import runtime_hash, runtime_object
-from modelgen.errors import LibraryError, expect, nearest
+from modelgen.errors import CompilerMissing, LibraryError, expect, nearest
 
 
 def build(
@@ -48,7 +50,7 @@ def build(
 
     Raises:
         ModelgenError: what is given is no package.
-        CompilerMissing: there is no C compiler.
+        CompilerMissing: there is no C compiler, and no library of this text for this processor in `folder`.
         LibraryError: the compiler fails; the message names the command and the log.
     """
     expect("build", package, Package)
@@ -58,7 +60,14 @@ def build(
         if value not in known:
             raise LibraryError(name, repr(value), f"allowed: {', '.join(known)}", nearest(value, known))
     folder = (Path("generated") / package.name if folder is None else Path(folder)).absolute()
-    compiler = find_compiler()
+    source = source_hash(package, real, level)
+    try:
+        compiler = find_compiler()
+    except CompilerMissing:
+        found = _built_before(folder, package, real, source)
+        if found is None:
+            raise
+        return found
     flags = compiler.flags(real, level)
     key = content_hash(package, flags, compiler)
     path = folder / f"lib{package.name}-{key[:16]}.so"
@@ -66,7 +75,9 @@ def build(
     if not path.exists():
         runtime = runtime_object(compiler, flags, tell)
         _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
-    record = BuildRecord(key, real, path.name, package.manifest.vocabulary, _versions(compiler))
+    record = BuildRecord(
+        key, source, cpu_target(), real, path.name, package.manifest.vocabulary, _versions(compiler)
+    )
     library = Library(package.manifest, record, folder)
     texts = {
         STRUCTURE: package.manifest.structure_json(),
@@ -75,6 +86,24 @@ def build(
     }
     _write(folder, {**package.files, **texts})
     return library
+
+
+def source_hash(package: Package, real: str, level: str) -> str:
+    """SHA-256 (hex) of the text of a scene and of the core, with the real type and the level."""
+    digest = hashlib.sha256()
+    for part in (real, level, runtime_text(), *(text for _, text in sorted(package.files.items()))):
+        digest.update(f"{len(part)}:{part}".encode())
+    return digest.hexdigest()
+
+
+def _built_before(folder: Path, package: Package, real: str, source: str) -> Library | None:
+    """The library in a folder, if it was built of this text for this processor."""
+    try:
+        record = Library.load(folder, real).record
+    except LibraryError:
+        return None
+    same = (record.source, record.cpu) == (source, cpu_target())
+    return Library(package.manifest, record, folder) if same else None
 
 
 def content_hash(package: Package, flags: tuple[str, ...], compiler: Compiler) -> str:

@@ -81,6 +81,8 @@ class BuildRecord:
     """One build of a manifest's vocabulary on one machine."""
 
     hash: str  # of text, flags, compiler, CPU target, ABI
+    source: str  # of the text alone, with real type and level
+    cpu: str  # what the compiler took from the processor that the library was built for
     real: str  # double, float or long double
     file: str  # name of the library
     vocabulary: str  # of the manifest that it was built for

@@ -22,7 +22,7 @@ from modelgen.runtime.tables.structures import Array, address, structure
 
 
 @dataclass(frozen=True, slots=True)
-class Rubbing:
+class AreaFriction:
     """Friction of m loads and motions; NaN where the centre of pressure is not inside the hull."""
 
     pressure: Array  # (m, 3) at the centre, Pa, and its slope, Pa/m; it is 0 where this says less
@@ -30,7 +30,7 @@ class Rubbing:
     needed: Array  # (m,) the coefficient that it takes to hold the wrench
 
 
-def rubbing(
+def area_friction(
     core: Core,
     o: Sequence[Arc],
     f: Sequence[Arc],
@@ -39,7 +39,7 @@ def rubbing(
     *,
     wrench: Array | None = None,
     pose: Array = IDENTITY,
-) -> Rubbing:
+) -> AreaFriction:
     """Friction on region f, which slides on region o.
 
     Args:
@@ -55,7 +55,9 @@ def rubbing(
         SimulationError: no region f, or boundaries that cross too often.
     """
     if not f:
-        raise SimulationError("rubbing", "no arcs for the region of f", "one or more", "give its boundary")
+        raise SimulationError(
+            "area_friction", "no arcs for the region of f", "one or more", "give its boundary"
+        )
     given = [np.array(x, dtype=core.dtype).reshape(-1, 3) for x in (load, twist)]
     given.append(np.zeros_like(given[0]) if wrench is None else np.array(wrench, dtype=core.dtype))
     m = len(given[0])
@@ -68,8 +70,8 @@ def rubbing(
     work = np.empty(core.cdll.mg_rub_size(len(o) + len(f), len(o)), dtype=core.dtype)
     if core.cdll.mg_rub_regions(ctypes.byref(query), ctypes.c_void_p(address(work))) < 0:
         allowed = "two crossings for each pair of arcs, and some more"
-        raise SimulationError("rubbing", "more crossings of the boundaries", allowed, "divide the arcs")
-    return Rubbing(*filled)
+        raise SimulationError("area_friction", "more crossings of the boundaries", allowed, "divide the arcs")
+    return AreaFriction(*filled)
 
 
 @cache

@@ -164,6 +164,23 @@ def test_no_compiler_names_the_command_that_brings_one(
     assert not (tmp_path / "out").exists()
 
 
+def test_without_a_compiler_what_was_built_for_this_processor_is_taken(
+    calls: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built = build(package(), folder=tmp_path / "out")
+
+    def missing() -> compiler.Compiler:
+        raise CompilerMissing("", "no C compiler was found", "", "")
+
+    monkeypatch.setattr("modelgen.codegen.build.find_compiler", missing)
+    assert build(package(), folder=tmp_path / "out").path == built.path
+    with pytest.raises(CompilerMissing):
+        build(package(form="implicit"), folder=tmp_path / "out")
+    monkeypatch.setattr("modelgen.codegen.build.cpu_target", lambda: "another processor")
+    with pytest.raises(CompilerMissing):
+        build(package(), folder=tmp_path / "out")
+
+
 @pytest.mark.parametrize("command", ["no-such-compiler", "false"])
 def test_a_wrong_cc_is_named(command: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CC", command)

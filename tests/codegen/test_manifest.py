@@ -22,7 +22,7 @@ def test_json_and_back_is_the_identity() -> None:
 
 
 def test_a_build_record_survives_as_well() -> None:
-    record = BuildRecord("0f", "double", "lib.so", MANIFEST.vocabulary, {"casadi": "3"})
+    record = BuildRecord("0f", "1e", "x86_64", "double", "lib.so", MANIFEST.vocabulary, {"casadi": "3"})
     assert BuildRecord.from_json(record.to_json()) == record
     with pytest.raises(LibraryError, match=r"r.json: it is not a BuildRecord"):
         BuildRecord.from_json(MANIFEST.structure_json(), "r.json")

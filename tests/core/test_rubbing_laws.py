@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 from scipy.special import ellipe, ellipk
 
-from modelgen.runtime.patch_friction import Rubbing, rubbing
+from modelgen.runtime.patch_friction import AreaFriction, area_friction
 from modelgen.runtime.regions import Arc, overlap
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
@@ -63,9 +63,11 @@ def centre_in(core: CoreBuild, arcs: list[Arc], x: float, y: float) -> Array:
     return at
 
 
-def rubbed(core: CoreBuild, arcs: list[Arc], at: Array, twist: Array, wrench: Array | None = None) -> Rubbing:
+def rubbed(
+    core: CoreBuild, arcs: list[Arc], at: Array, twist: Array, wrench: Array | None = None
+) -> AreaFriction:
     given_wrench = None if wrench is None else wrench[None]
-    return rubbing(core, [], arcs, np.array([[2.0, *at]]), np.array([twist]), wrench=given_wrench)
+    return area_friction(core, [], arcs, np.array([[2.0, *at]]), np.array([twist]), wrench=given_wrench)
 
 
 @settings(max_examples=40, deadline=None)
@@ -149,11 +151,11 @@ def test_friction_is_the_gradient_of_what_it_wears(
 
     def gradient(step: float) -> Array:
         steps = np.array([np.array(twist) + s * step * e for e in np.eye(3) for s in (1, -1)])
-        found = rubbing(plane_core, [], arcs, np.tile([2.0, *at], (6, 1)), steps).friction
+        found = area_friction(plane_core, [], arcs, np.tile([2.0, *at], (6, 1)), steps).friction
         power = np.einsum("ij,ij->i", found, steps)
         return (power[::2] - power[1::2]) / (2 * step)
 
-    friction = rubbing(plane_core, [], arcs, np.array([[2.0, *at]]), np.array([twist])).friction[0]
+    friction = area_friction(plane_core, [], arcs, np.array([[2.0, *at]]), np.array([twist])).friction[0]
     fine, coarse = gradient(5e-6), gradient(1e-5)
     assert np.all(np.abs(fine - friction) <= 1e-6 + 2 * np.abs(coarse - fine))
 
@@ -180,7 +182,7 @@ def test_a_wrench_needs_the_most_that_any_twist_asks_for(plane_core: CoreBuild, 
     load = np.array([[2.0, *at]])
 
     def asked(twists: Array, wrench: Array) -> Array:
-        friction = rubbing(plane_core, [], arcs, np.repeat(load, len(twists), axis=0), twists).friction
+        friction = area_friction(plane_core, [], arcs, np.repeat(load, len(twists), axis=0), twists).friction
         return -(twists @ wrench) / np.einsum("ij,ij->i", friction, twists)
 
     for _ in range(3):
@@ -211,11 +213,11 @@ def test_pressure_has_its_resultant_and_centre_and_does_not_pull(
 def test_friction_does_not_depend_on_whose_face_is_cut(plane_core: CoreBuild) -> None:
     a, b = rectangle(0.6, 0.5), disc(0.5)
     load, twist = np.array([[2.0, 0.25, 0.05]]), np.array([[0.3, -0.2, 1.5]])
-    one = rubbing(plane_core, a, b, load, twist, pose=facing(0.4, 0.1, 0.3)).friction[0]
+    one = area_friction(plane_core, a, b, load, twist, pose=facing(0.4, 0.1, 0.3)).friction[0]
     turn = np.array([[1, 0], [0, -1.0]])
     at = turn @ (load[0, 1:] - [0.4, 0.1])
     v = turn @ twist[0, :2]
-    other = rubbing(
+    other = area_friction(
         plane_core, b, a, np.array([[2.0, *at]]), np.array([[*v, -1.5]]), pose=facing(-0.4, 0.1)
     ).friction[0]
     assert [*(turn @ other[:2]), -other[2]] == pytest.approx(list(one), abs=1e-13)
