@@ -16,7 +16,6 @@ from modelgen.scene.read import read, read_text
 from modelgen.scene.types import Scene
 from tests.running import SCENES
 
-pytestmark = pytest.mark.peers
 SHORT = {"until": 0.05, "samples": 4, "count": False}
 
 
@@ -34,6 +33,7 @@ def against(scene: Scene, peer: str, root: Path) -> Measurement:
         pytest.skip(str(absent))
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize(
     ("peer", "scene", "error"),
     [
@@ -84,7 +84,7 @@ def test_a_driven_body_is_refused_by_all() -> None:
         assert any("driven" in sentence for sentence in unlike(scene))
 
 
-@pytest.mark.parametrize("name", sorted(set(PEERS) - {"siconos", "simbody", "mujoco"}))
+@pytest.mark.parametrize("name", ["drake", pytest.param("exudyn", marks=pytest.mark.slow)])
 def test_one_that_is_missing_is_named(name: str, tmp_path: Path) -> None:
     if find_spec({"drake": "pydrake"}.get(name, name)):
         pytest.skip(f"{name} is installed")

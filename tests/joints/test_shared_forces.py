@@ -37,7 +37,9 @@ WEIGHT = 0.0356890624665  # N, that the cam's acceleration needs at first
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
-@pytest.mark.parametrize("height", [0.0, 0.035, 0.2])
+@pytest.mark.parametrize(
+    "height", [pytest.param(0.0, marks=pytest.mark.slow), 0.035, pytest.param(0.2, marks=pytest.mark.slow)]
+)
 def test_the_rims_of_a_roller_on_a_slide_push_from_the_first_sample_on(
     height: float, friction: float
 ) -> None:

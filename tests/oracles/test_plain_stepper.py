@@ -89,7 +89,11 @@ def test_three_ellipsoids_that_fall_into_a_bowl_and_collide(restitution: float, 
 
 
 @pytest.mark.parametrize(
-    ("rate", "kinds"), [(9, {"impact", "touch-down"}), (25, {"impact", "touch-down", "lift-off"})]
+    ("rate", "kinds"),
+    [
+        pytest.param(9, {"impact", "touch-down"}, marks=pytest.mark.slow),
+        (25, {"impact", "touch-down", "lift-off"}),
+    ],
 )
 def test_an_egg_on_a_shaking_plate_with_loads(rate: int, kinds: set[str]) -> None:
     plate = make.driven("plate", make.plane(), path={"position": ["0", "0", f"0.02*sin({rate}*t)"]})

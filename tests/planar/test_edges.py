@@ -75,7 +75,7 @@ def polygon_tips(n: int, turn: float) -> float:
     return tip.t
 
 
-@pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 16, 64])
+@pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 16, pytest.param(64, marks=pytest.mark.slow)])
 def test_a_regular_polygon_tips_when_its_inscribed_circle_or_vertex_is_reached(n: int) -> None:
     """Towards a vertex at R, across the middle of a side at R cos(pi/n); both tend to the circle's time."""
     assert polygon_tips(n, 0.0) == pytest.approx(exit_time(RADIUS), abs=1e-10)

@@ -108,7 +108,9 @@ OUTLINES = {
 
 
 @pytest.mark.parametrize("name", OUTLINES)
-@pytest.mark.parametrize("spin", [0.0, 3.0, -2.0])
+@pytest.mark.parametrize(
+    "spin", [pytest.param(0.0, marks=pytest.mark.slow), 3.0, pytest.param(-2.0, marks=pytest.mark.slow)]
+)
 def test_a_plate_that_tips_over_a_straight_edge_moves_alike_whatever_its_outline(
     name: str, spin: float
 ) -> None:

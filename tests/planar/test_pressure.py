@@ -31,7 +31,10 @@ def reach_of_hull(points: np.ndarray, direction: np.ndarray) -> float:
     return float((-equations[ahead, 2] / slopes[ahead]).min())
 
 
-@pytest.mark.parametrize("angle", [0.3, 1.1, 2.0, 3.5, 5.0])
+@pytest.mark.parametrize(
+    "angle",
+    [0.3, pytest.param(1.1, marks=pytest.mark.slow), 2.0, pytest.param(3.5, marks=pytest.mark.slow), 5.0],
+)
 def test_an_l_shape_tips_where_the_ray_of_its_pressure_leaves_its_convex_hull(angle: float) -> None:
     """Over the notch the hull's edge is no edge of the face: its ends are two corners."""
     direction = np.array([np.cos(angle), np.sin(angle)])
@@ -43,7 +46,9 @@ def test_an_l_shape_tips_where_the_ray_of_its_pressure_leaves_its_convex_hull(an
     assert tip.t == pytest.approx(time, abs=1e-9)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.4, 1.0, 2.5])
+@pytest.mark.parametrize(
+    "angle", [0.0, 0.4, pytest.param(1.0, marks=pytest.mark.slow), pytest.param(2.5, marks=pytest.mark.slow)]
+)
 def test_an_elliptic_base_tips_where_the_ray_of_its_pressure_leaves_the_ellipse(angle: float) -> None:
     a, b = 0.04, 0.03
     reach = 1 / np.hypot(np.cos(angle) / a, np.sin(angle) / b)

@@ -105,10 +105,10 @@ def leaned(spin: float, slide: float, friction: float, until: float) -> float:
     return float(found.y[0, -1])
 
 
-@LEVELS
+@pytest.mark.parametrize("accuracy", ["fast", "balanced", pytest.param("tight", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("restitution", [0.0, 1.0])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("azimuth", [0.0, 2.2, pi])
+@pytest.mark.parametrize("azimuth", [0.0, pytest.param(2.2, marks=pytest.mark.slow), pi])
 @pytest.mark.parametrize("spin", [0.3, 8.0])
 def test_whichever_way_a_can_begins_to_turn_it_knows_how_well_it_does(
     spin: float, azimuth: float, friction: float, restitution: float, accuracy: str

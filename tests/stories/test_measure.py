@@ -17,7 +17,8 @@ from modelgen.benchmark.front import Point
 from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
-FEW = ("--knobs", "tolerance,form", "--until", "0.5")
+FEW = ("--knobs", "tolerance,form", "--until", "0.2")
+ONE = ("--knobs", "tolerance", "--until", "0.1")
 Modelgen = Callable[..., Any]
 
 
@@ -99,11 +100,11 @@ def test_tighter_tolerances_never_raise_the_error_above_its_floor(modelgen: Mode
 
 
 def test_what_was_measured_is_remembered_and_a_fresh_error_is_the_same(modelgen: Modelgen) -> None:
-    first = modelgen("measure", EGG, *FEW, "--json").json
-    again = modelgen("measure", EGG, *FEW, "--json").json
+    first = modelgen("measure", EGG, *ONE, "--json").json
+    again = modelgen("measure", EGG, *ONE, "--json").json
     assert again["reused"] == len(again["points"])
     assert again["front"] == first["front"]
-    fresh = modelgen("measure", EGG, *FEW, "--fresh", "--json").json
+    fresh = modelgen("measure", EGG, *ONE, "--fresh", "--json").json
     assert fresh["reused"] == 0
     known = {json.dumps(point["settings"]): point["error"] for point in first["points"]}
     shared = [point for point in fresh["points"] if json.dumps(point["settings"]) in known]
@@ -123,7 +124,7 @@ def test_an_interrupted_measurement_keeps_what_it_has_and_goes_on(
         taken.append(measured(bench, settings))
         return taken[-1]
 
-    span = ("--knobs", "tolerance", "--until", "0.3")
+    span = ("--knobs", "tolerance", "--until", "0.1")
     monkeypatch.setattr(program, "_measured", stopping)
     stopped = modelgen("measure", EGG, *span, "--json")
     assert stopped.code == 130
@@ -138,7 +139,9 @@ def test_an_interrupted_measurement_keeps_what_it_has_and_goes_on(
     assert len(done["points"]) > 3
 
 
-@pytest.mark.parametrize("exponent", [3, 6, 10])
+@pytest.mark.parametrize(
+    "exponent", [pytest.param(3, marks=pytest.mark.slow), 6, pytest.param(10, marks=pytest.mark.slow)]
+)
 def test_a_tuned_scene_keeps_its_promise(modelgen: Modelgen, tmp_path: Path, exponent: int) -> None:
     error = 10.0**-exponent
     target = tmp_path / "tuned.toml"
@@ -158,6 +161,7 @@ def test_tune_names_the_file_that_it_wrote(modelgen: Modelgen, tmp_path: Path) -
     assert answer.out.endswith(f"\nwritten: {tmp_path / 'tuned.toml'}\n")
 
 
+@pytest.mark.slow
 def test_a_budget_is_kept_within_its_band(
     modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -211,6 +215,7 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_a_scene_with_another_form_and_real_type_runs_as_it_says(modelgen: Modelgen, tmp_path: Path) -> None:
     text = Path(EGG).read_text(encoding="utf-8")
     own = 'until = 0.2\nform = "implicit"\nreal = "float"\nlevel = "O3"\nnewton = 2\ntolerance = 1e-4\n'

@@ -24,7 +24,9 @@ from tests.oracles.pieces import imbalance, rotations, times
 from tests.running import run
 
 SAMPLES = 3
-BOTH = pytest.mark.parametrize(("accuracy", "off"), [("balanced", 1e-10), ("tight", 1e-12)])
+BOTH = pytest.mark.parametrize(
+    ("accuracy", "off"), [("balanced", 1e-10), pytest.param("tight", 1e-12, marks=pytest.mark.slow)]
+)
 
 
 def at(until: float) -> Array:

@@ -53,6 +53,7 @@ def apart(route: LagrangeRoute, first: Array, states: Array) -> tuple[float, flo
     return float(position), float(np.abs(turned - [rotation_of(x) for x in states]).max())
 
 
+@pytest.mark.slow
 def test_a_rattleback_turns_back_and_keeps_its_energy() -> None:
     body, first = rattleback(), rattleback_start()
     states = rolled(body, first, [0, 0.5, 1, 2.1], 1e-13)
