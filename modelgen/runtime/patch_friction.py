@@ -66,9 +66,9 @@ def area_friction(
     regions, _ = query_of(core, o, f, pose, None, FINE)
     pointers = [address(x) for x in (*given, found, *filled)]
     query = _structure()(ctypes.addressof(regions), m, *pointers)
-    core.cdll.mg_rub_size.restype = ctypes.c_long
-    work = np.empty(core.cdll.mg_rub_size(len(o) + len(f), len(o)), dtype=core.dtype)
-    if core.cdll.mg_rub_regions(ctypes.byref(query), ctypes.c_void_p(address(work))) < 0:
+    core.cdll.mg_region_friction_size.restype = ctypes.c_long
+    work = np.empty(core.cdll.mg_region_friction_size(len(o) + len(f), len(o)), dtype=core.dtype)
+    if core.cdll.mg_region_friction(ctypes.byref(query), ctypes.c_void_p(address(work))) < 0:
         allowed = "two crossings for each pair of arcs, and some more"
         raise SimulationError("area_friction", "more crossings of the boundaries", allowed, "divide the arcs")
     return AreaFriction(*filled)

@@ -37,21 +37,21 @@ MG_INTERNAL int mg_all_finite(int count, const mg_real *x);
 MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x);
 MG_INTERNAL mg_real mg_dot2(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_cross2(const mg_real *a, const mg_real *b);
-MG_INTERNAL mg_real mg_apart2(const mg_real *a, const mg_real *b);
-MG_INTERNAL void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out);
+MG_INTERNAL mg_real mg_distance2(const mg_real *a, const mg_real *b);
+MG_INTERNAL void mg_rotate_back(const mg_real *R, const mg_real *x, mg_real *out);
 MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
-MG_INTERNAL int mg_unit(mg_real *n);
-MG_INTERNAL void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
-MG_INTERNAL void mg_into(const mg_real *pose, const mg_real *world, mg_real *local);
+MG_INTERNAL int mg_normalise3(mg_real *n);
+MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
+MG_INTERNAL void mg_to_local(const mg_real *pose, const mg_real *world, mg_real *local);
 MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out);
 
 /* memory.c */
-MG_INTERNAL long mg_reals(long n, size_t size);
-MG_INTERNAL void *mg_part_of_memory(mg_real **memory, long n, size_t size);
-MG_INTERNAL mg_real *mg_take(mg_real **next, long n);
-MG_INTERNAL int *mg_take_int(int **next, long n);
-MG_INTERNAL void mg_zero(mg_real *a, long n);
+MG_INTERNAL long mg_count_reals(long n, size_t size);
+MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size);
+MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long n);
+MG_INTERNAL int *mg_take_ints(int **next, long n);
+MG_INTERNAL void mg_zero_reals(mg_real *a, long n);
 
 /* cholesky.c */
 MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L);

@@ -4,8 +4,7 @@
 
 /* The lower triangle of L becomes the factor, with the reciprocals of its diagonal. Returns the smallest
    pivot; a pivot below the Tikhonov term is replaced by it. */
-MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L)
-{
+MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L) {
   mg_real smallest = MG_MAX;
   for (int j = 0; j < k; ++j) {
     mg_real *column = L + j * k, pivot = column[j], reciprocal;
@@ -22,8 +21,7 @@ MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L)
   return smallest;
 }
 
-MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x)
-{
+MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x) {
   for (int j = 0; j < k; ++j) {
     const mg_real *column = L + j * k;
     mg_real value = x[j] *= column[j];
@@ -37,8 +35,7 @@ MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x)
   }
 }
 
-static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, int b)
-{
+static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, int b) {
   int label = order[a];
   if (a == b) return;
   order[a] = order[b];
@@ -57,8 +54,7 @@ static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, in
 
 /* L, full and symmetric on entry, becomes the lower trapezoid of P' S P, k by rank; returns the rank: the
    number of pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
-MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance)
-{
+MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance) {
   for (int j = 0; j < k; ++j) order[j] = j;
   for (int j = 0; j < k; ++j) {
     mg_real *column = L + j * k, reciprocal;
@@ -76,8 +72,7 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real toler
 }
 
 /* Gram-Schmidt, twice over, of the trapezoid L (k by rank): Q orthonormal, R upper triangular. */
-static void mg_orthonormalise(mg_factor *f)
-{
+static void mg_orthonormalise(mg_factor *f) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
     mg_real *q = f->Q + j * k, *R = f->R + j * r, norm = 0;
@@ -98,8 +93,7 @@ static void mg_orthonormalise(mg_factor *f)
 }
 
 /* t becomes L^-T L^-1 t, for L of full rank. */
-static void mg_solve_full(const mg_factor *f, mg_real *t)
-{
+static void mg_solve_full(const mg_factor *f, mg_real *t) {
   int k = f->k;
   for (int j = 0; j < k; ++j) {
     t[j] /= f->L[j + j * k];
@@ -112,8 +106,7 @@ static void mg_solve_full(const mg_factor *f, mg_real *t)
 }
 
 /* t becomes Q R^-T R^-1 Q' t; s is scratch of k. */
-static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s)
-{
+static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
     s[j] = 0;
@@ -133,19 +126,15 @@ static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s)
 }
 
 /* y -= S^+ residual; residual and s are scratch of k. */
-static void mg_correct(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s)
-{
+static void mg_correct(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s) {
   for (int i = 0; i < f->k; ++i) t[i] = residual[f->order[i]];
-  if (f->rank == f->k)
-    mg_solve_full(f, t);
-  else
-    mg_solve_deficient(f, t, s);
+  if (f->rank == f->k) mg_solve_full(f, t);
+  else mg_solve_deficient(f, t, s);
   for (int i = 0; i < f->k; ++i) y[f->order[i]] -= t[i];
 }
 
 /* The same in closed form for k = 2 and unit diagonal. */
-MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y)
-{
+MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
   mg_real determinant = (1 - s) * (1 + s);
   if (determinant > MG_LCP_RANK(2)) {
     mg_real r0, r1;
@@ -163,17 +152,14 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y)
   return 1;
 }
 
-static void mg_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual)
-{
+static void mg_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
   for (int i = 0; i < k; ++i) residual[i] = c[i];
   for (int j = 0; j < k; ++j)
     for (int i = 0; i < k; ++i) residual[i] += S[i + j * k] * y[j];
 }
 
 /* S far from singular: the plain factor does. Returns 0 where it is not. */
-static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *L,
-                            mg_real *residual)
-{
+static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *L, mg_real *residual) {
   for (int i = 0; i < k * k; ++i) L[i] = S[i];
   if (!(mg_cholesky(k, L) > MG_LCP_REGULAR)) return 0;
   for (int i = 0; i < k; ++i) y[i] = -c[i];
@@ -184,11 +170,10 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
   return 1;
 }
 
-/* Least |y| with S y = -c, refined once; returns the rank of S, the number of pivots above `floor`. The diagonal of S is
-   1, or not positive. */
+/* Least |y| with S y = -c, refined once; returns the rank of S, the number of pivots above `floor`. The diagonal of S
+   is 1, or not positive. */
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
-                           int *order)
-{
+                                int *order) {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};
   mg_real *residual = work + 3 * k * k, *t = residual + k, *s = t + k;
   if (k == 2 && S[0] > 0 && S[3] > 0) return mg_minimum_norm_two(S[1], c, y);

@@ -1,15 +1,13 @@
 /* base/vectors */
 #include "base/base.h"
 
-MG_INTERNAL int mg_all_finite(int count, const mg_real *x)
-{
+MG_INTERNAL int mg_all_finite(int count, const mg_real *x) {
   int bad = 0;
   for (int i = 0; i < count; ++i) bad |= !(fabs(x[i]) <= MG_MAX);
   return !bad;
 }
 
-MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x)
-{
+MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x) {
   mg_real largest = 0;
   for (int i = 0; i < count; ++i) largest = fabs(x[i]) > largest ? (mg_real)fabs(x[i]) : largest;
   return largest;
@@ -19,13 +17,13 @@ MG_INTERNAL mg_real mg_dot2(const mg_real *a, const mg_real *b) { return a[0] * 
 
 MG_INTERNAL mg_real mg_cross2(const mg_real *a, const mg_real *b) { return a[0] * b[1] - a[1] * b[0]; }
 
-MG_INTERNAL mg_real mg_apart2(const mg_real *a, const mg_real *b) {
+MG_INTERNAL mg_real mg_distance2(const mg_real *a, const mg_real *b) {
   const mg_real d[2] = {b[0] - a[0], b[1] - a[1]};
   return sqrt(mg_dot2(d, d));
 }
 
 /* R^T x, R column-major. */
-MG_INTERNAL void mg_unturn(const mg_real *R, const mg_real *x, mg_real *out) {
+MG_INTERNAL void mg_rotate_back(const mg_real *R, const mg_real *x, mg_real *out) {
   const mg_real a = x[0], b = x[1], d = x[2];
   for (int k = 0; k < 3; k++) out[k] = R[3 * k] * a + R[3 * k + 1] * b + R[3 * k + 2] * d;
 }
@@ -37,21 +35,21 @@ MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b) {
 }
 
 /* Brings a direction to unit length; returns 0 where it has none. */
-MG_INTERNAL int mg_unit(mg_real *n) {
+MG_INTERNAL int mg_normalise3(mg_real *n) {
   const mg_real length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), scale = 1 / length;
   for (int k = 0; k < 3; k++) n[k] *= scale;
   return length > 0 && length <= MG_MAX;
 }
 
-MG_INTERNAL void mg_out(const mg_real *pose, const mg_real *x, int is_point, mg_real *out) {
+MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point, mg_real *out) {
   for (int k = 0; k < 3; k++)
     out[k] = (mg_real)is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
 
 /* A point of the world in the axes of a pose. */
-MG_INTERNAL void mg_into(const mg_real *pose, const mg_real *world, mg_real *local) {
+MG_INTERNAL void mg_to_local(const mg_real *pose, const mg_real *world, mg_real *local) {
   const mg_real arm[3] = {world[0] - pose[0], world[1] - pose[1], world[2] - pose[2]};
-  mg_unturn(pose + 3, arm, local);
+  mg_rotate_back(pose + 3, arm, local);
 }
 
 MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {

@@ -5,34 +5,36 @@
 /* Where to begin: the normal that continues eta, else the line between the bodies. Returns 1 in the first case. */
 static int mg_begin_at(const mg_shape_pair *p, const mg_real *eta, int warm, mg_real *normal, mg_real *rounding) {
   p->kernels->contact_aim(p->kind, p->pose_o, p->pose_f, eta, p->parameters, normal, rounding);
-  if (warm && mg_unit(normal)) return 1;
+  if (warm && mg_normalise3(normal)) return 1;
   for (int k = 0; k < 3; k++) normal[k] = p->pose_f[k] - p->pose_o[k];
-  if (!mg_unit(normal)) normal[0] = normal[1] = 0, normal[2] = 1;
+  if (!mg_normalise3(normal)) normal[0] = normal[1] = 0, normal[2] = 1;
   return 0;
 }
 
 /* Convex shapes: the separation function; the extremality system after it where the maximum is not sharp. */
-MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta, mg_real *placed) {
+MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+                                  mg_real *placed) {
   mg_real rounding, next[MG_MAX_ETA];
   mg_separation_view v;
   const int known = mg_begin_at(p, eta, warm, v.normal, &rounding);
-  const int found = mg_seek(p, -rounding - goal->tolerance * goal->length, known, &v);
+  const int found = mg_maximise_separation(p, -rounding - goal->tolerance * goal->length, known, &v);
   for (int k = 0; k < 6; k++) eta[k] = v.eta[k];
-  mg_put(p, eta, next, placed);
-  if (found && mg_is_small(p, goal, placed)) {
+  mg_place_pair(p, eta, next, placed);
+  if (found && mg_is_residual_small(p, goal, placed)) {
     placed[0] = v.d;
     for (int k = 0; k < 3; k++) placed[5 + k] = v.normal[k];
     return v.d > -rounding ? MG_CLOSEST : MG_MINIMUM;
   }
-  if (mg_newton_safely(p, goal, eta, placed) < 0) return MG_NOWHERE;
+  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_NOWHERE;
   if (placed[0] > -rounding) return MG_CLOSEST;
   if (!(fabs(placed[0] - v.d) <= goal->length / 1000)) return MG_NOWHERE; /* another extremum */
   return mg_is_minimum(placed) ? MG_MINIMUM : MG_STATIONARY;
 }
 
-static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta, mg_real *placed) {
+static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+                           mg_real *placed) {
   if (p->kernels->contact_kinds[p->kind].seeks) return mg_closest_convex(p, goal, warm, eta, placed);
-  if (mg_newton_safely(p, goal, eta, placed) < 0) return MG_NOWHERE;
+  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_NOWHERE;
   if (p->kernels->contact_kinds[p->kind].n_eta == 0) return MG_CLOSEST;
   return mg_is_minimum(placed) ? MG_MINIMUM : MG_STATIONARY;
 }
@@ -40,7 +42,8 @@ static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, i
 MG_API void mg_closest(const mg_closest_queries *q) {
   const mg_newton_goal goal = {q->length, q->residual, q->reach};
   for (long i = 0; i < q->n; i++) {
-    const mg_shape_pair p = {q->kernels, q->kind, q->pose_o + 12 * i, q->pose_f + 12 * i, q->parameters + q->stride * i};
+    const mg_shape_pair p = {q->kernels, q->kind, q->pose_o + 12 * i, q->pose_f + 12 * i,
+                             q->parameters + q->stride * i};
     mg_real placed[14];
     q->outcome[i] = mg_closest_pair(&p, &goal, q->warm, q->eta + q->kernels->contact_kinds[q->kind].n_eta * i, placed);
     q->d[i] = placed[0], q->margin[2 * i] = placed[3], q->margin[2 * i + 1] = placed[4];

@@ -8,14 +8,14 @@
 #define MG_ASCENT_RESTARTS 6
 
 static void mg_look(const mg_shape_pair *p, mg_separation_view *v) {
-  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->hessian, v->tangents,
-                  v->eta);
+  p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->hessian,
+                           v->tangents, v->eta);
 }
 
 static void mg_tilt(const mg_separation_view *from, const mg_real *delta, mg_separation_view *to) {
   const mg_real *t = from->tangents;
   for (int k = 0; k < 3; k++) to->normal[k] = from->normal[k] + delta[0] * t[k] + delta[1] * t[3 + k];
-  mg_unit(to->normal);
+  mg_normalise3(to->normal);
 }
 
 /* Newton's step, where it leads to a maximum within the radius; returns its gain, or -1. */
@@ -59,8 +59,7 @@ static mg_real mg_axes_step(const mg_separation_view *v, mg_real radius, mg_real
 /* What rounding may make of d: the size of the numbers that it is the difference of. */
 static mg_real mg_noise(const mg_shape_pair *p, const mg_separation_view *v) {
   mg_real size = 0;
-  for (int k = 0; k < 3; k++)
-    size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]) + fabs(v->eta[k]) + fabs(v->eta[3 + k]);
+  for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]) + fabs(v->eta[k]) + fabs(v->eta[3 + k]);
   return 4 * MG_EPS * size;
 }
 
@@ -113,14 +112,14 @@ static int mg_away(const mg_real *peaks, int n, mg_real *direction) {
     }
     if (worst < 0) return 1;
     for (int k = 0; k < 3; k++) direction[k] -= (turn < 0 ? 1 : most + (mg_real)0.1) * peaks[3 * worst + k];
-    if (turn >= -1 && !mg_unit(direction)) return 0;
+    if (turn >= -1 && !mg_normalise3(direction)) return 0;
   }
   return 0;
 }
 
 /* Climbs from v->normal, and where that ends below `floor`, from other sides too. v then is the first maximum
    above it; else the highest one, or the first if `keep`. Returns 0 where rounding left it blunt. */
-MG_INTERNAL int mg_seek(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v) {
+MG_INTERNAL int mg_maximise_separation(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v) {
   mg_real peaks[3 * MG_ASCENT_RESTARTS];
   mg_separation_view best = *v;
   int sharp = 0;

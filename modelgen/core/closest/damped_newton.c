@@ -2,19 +2,21 @@
 #include "closest/closest.h"
 #include "model/model.h"
 
-MG_INTERNAL void mg_put(const mg_shape_pair *p, const mg_real *eta, mg_real *next, mg_real *placed) {
-  p->kernels->contact_place(p->kind, p->pose_o, p->pose_f, eta, p->parameters, next, placed, placed + 1, placed + 3, placed + 5,
-                   placed + 8, placed + 11);
+MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_real *next, mg_real *placed) {
+  p->kernels->contact_place(p->kind, p->pose_o, p->pose_f, eta, p->parameters, next, placed, placed + 1, placed + 3,
+                            placed + 5, placed + 8, placed + 11);
 }
 
 /* The residual is as small as is asked for, or as rounding of the positions lets it be. */
-MG_INTERNAL int mg_is_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
+MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
   mg_real far = 0;
   for (int k = 0; k < 3; k++) far += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
   return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * far && placed[2] <= goal->tolerance;
 }
 
-static mg_real mg_merit_of(const mg_newton_goal *goal, const mg_real *placed) { return placed[1] / goal->length + placed[2]; }
+static mg_real mg_merit_of(const mg_newton_goal *goal, const mg_real *placed) {
+  return placed[1] / goal->length + placed[2];
+}
 
 /* The part of the way to `next` that keeps each entry within its reach; 0 if the step is not finite. */
 static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
@@ -33,9 +35,8 @@ static int mg_damped(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real
   const mg_real before = mg_merit_of(goal, placed);
   mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded(goal, eta, next, n);
   for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
-    for (int k = 0; k < n; k++)
-      there[k] = goal->reach[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
-    mg_put(p, there, after, placed);
+    for (int k = 0; k < n; k++) there[k] = goal->reach[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
+    mg_place_pair(p, there, after, placed);
     if (!(mg_merit_of(goal, placed) < (1 - part / 1000) * before)) continue;
     for (int k = 0; k < n; k++) eta[k] = there[k], next[k] = after[k];
     return 1;
@@ -45,14 +46,14 @@ static int mg_damped(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real
 
 /* From eta until the residual is small. Returns the number of steps, or -1; `placed` holds what the place kernel
    gives at eta, in the order of place.c. */
-MG_INTERNAL int mg_newton_safely(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed) {
+MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed) {
   mg_real next[MG_MAX_ETA] = {0};
-  mg_put(p, eta, next, placed);
+  mg_place_pair(p, eta, next, placed);
   for (int step = 0; step < 100; step++) {
-    if (mg_is_small(p, goal, placed)) return step;
+    if (mg_is_residual_small(p, goal, placed)) return step;
     if (!mg_damped(p, goal, eta, next, placed)) break;
   }
-  mg_put(p, eta, next, placed);
+  mg_place_pair(p, eta, next, placed);
   return -1;
 }
 
@@ -63,7 +64,7 @@ MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 static void mg_eta_reach(const mg_context *c, int link, mg_real *reach) {
   mg_eta_scale(c, link, reach);
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_carrier(c, link, side), n = mg_carried[carrier];
+    const int carrier = mg_parametrisation(c, link, side), n = mg_carried[carrier];
     const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < n; k++, reach++)
       *reach = k >= n - signs ? MG_MAX : *reach * (carrier == MG_LOCAL ? 2 : carrier == MG_TURN ? 16 : 1) / 4;
@@ -71,17 +72,18 @@ static void mg_eta_reach(const mg_context *c, int link, mg_real *reach) {
 }
 
 static mg_shape_pair mg_couple_of(const mg_context *c, int contact) {
-  const mg_shape_pair couple = {c->kernels, c->kind[contact], c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact],
-                            c->system->parameters + c->parameters[contact]};
+  const mg_shape_pair couple = {c->kernels, c->kind[contact], c->pose + 12 * c->o[contact],
+                                c->pose + 12 * c->f[contact], c->system->parameters + c->parameters[contact]};
   return couple;
 }
 
-/* As mg_settle_in, from anywhere; convex shapes from nothing. c->search.placement says whether it is a minimum. */
-MG_INTERNAL int mg_settle_safely(mg_context *c, int link, mg_real *eta) {
-  const mg_shape_pair p = mg_couple_of(c, mg_probe(c, link));
+/* As mg_newton_on_link, from anywhere; convex shapes from nothing. c->search.placement says whether it is a minimum. */
+MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int link, mg_real *eta) {
+  const mg_shape_pair p = mg_couple_of(c, mg_use_spare_contact(c, link));
   mg_real reach[MG_MAX_ETA];
   const mg_newton_goal goal = {c->system->length, c->settings->residual, reach};
   mg_eta_reach(c, link, reach);
-  if (p.kernels->contact_kinds[p.kind].seeks) return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_NOWHERE ? -1 : 0;
-  return mg_newton_safely(&p, &goal, eta, c->search.placement);
+  if (p.kernels->contact_kinds[p.kind].seeks)
+    return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_NOWHERE ? -1 : 0;
+  return mg_damped_newton(&p, &goal, eta, c->search.placement);
 }

@@ -5,14 +5,14 @@
 #include "model/model.h"
 
 /* Puts the spare contact, behind the last one, on a link. */
-MG_INTERNAL int mg_probe(mg_context *c, int link) {
-  mg_stand(c, c->system->n_contact, link);
+MG_INTERNAL int mg_use_spare_contact(mg_context *c, int link) {
+  mg_place_on_link(c, c->system->n_contact, link);
   return c->system->n_contact;
 }
 
 /* Turns the normal of two curves round. */
-MG_INTERNAL void mg_turn_round(const mg_context *c, int link, mg_real *eta) {
-  if (mg_carrier(c, link, 0) == MG_SIGN) eta[0] = -eta[0];
+MG_INTERNAL void mg_reverse_normal(const mg_context *c, int link, mg_real *eta) {
+  if (mg_parametrisation(c, link, 0) == MG_SIGN) eta[0] = -eta[0];
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
 
@@ -30,7 +30,7 @@ static int mg_undecided(const mg_context *c, int link) {
 
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
    the two the link takes first. */
-MG_INTERNAL void mg_note_place(const mg_context *c, mg_minimum *found) {
+MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   const int turned = mg_side_body(c, found->link, 0) > mg_side_body(c, found->link, 1);
   found->d = c->search.placement[0];
   for (int k = 0; k < 3; k++) {
@@ -41,41 +41,42 @@ MG_INTERNAL void mg_note_place(const mg_context *c, mg_minimum *found) {
 
 /* The same point and the same normal: one contact, be it on two links where charts overlap. Two curves without an
    outside have one contact at a point, whichever way its normal is turned. */
-MG_INTERNAL int mg_same_contact(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
+MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
-  const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_is_bare(c, a->link));
+  const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_has_no_outside(c, a->link));
   apart += (a->d - b->d) * (a->d - b->d);
   return sqrt(apart) < c->settings->apart * c->system->length && (!sided || sqrt(turned) < c->settings->apart);
 }
 
 /* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
-MG_INTERNAL int mg_judge(mg_context *c, int link, mg_real *eta, mg_minimum *found) {
-  const int spare = mg_probe(c, link), alone = mg_is_bare(c, link);
+MG_INTERNAL int mg_accept_minimum(mg_context *c, int link, mg_real *eta, mg_minimum *found) {
+  const int spare = mg_use_spare_contact(c, link), alone = mg_has_no_outside(c, link);
   int which;
   mg_real next[6];
-  mg_place(c, spare, eta, next);
+  mg_place_contact(c, spare, eta, next);
   if (mg_has_signs(c, link)) {
-    const int wrong = alone ? mg_wrong_side(c, link) : mg_worst_condition(c, link, eta, &which) < -c->settings->border;
-    if (wrong) mg_turn_round(c, link, eta), mg_place(c, spare, eta, next);
+    const int wrong =
+        alone ? mg_wrong_side(c, link) : mg_most_violated_condition(c, link, eta, &which) < -c->settings->border;
+    if (wrong) mg_reverse_normal(c, link, eta), mg_place_contact(c, spare, eta, next);
   }
   found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
-  if (!(mg_margin_of(c) > c->settings->lost)) return 0;
-  if (mg_worst_condition(c, link, eta, &which) < -c->settings->border) return 0;
-  if (mg_least_condition(c, link, eta, 1, &which) < -c->settings->lean) return 0;
-  found->link = link, found->margin = mg_margin_of(c);
-  mg_note_place(c, found);
+  if (!(mg_placement_margin(c) > c->settings->lost)) return 0;
+  if (mg_most_violated_condition(c, link, eta, &which) < -c->settings->border) return 0;
+  if (mg_least_link_condition(c, link, eta, 1, &which) < -c->settings->lean) return 0;
+  found->link = link, found->margin = mg_placement_margin(c);
+  mg_record_minimum(c, found);
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
 }
 
 /* Keeps the found in order of |d|, each once. */
-MG_INTERNAL void mg_keep(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
+MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
-    if (mg_same_contact(c, kept->list + i, found)) return;
+    if (mg_is_same_minimum(c, kept->list + i, found)) return;
   int at = kept->count < MG_MINIMA ? kept->count++ : MG_MINIMA;
   for (; at > 0 && fabs(kept->list[at - 1].d) > fabs(found->d); at--)
     if (at < MG_MINIMA) kept->list[at] = kept->list[at - 1];
@@ -84,7 +85,7 @@ MG_INTERNAL void mg_keep(const mg_context *c, mg_minima *kept, const mg_minimum 
 
 /* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
    the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
-MG_INTERNAL mg_real mg_parting(mg_context *c, int pair) {
+MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
   mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
   int groups = 0;
@@ -92,7 +93,7 @@ MG_INTERNAL mg_real mg_parting(mg_context *c, int pair) {
     const int group = s->link_group[link];
     if (group < 0 || group >= MG_SAMPLES) continue;
     while (groups <= group) c->search.merit[groups++] = MG_MAX;
-    mg_place(c, mg_probe(c, link), eta, next);
+    mg_place_contact(c, mg_use_spare_contact(c, link), eta, next);
     if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
@@ -104,7 +105,8 @@ MG_INTERNAL mg_real mg_parting(mg_context *c, int pair) {
 static int mg_was_left(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
-    if (left->link == found->link && mg_same_contact(c, left, found) && mg_goes_off(c, found)) return 1;
+    if (left->link == found->link && mg_is_same_minimum(c, left, found) && mg_is_about_to_leave_link(c, found))
+      return 1;
   }
   return 0;
 }
@@ -112,17 +114,18 @@ static int mg_was_left(mg_context *c, const mg_minimum *found) {
 /* Adds to what is kept the extrema of a link that are above `least`. */
 MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_minima *kept) {
   const int n_eta = c->kernels->contact_kinds[c->system->link_kind[link]].n_eta;
-  const int turn = mg_carrier(c, link, 0) == MG_TURN;
-  const int known = n_eta == 0 || turn || mg_carrier(c, link, 0) == MG_SIGN || c->kernels->contact_kinds[c->system->link_kind[link]].seeks;
+  const int turn = mg_parametrisation(c, link, 0) == MG_TURN;
+  const int known = n_eta == 0 || turn || mg_parametrisation(c, link, 0) == MG_SIGN ||
+                    c->kernels->contact_kinds[c->system->link_kind[link]].seeks;
   mg_newton_starts *starts = &c->search.starts;
   mg_minimum found;
   starts->count = 1;
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
-  if (!known) mg_find_starts(c, link, n, zooms, starts);
+  if (!known) mg_find_newton_starts(c, link, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_safely(c, link, starts->eta[i]) < 0) continue;
-    if (!mg_judge(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
-    mg_keep(c, kept, &found);
+    if (mg_settle_from_anywhere(c, link, starts->eta[i]) < 0) continue;
+    if (!mg_accept_minimum(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
+    mg_insert_minimum(c, kept, &found);
   }
 }
 
@@ -132,12 +135,12 @@ static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->settings
 /* Each contact of the pair has a link of its own. */
 static int mg_start_each(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int link = s->contact_link[i];
     mg_minima found = {0};
     mg_search_link(c, link, MG_GRID, 2, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (!found.count && mg_is_endless(c, link)) return MG_NO_EXTREMUM;
+    if (!found.count && mg_is_unconditional_link(c, link)) return MG_NO_EXTREMUM;
     if (found.count && found.list[0].undecided) return MG_NO_SIDE;
     mg_set_link(c, i, found.count ? link : -1, found.list[0].eta);
   }
@@ -147,14 +150,14 @@ static int mg_start_each(mg_context *c, int pair) {
 /* The contacts of the pair share its links: the nearest first, others only within reach. */
 static int mg_start_shared(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  const int first = mg_first_contact(c, pair), end = mg_first_contact(c, pair + 1);
-  const mg_real least = mg_parting(c, pair) - c->settings->start_gap * s->length;
+  const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
+  const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
   for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
     mg_search_link(c, each, MG_GRID, 2, least, &found);
   c->run->failed_contact = first;
   const int link = s->pair_link[pair];
-  if (!found.count && mg_is_endless(c, link) && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
+  if (!found.count && mg_is_unconditional_link(c, link) && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
@@ -166,7 +169,7 @@ static int mg_start_shared(mg_context *c, int pair) {
   return MG_DONE;
 }
 
-MG_INTERNAL int mg_start_pairs(mg_context *c) {
+MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) {
     const int outcome = mg_has_own_links(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
     if (outcome) return outcome;

@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "model/model.h"
 
-MG_INTERNAL int mg_dimension(const mg_context *c, int link, int side) {
+MG_INTERNAL int mg_side_dimension(const mg_context *c, int link, int side) {
   return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].dimension;
 }
 
@@ -11,17 +11,18 @@ MG_INTERNAL int mg_dimension(const mg_context *c, int link, int side) {
    length 0 where the shape has none. */
 static void mg_sample_in(mg_context *c, int link, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->system;
-  const mg_real *place = mg_side(c, link, side) + MG_PLACEMENT;
+  const mg_real *place = mg_side_numbers(c, link, side) + MG_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
-  c->kernels->shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in, direction);
+  c->kernels->shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in,
+                          direction);
   const mg_real size = sqrt(mg_dot3(direction, direction));
   for (int k = 0; k < 3; k++) direction[k] = size > 0 && size < MG_MAX ? direction[k] / size : 0;
-  mg_out(place, in, 1, in + 3), mg_out(place, direction, 0, in + 6);
+  mg_to_world(place, in, 1, in + 3), mg_to_world(place, direction, 0, in + 6);
 }
 
 static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
   for (int k = 0; k < 3; k++) at->local[k] = in[k];
-  mg_out(pose, in + 3, 1, at->point), mg_out(pose, in + 6, 0, at->direction);
+  mg_to_world(pose, in + 3, 1, at->point), mg_to_world(pose, in + 6, 0, at->direction);
   at->uv[0] = uv[0], at->uv[1] = uv[1];
 }
 
@@ -51,11 +52,11 @@ static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
 }
 
 /* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
-MG_INTERNAL void mg_window(mg_context *c, int link, int side, mg_real reach, mg_real *window) {
-  const mg_real *domain = mg_side(c, link, side) + MG_DOMAIN;
+MG_INTERNAL void mg_sample_window(mg_context *c, int link, int side, mg_real reach, mg_real *window) {
+  const mg_real *domain = mg_side_numbers(c, link, side) + MG_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
-  const mg_real far = endless && mg_dimension(c, link, side) == 1 ? mg_far_along(c, link, side, reach) : reach;
+  const mg_real far = endless && mg_side_dimension(c, link, side) == 1 ? mg_far_along(c, link, side, reach) : reach;
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
 }
@@ -64,7 +65,7 @@ MG_INTERNAL void mg_window(mg_context *c, int link, int side, mg_real reach, mg_
    taken; 0 where none are kept of so many within this window. */
 static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real *window, int count, int *fresh) {
   const mg_system *s = c->system;
-  const mg_real *domain = mg_side(c, link, side) + MG_DOMAIN;
+  const mg_real *domain = mg_side_numbers(c, link, side) + MG_DOMAIN;
   const int table = s->n_table ? s->side_table[2 * link + side] : -1;
   if (table < 0 || s->table_first[table + 1] - s->table_first[table] != count) return 0;
   for (int k = 0; k < 4; k++)
@@ -75,7 +76,7 @@ static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real
 
 /* A grid of n by n samples over the window, as many along a curve, one of a point. */
 MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out) {
-  const int dimension = mg_dimension(c, link, side), along = dimension == 2 ? n : dimension ? n * n : 1;
+  const int dimension = mg_side_dimension(c, link, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
   int count = 0, fresh = 1;
@@ -91,19 +92,19 @@ MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real 
   return count;
 }
 
-MG_INTERNAL void mg_zoom(mg_real *window, const mg_real *centre) {
+MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre) {
   for (int k = 0; k < 2; k++) {
     const mg_real half = (window[2 * k + 1] - window[2 * k]) / 10;
     window[2 * k] = centre[k] - half, window[2 * k + 1] = centre[k] + half;
   }
 }
 
-MG_INTERNAL mg_real mg_reach_of(mg_context *c, int link) {
+MG_INTERNAL mg_real mg_search_radius(mg_context *c, int link) {
   const mg_real *o = c->pose + 12 * mg_side_body(c, link, 0), *f = c->pose + 12 * mg_side_body(c, link, 1);
   const mg_real apart[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]}, distance = sqrt(mg_dot3(apart, apart));
   mg_real size = distance / 1000;
   for (int side = 0; side < 2; side++) {
-    const mg_real *at = mg_side(c, link, side), *middle = at + MG_CENTRE;
+    const mg_real *at = mg_side_numbers(c, link, side), *middle = at + MG_CENTRE;
     const mg_real arm = sqrt(mg_dot3(at, at)) + sqrt(mg_dot3(middle, middle));
     if (at[MG_BOUND] < MG_MAX / 2 && at[MG_BOUND] + arm > size) size = at[MG_BOUND] + arm;
   }

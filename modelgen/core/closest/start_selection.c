@@ -27,8 +27,9 @@ static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curve
 
 /* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
 static int mg_has_foot(const mg_context *c, int link, int side) {
-  const int carrier = mg_carrier(c, link, side);
-  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot && (carrier == MG_NONE || carrier == MG_LOCAL);
+  const int carrier = mg_parametrisation(c, link, side);
+  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot &&
+         (carrier == MG_NONE || carrier == MG_LOCAL);
 }
 
 static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) {
@@ -38,8 +39,8 @@ static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) 
   ground->radius = 0;
   if (c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot == MG_FLAT) return;
   ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
-  mg_out(mg_side(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
-  mg_out(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
+  mg_to_world(mg_side_numbers(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
+  mg_to_world(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
   for (int k = 0; k < 3; k++) ground->centre[k] = ground->base.point[k] - turned[k];
 }
 
@@ -54,7 +55,8 @@ static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *fo
     for (int k = 0; k < 3; k++) span[k] = point[k] - ground->centre[k];
     const mg_real distance = sqrt(mg_dot3(span, span));
     for (int k = 0; k < 3 && distance > 0; k++)
-      foot->direction[k] = sign * span[k] / distance, foot->point[k] = ground->centre[k] + ground->radius * span[k] / distance;
+      foot->direction[k] = sign * span[k] / distance,
+      foot->point[k] = ground->centre[k] + ground->radius * span[k] / distance;
   } else {
     for (int k = 0; k < 3; k++) span[k] = point[k] - base->point[k];
     const mg_real height = mg_dot3(span, base->direction);
@@ -62,8 +64,9 @@ static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *fo
   }
 }
 
-/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is tried
-   first; as many of the others are passed over as lie too far away, no two in a row being farther apart than `widest`. */
+/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is
+   tried first; as many of the others are passed over as lie too far away, no two in a row being farther apart than
+   `widest`. */
 static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
   const mg_sample *other = c->search.samples + MG_SAMPLES;
   mg_real widest = 0;
@@ -96,7 +99,8 @@ static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, 
   if (width > 0 && (width < size || !(size > 0))) size = width;
   for (int i = 0; i < n; i++) {
     mg_foot(&ground, c->search.samples[i].point, c->search.samples + MG_SAMPLES + i);
-    c->search.mate[i] = i, c->search.merit[i] = mg_merit(c->search.samples + i, c->search.samples + MG_SAMPLES + i, curves, size);
+    c->search.mate[i] = i,
+    c->search.merit[i] = mg_merit(c->search.samples + i, c->search.samples + MG_SAMPLES + i, curves, size);
     if (!(c->search.merit[i] <= MG_MAX)) c->search.merit[i] = MG_MAX;
   }
 }
@@ -116,13 +120,24 @@ static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
 MG_INTERNAL void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
   for (int side = 0; side < 2; side++) {
     const mg_sample *at = side ? f : o;
-    switch (mg_carrier(c, link, side)) {
-      case MG_LOCAL: for (int k = 0; k < 3; k++) *eta++ = at->local[k]; break;
-      case MG_CHART: *eta++ = at->uv[0], *eta++ = at->uv[1]; break;
-      case MG_CURVE: *eta++ = at->uv[0]; break;
-      case MG_SIGNED_CURVE: *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1; break;
-      case MG_SIGN: *eta++ = 1; break;
-      default: break;
+    switch (mg_parametrisation(c, link, side)) {
+      case MG_LOCAL:
+        for (int k = 0; k < 3; k++) *eta++ = at->local[k];
+        break;
+      case MG_CHART:
+        *eta++ = at->uv[0], *eta++ = at->uv[1];
+        break;
+      case MG_CURVE:
+        *eta++ = at->uv[0];
+        break;
+      case MG_SIGNED_CURVE:
+        *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1;
+        break;
+      case MG_SIGN:
+        *eta++ = 1;
+        break;
+      default:
+        break;
     }
   }
 }
@@ -156,7 +171,7 @@ static void mg_keep_start(mg_newton_starts *kept, mg_real merit, const mg_real *
 
 /* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
 static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_real window[2][4]) {
-  const int curves = (mg_dimension(c, link, 0) < 2) + (mg_dimension(c, link, 1) < 2);
+  const int curves = (mg_side_dimension(c, link, 0) < 2) + (mg_side_dimension(c, link, 1) < 2);
   const int rows = mg_sample_side(c, link, row, window[row], n, c->search.samples);
   const mg_real own = mg_extent_of(c, 0, rows);
   if (feet) {
@@ -171,7 +186,7 @@ static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_
 
 /* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
 static int mg_is_dense(const mg_context *c, int link, int feet) {
-  return feet || (mg_dimension(c, link, 0) < 2 && mg_dimension(c, link, 1) < 2);
+  return feet || (mg_side_dimension(c, link, 0) < 2 && mg_side_dimension(c, link, 1) < 2);
 }
 
 /* A contact of the pair is on the link already, with its points next to sample i of the rows and its mate. */
@@ -180,10 +195,11 @@ static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, 
   const mg_sample *own = c->search.samples + i, *mate = c->search.samples + MG_SAMPLES + c->search.mate[i];
   const mg_real near = beside >= 0 ? mg_between(own, c->search.samples + beside) : 0;
   mg_real next[6];
-  for (int k = mg_first_contact(c, pair); k < mg_first_contact(c, pair + 1); k++) {
-    if (!mg_present(c, k) || c->run->link[k] != link) continue;
-    mg_place(c, k, mg_eta_of(c, c->run->x, k), next);
-    const mg_real *points[2] = {c->search.placement + 8, c->search.placement + 11}, *p = points[row], *q = points[1 - row];
+  for (int k = mg_pair_first_contact(c, pair); k < mg_pair_first_contact(c, pair + 1); k++) {
+    if (!mg_is_on_link(c, k) || c->run->link[k] != link) continue;
+    mg_place_contact(c, k, mg_contact_eta(c, c->run->x, k), next);
+    const mg_real *points[2] = {c->search.placement + 8, c->search.placement + 11}, *p = points[row],
+                  *q = points[1 - row];
     const mg_real a[3] = {own->point[0] - p[0], own->point[1] - p[1], own->point[2] - p[2]};
     const mg_real b[3] = {mate->point[0] - q[0], mate->point[1] - q[1], mate->point[2] - q[2]};
     if (mg_dot3(a, a) <= near * near && mg_dot3(b, b) <= 4 * near * near) return 1;
@@ -192,12 +208,12 @@ static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, 
 }
 
 /* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
-MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_newton_starts *kept) {
+MG_INTERNAL void mg_find_newton_starts(mg_context *c, int link, int n, int zooms, mg_newton_starts *kept) {
   const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
-  const int across = mg_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
+  const int across = mg_side_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};
   kept->count = 0;
-  for (int side = 0; side < 2; side++) mg_window(c, link, side, mg_reach_of(c, link), window[side]);
+  for (int side = 0; side < 2; side++) mg_sample_window(c, link, side, mg_search_radius(c, link), window[side]);
   for (int level = 0; level <= zooms; level++) {
     const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
     int best = 0;
@@ -205,12 +221,12 @@ MG_INTERNAL void mg_find_starts(mg_context *c, int link, int n, int zooms, mg_ne
       mg_sample *own = c->search.samples + i, *other = c->search.samples + MG_SAMPLES + c->search.mate[i];
       if (c->search.merit[i] < c->search.merit[best]) best = i;
       if (!mg_is_lowest(c, i, rows, across)) continue;
-      if (feet) mg_point_in(c, link, 1 - row, other->point, other->local);
+      if (feet) mg_point_in_shape_axes(c, link, 1 - row, other->point, other->local);
       mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
       mg_keep_start(kept, c->search.merit[i], eta);
     }
     if (mg_is_dense(c, link, feet) && mg_is_known_start(c, link, row, best, rows, across)) return;
-    mg_zoom(window[row], c->search.samples[best].uv);
-    mg_zoom(window[1 - row], c->search.samples[MG_SAMPLES + c->search.mate[best]].uv);
+    mg_shrink_window(window[row], c->search.samples[best].uv);
+    mg_shrink_window(window[1 - row], c->search.samples[MG_SAMPLES + c->search.mate[best]].uv);
   }
 }

@@ -6,18 +6,21 @@
 
 enum { MG_MOST_JERKS = 4096 }; /* parts of a step in which one is looked for */
 
-typedef struct { mg_real t, twist[6], accel[6]; } mg_swing; /* a driven body at a time */
+typedef struct {
+  mg_real t, twist[6], accel[6];
+} mg_swing; /* a driven body at a time */
 
 static mg_swing mg_swing_at(const mg_context *c, int body, mg_real t) {
   const mg_system *s = c->system;
   mg_swing swing = {t, {0}, {0}};
   mg_real pose[12];
-  c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist, swing.accel);
+  c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist,
+                        swing.accel);
   return swing;
 }
 
-/* By how much the velocity changes from one time to the other beyond what the acceleration tells, m/s; 0 where that tells
-   most of it. */
+/* By how much the velocity changes from one time to the other beyond what the acceleration tells, m/s; 0 where that
+   tells most of it. */
 static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing *to) {
   mg_real untold = 0, whole = 0;
   for (int k = 0; k < 6; k++) {
@@ -29,12 +32,13 @@ static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing
 }
 
 /* A time so short that nothing else happens in it: at a kink itself its functions have the mean of both slopes. */
-MG_INTERNAL mg_real mg_at_once(const mg_context *c) {
+MG_INTERNAL mg_real mg_negligible_time(const mg_context *c) {
   const mg_real close = c->settings->event * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
 }
 
-/* Halves the time in which the velocity of a body seems to jump, until it does so at once, or goes over smoothly (0). */
+/* Halves the time in which the velocity of a body seems to jump, until it does so at once, or goes over smoothly (0).
+ */
 static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *to) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real jump = mg_jump(c, from, to);
@@ -45,7 +49,7 @@ static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *
     *(second > first ? from : to) = middle;
     jump = fmax(first, second);
   }
-  *to = mg_swing_at(c, body, to->t + mg_at_once(c));
+  *to = mg_swing_at(c, body, to->t + mg_negligible_time(c));
   return jump > rest;
 }
 
@@ -53,7 +57,7 @@ static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *
 static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
   const mg_real parts = h / (c->settings->look * c->system->time);
   const int n = parts < MG_MOST_JERKS ? (int)parts + 1 : MG_MOST_JERKS;
-  mg_swing at = mg_swing_at(c, body, c->run->t - mg_at_once(c) / 4);
+  mg_swing at = mg_swing_at(c, body, c->run->t - mg_negligible_time(c) / 4);
   for (int k = 1; k <= n; k++) {
     const mg_swing next = mg_swing_at(c, body, c->run->t + k * h / n);
     mg_swing from = at, to = next;
@@ -67,7 +71,7 @@ static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *be
 }
 
 /* The first within a step h from now, of all driven bodies. */
-MG_INTERNAL int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
+MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
   for (int b = 0; b < c->system->n_body && c->n_driven; b++)
     if (mg_is_driven(c->system, b) && mg_find_jerk_of(c, b, found ? *before - c->run->t : h, before, after)) found = 1;
@@ -75,13 +79,13 @@ MG_INTERNAL int mg_find_jerk(const mg_context *c, mg_real h, mg_real *before, mg
 }
 
 /* Over a jump that is at hand, to the time after it. */
-MG_INTERNAL int mg_take_jerk(mg_context *c, mg_real after, mg_events *events) {
-  mg_pass_time(c->run, after - c->run->t);
-  mg_refresh(c);
-  mg_forget_events(c);
-  if (c->system->n_grip) mg_forget_slip(c);
-  mg_open_far(c, events);
+MG_INTERNAL int mg_pass_velocity_jump(mg_context *c, mg_real after, mg_events *events) {
+  mg_advance_time(c->run, after - c->run->t);
+  mg_update_rows_and_forces(c);
+  mg_clear_triggered(c);
+  if (c->system->n_grip) mg_clear_slip(c);
+  mg_open_distant(c, events);
   const int outcome = mg_change_mode(c, events);
-  mg_ledger(c);
+  mg_update_diagnostics(c);
   return outcome;
 }

@@ -1,11 +1,13 @@
-/* Points of one pair that meet, or part from each other: contacts that become one, that become several, that give way. */
+/* Points of one pair that meet, or part from each other: contacts that become one, that become several, that give way.
+ */
 #include "features/features.h"
 #include "model/model.h"
 #include "closest/closest.h"
 
-/* Minima about eta that are too near to it for a search: Newton's method from both sides of it, as far off as two points are
-   that have this margin. */
-MG_INTERNAL void mg_search_beside(mg_context *c, int contact, const mg_real *eta, mg_real margin, mg_minima *kept) {
+/* Minima about eta that are too near to it for a search: Newton's method from both sides of it, as far off as two
+   points are that have this margin. */
+MG_INTERNAL void mg_search_near_bifurcation(mg_context *c, int contact, const mg_real *eta, mg_real margin,
+                                            mg_minima *kept) {
   const int link = c->run->link[contact], n = c->n_eta[contact];
   mg_real scale[6], to[6];
   mg_minimum found;
@@ -13,53 +15,54 @@ MG_INTERNAL void mg_search_beside(mg_context *c, int contact, const mg_real *eta
   for (int j = 0; j < 4 * n; j++) {
     for (int k = 0; k < n; k++) to[k] = eta[k];
     to[j / 4] += (j % 2 ? 1 : -1) * (j % 4 < 2 ? 2 : 8) * sqrt(margin) * scale[j / 4];
-    if (mg_settle_in(c, contact, to) >= 0 && mg_judge(c, link, to, &found)) mg_keep(c, kept, &found);
+    if (mg_newton_on_link(c, contact, to) >= 0 && mg_accept_minimum(c, link, to, &found))
+      mg_insert_minimum(c, kept, &found);
   }
 }
 
 /* Points of a pair that have become one are one contact, closed if one of them is. */
-MG_INTERNAL void mg_merge(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
   mg_minimum found;
   mg_real next[6];
   for (int closed = 0; closed < 2; closed++)
     for (int i = c->support_begin - 1; i >= 0; i--) {
-      if (!mg_present(c, i) || c->run->closed[i] != closed) continue;
+      if (!mg_is_on_link(c, i) || c->run->closed[i] != closed) continue;
       const int pair = c->system->contact_pair[i];
       if (closed) c->run->moved[pair] = MG_MAX / 2; /* is searched at once */
-      mg_place(c, i, mg_eta_of(c, c->run->x, i), next);
+      mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
       found.link = c->run->link[i];
-      mg_note_place(c, &found);
-      if (mg_is_followed(c, pair, i, &found)) mg_leave(c, events, i);
+      mg_record_minimum(c, &found);
+      if (mg_is_already_contact(c, pair, i, &found)) mg_leave_link(c, events, i);
     }
 }
 
 /* One point of a pair that has become several touches at all of them; the others are marked in c->events.triggered. */
-MG_INTERNAL void mg_touch_at_all(mg_context *c, mg_events *events, int contact) {
+MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   const mg_real touching = c->settings->gap * c->system->length;
   mg_minima found = {0};
   if (!c->n_eta[contact] || c->system->pair_search[pair] == MG_SEARCH_NEVER) return;
-  mg_search_beside(c, contact, mg_eta_of(c, c->run->x, contact), c->events.passage.margin, &found);
+  mg_search_near_bifurcation(c, contact, mg_contact_eta(c, c->run->x, contact), c->events.passage.margin, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
-    if (each->undecided || fabs(each->d) > touching || mg_is_followed(c, pair, -1, each)) continue;
-    const int slot = mg_slot_for(c, pair, each);
+    if (each->undecided || fabs(each->d) > touching || mg_is_already_contact(c, pair, -1, each)) continue;
+    const int slot = mg_free_contact_for(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d, c->run->margin[slot] = each->margin, c->events.triggered[slot] = 1;
-    mg_befalls(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
+    mg_apply_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
   }
 }
 
 /* A contact that ends because other points of its pair have come to touch, or lie below, gives way to them. */
-MG_INTERNAL int mg_gives_way_to_others(mg_context *c, mg_events *events, int contact) {
+MG_INTERNAL int mg_is_replaced_by_others(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   if (c->system->pair_search[pair] == MG_SEARCH_NEVER) return 0;
   mg_search_pair(c, events, pair);
-  for (int i = mg_first_contact(c, pair); i < mg_first_contact(c, pair + 1); i++) {
-    if (i == contact || !mg_present(c, i) || mg_is_singular(c, i)) continue;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
+    if (i == contact || !mg_is_on_link(c, i) || mg_is_singular(c, i)) continue;
     if (c->d[i] > c->settings->gap * c->system->length) continue;
-    mg_leave(c, events, contact);
+    mg_leave_link(c, events, contact);
     return 1;
   }
   return 0;

@@ -11,7 +11,7 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
     mg_real moving, height, momentum[3], spin[3];
     if (!mg_moves(c, b)) continue;
     c->kernels->body_energy(mg_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b], s->gravity,
-                   s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
+                            s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
     total += moving + height;
     *kinetic += moving;
   }
@@ -23,7 +23,7 @@ static void mg_raise(mg_real *largest, mg_real value) {
 }
 
 /* Needs the rows at run->x. */
-MG_INTERNAL void mg_ledger(mg_context *c) {
+MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   const mg_system *s = c->system;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
@@ -31,13 +31,13 @@ MG_INTERNAL void mg_ledger(mg_context *c) {
   const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_state];
   mg_raise(&run->energy_error_max, fabs(error));
   mg_raise(&run->kinetic_max, kinetic);
-  if (s->n_row) mg_watch_joints(c);
+  if (s->n_row) mg_monitor_joint_rank(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
-    if (!mg_is_pad(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_support_point(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
     mg_raise(&run->gap_max, fabs(c->d[i]));
-    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_crosses(c, run->link[i])) continue;
+    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_is_curved_crossing(c, run->link[i])) continue;
     run->margin_min = run->margin[i];
   }
 }
@@ -46,7 +46,7 @@ MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_singular(c, i)) {
       c->run->failed_contact = i;
-      mg_befalls(c, events, i, MG_ENDS_RUN, c->run->t, 0);
+      mg_apply_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);
       return MG_MARGIN;
     }
   return MG_DONE;

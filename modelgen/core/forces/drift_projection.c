@@ -2,13 +2,13 @@
 #include "forces/forces.h"
 #include "model/model.h"
 
-MG_INTERNAL mg_real mg_largest(const mg_context *c, const mg_real *value) {
+MG_INTERNAL mg_real mg_largest_drift(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
   for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
     if (fabs(value[i]) > largest) largest = fabs(value[i]);
-  const int n = c->system->n_grip ? mg_list_stuck(c, c->lcp.rows, 0) : 0;
+  const int n = c->system->n_grip ? mg_append_sticking_rows(c, c->lcp.rows, 0) : 0;
   for (int r = 0; r < n; r++)
     if (fabs(value[c->lcp.rows[r]]) > largest) largest = fabs(value[c->lcp.rows[r]]);
   return largest;
@@ -18,16 +18,16 @@ static void mg_clear(mg_context *c) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
 }
 
-/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how many
-   rows that are, in c->lcp.rows; their z are in c->impulse. */
-MG_INTERNAL int mg_correction(mg_context *c, const int *marked, const mg_real *value) {
-  const int n = mg_hold(c, marked, value, c->impulse);
+/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how
+   many rows that are, in c->lcp.rows; their z are in c->impulse. */
+MG_INTERNAL int mg_projection_step(mg_context *c, const int *marked, const mg_real *value) {
+  const int n = mg_hold_rows(c, marked, value, c->impulse);
   mg_clear(c);
-  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->wrench);
+  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->wrench);
   return n;
 }
 
-MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle) {
+MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
   const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
   e[0] = q0 - q1 * x - q2 * y - q3 * z;
@@ -36,19 +36,19 @@ MG_INTERNAL void mg_turn(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-MG_INTERNAL void mg_move(mg_context *c) {
+MG_INTERNAL void mg_correct_positions(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
-    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_turn(q + 3, change + 3);
+    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
-  mg_normalise(c, c->run->x);
+  mg_normalise_quaternions(c, c->run->x);
   mg_clear(c);
 }
 
-MG_INTERNAL void mg_push(mg_context *c) {
+MG_INTERNAL void mg_correct_velocities(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
@@ -57,18 +57,18 @@ MG_INTERNAL void mg_push(mg_context *c) {
 }
 
 /* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
-MG_INTERNAL int mg_project(mg_context *c) {
+MG_INTERNAL int mg_project_drift(mg_context *c) {
   const mg_real drift = c->settings->drift * c->system->length;
-  if (mg_largest(c, c->d) > drift) {
-    mg_correction(c, c->run->closed, c->d);
-    mg_move(c);
-    if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
-    mg_refresh(c);
+  if (mg_largest_drift(c, c->d) > drift) {
+    mg_projection_step(c, c->run->closed, c->d);
+    mg_correct_positions(c);
+    if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
+    mg_update_rows_and_forces(c);
   }
-  if (mg_largest(c, c->d_dot) > drift / c->system->time) {
-    mg_correction(c, c->run->closed, c->d_dot);
-    mg_push(c);
-    mg_refresh(c);
+  if (mg_largest_drift(c, c->d_dot) > drift / c->system->time) {
+    mg_projection_step(c, c->run->closed, c->d_dot);
+    mg_correct_velocities(c);
+    mg_update_rows_and_forces(c);
   }
   return 1;
 }
@@ -76,12 +76,12 @@ MG_INTERNAL int mg_project(mg_context *c) {
 /* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
 MG_INTERNAL int mg_project_start(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    if (mg_largest(c, c->d) <= c->settings->drift * c->system->length) return 1;
-    mg_correction(c, c->run->closed, c->d);
-    mg_move(c);
+    if (mg_largest_drift(c, c->d) <= c->settings->drift * c->system->length) return 1;
+    mg_projection_step(c, c->run->closed, c->d);
+    mg_correct_positions(c);
     for (int extra = 0; extra < 3; extra++)
-      if (!mg_place_all(c, c->run->t, c->run->x)) return 0;
-    mg_refresh(c);
+      if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
+    mg_update_rows_and_forces(c);
   }
   return 1;
 }
@@ -89,14 +89,14 @@ MG_INTERNAL int mg_project_start(mg_context *c) {
 /* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
 static void mg_join_velocities(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
-  mg_correction(c, c->events.gap_dips, c->d_dot);
-  mg_push(c);
-  mg_refresh(c);
+  mg_projection_step(c, c->events.gap_dips, c->d_dot);
+  mg_correct_velocities(c);
+  mg_update_rows_and_forces(c);
 }
 
 /* Needs the rows at run->x. Notes how well the joints fit, and brings the given start onto them; returns 0 where they
    do not fit. */
-MG_INTERNAL int mg_start_joints(mg_context *c) {
+MG_INTERNAL int mg_project_start_joints(mg_context *c) {
   mg_run *run = c->run;
   if (!c->system->n_row) return 1;
   run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);

@@ -10,15 +10,15 @@
 static mg_real mg_slip_left(const mg_context *c, int contact, int grip) {
   const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
   const int row = mg_grip_row(c, contact, grip), spins = c->system->grip_aspect[grip] == MG_SPIN;
-  mg_real slip[2], braking = -mg_separation(c, row) * (spins ? course[0] : mg_dot3(t, course));
-  if (!spins) braking -= mg_separation(c, row + 1) * mg_dot3(t + 3, course);
-  const mg_real along = mg_slip_along(c, contact, grip, slip);
+  mg_real slip[2], braking = -mg_gap_acceleration(c, row) * (spins ? course[0] : mg_dot3(t, course));
+  if (!spins) braking -= mg_gap_acceleration(c, row + 1) * mg_dot3(t + 3, course);
+  const mg_real along = mg_speed_along_slip(c, contact, grip, slip);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
 static mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
-  mg_slip_along(c, contact, grip, slip);
+  mg_speed_along_slip(c, contact, grip, slip);
   return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
 }
 
@@ -26,20 +26,20 @@ static mg_real mg_slip_size(const mg_context *c, int contact, int grip) {
 static void mg_set_on_course(mg_context *c, int contact, int grip) {
   const mg_real *t = c->tangents + 6 * contact, size = mg_slip_size(c, contact, grip);
   mg_real slip[2], *course = c->run->slip_direction + 3 * grip;
-  mg_slip_along(c, contact, grip, slip);
+  mg_speed_along_slip(c, contact, grip, slip);
   for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
   if (c->system->grip_aspect[grip] == MG_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
 }
 
 /* Notes where a grip slips. Returns 0 where it hardly does. */
 static int mg_aim(mg_context *c, int contact, int grip) {
-  if (!(mg_slip_size(c, contact, grip) > 2 * mg_slip_rest(c, grip))) return 0;
+  if (!(mg_slip_size(c, contact, grip) > 2 * mg_stick_speed(c, grip))) return 0;
   mg_set_on_course(c, contact, grip);
   return 1;
 }
 
-/* A grip is told by its slip; one that hardly slips is stuck until the forces say otherwise, for slip that dies or begins
-   at one contact dies or begins at others of the body as well. */
+/* A grip is told by its slip; one that hardly slips is stuck until the forces say otherwise, for slip that dies or
+   begins at one contact dies or begins at others of the body as well. */
 static void mg_sort_out(mg_context *c, int contact, int grip) {
   int *mode = c->run->grip + grip;
   if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
@@ -65,7 +65,7 @@ static int mg_release_fastest(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
       if (!c->run->active[i] || c->run->grip[g] != MG_STICKING) continue;
-      const mg_real size = mg_slip_size(c, i, g) / mg_slip_rest(c, g);
+      const mg_real size = mg_slip_size(c, i, g) / mg_stick_speed(c, g);
       if (size > most) most = size, contact = i, fastest = g;
     }
   if (fastest < 0) return 0;
@@ -74,48 +74,50 @@ static int mg_release_fastest(mg_context *c) {
   return 1;
 }
 
-/* Takes the slip of stuck grips away, as an impulse would. Where that would take far more energy than so little slip has, as
-   at two points that nearly are one, a grip slips on. */
+/* Takes the slip of stuck grips away, as an impulse would. Where that would take far more energy than so little slip
+   has, as at two points that nearly are one, a grip slips on. */
 static void mg_arrest(mg_context *c) {
   const mg_real fast = c->settings->arrest * c->settings->slip_speed * c->system->length / c->system->time;
   do {
     mg_real worst = 0;
-    const int n = mg_list_stuck(c, c->lcp.rows, 0);
+    const int n = mg_append_sticking_rows(c, c->lcp.rows, 0);
     for (int r = 0; r < n; r++)
       if (fabs(c->d_dot[c->lcp.rows[r]]) > worst) worst = fabs(c->d_dot[c->lcp.rows[r]]);
     if (!(worst > c->settings->drift * c->system->length / c->system->time)) return;
-  } while (mg_energy_taken(c, mg_correction(c, c->run->closed, c->d_dot)) > c->system->mass * fast * fast / 2 && mg_release_fastest(c));
-  mg_push(c);
-  mg_refresh(c);
+  } while (mg_energy_taken(c, mg_projection_step(c, c->run->closed, c->d_dot)) > c->system->mass * fast * fast / 2 &&
+           mg_release_fastest(c));
+  mg_correct_velocities(c);
+  mg_update_rows_and_forces(c);
 }
 
 /* The rows and accelerations without contact forces. */
 static void mg_let_go(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
-  mg_refresh(c);
+  mg_update_rows_and_forces(c);
 }
 
 /* The leans of slips under way, of contacts that carry no force as yet. */
 static void mg_lean_known(mg_context *c, int contact) {
   for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
     if (c->friction.bound[g] != MG_BOUND_SLIP) continue;
-    mg_slip_lean(c, contact, g);
-    for (int k = 0; k < mg_grip_rows(c, g); k++) mg_weigh(c, mg_grip_row(c, contact, g) + k);
+    mg_update_force_ratio(c, contact, g);
+    for (int k = 0; k < mg_grip_rows(c, g); k++) mg_inverse_mass_row(c, mg_grip_row(c, contact, g) + k);
   }
 }
 
 /* The matrix and the accelerations of the closed contacts that are not skipped, of pads and of joints. */
 static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
-  mg_friction_problem p = {0, 0, MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
+  mg_friction_problem p = {
+      0, 0, MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
   for (int i = 0; i < c->support_begin; i++)
-    if (c->run->closed[i] && !skip[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
-  mg_activate_pads(c);
-  p.n = mg_list_stuck_rubs(c, c->lcp.rows, mg_list_bilateral(c, c->lcp.rows, p.n));
-  mg_assemble(c, c->lcp.rows, p.n);
+    if (c->run->closed[i] && !skip[i]) p.n = mg_append_contact_rows(c, i, p.n_contact++, p.n);
+  mg_activate_supports(c);
+  p.n = mg_append_sticking_patches(c, c->lcp.rows, mg_append_bilateral_rows(c, c->lcp.rows, p.n));
+  mg_assemble_delassus(c, c->lcp.rows, p.n);
   for (int k = 0; k < p.n_contact; k++) mg_lean_known(c, c->friction.cone_contact[k]);
-  mg_begin_rubs(c);
-  mg_lean_columns(c, c->lcp.rows, p.n);
-  for (int r = 0; r < p.n; r++) c->lcp.b[r] = mg_separation(c, c->lcp.rows[r]);
+  mg_begin_patch_friction(c);
+  mg_couple_columns(c, c->lcp.rows, p.n);
+  for (int r = 0; r < p.n; r++) c->lcp.b[r] = mg_gap_acceleration(c, c->lcp.rows[r]);
   return p;
 }
 
@@ -123,7 +125,7 @@ static mg_friction_problem mg_pose_problem(mg_context *c, const int *skip) {
 static void mg_note_paradox(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact && c->run->paradox_contact < 0; k++) {
     const int first = p->first[k], contact = c->friction.cone_contact[k];
-    if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_slack(c))
+    if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_rest_acceleration(c))
       c->run->paradox_contact = contact, c->run->paradox_t = c->run->t;
   }
 }
@@ -131,9 +133,10 @@ static void mg_note_paradox(mg_context *c, const mg_friction_problem *p) {
 static int mg_try_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                         mg_friction_report *report) {
   c->run->lcp_solves++;
-  for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
+  for (int k = 0; k < p->n_contact; k++)
+    mg_write_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
-  return mg_friction_held(c, p, z, report) == MG_FRICTION_SOLVED;
+  return mg_friction_with_bilateral(c, p, z, report) == MG_FRICTION_SOLVED;
 }
 
 /* How fast a row gets away under the forces z. */
@@ -154,12 +157,13 @@ static mg_real mg_certain(const mg_context *c, const mg_friction_problem *p) {
 /* A grip of contact k of the problem is on its bound and moves off, against what its force at the bound does to it. */
 static int mg_gives_way(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
   const int first = p->first[k], row = first + 1 + c->system->grip_row[grip], aspect = c->system->grip_aspect[grip];
-  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_at(aspect), N = c->lcp.z[first];
+  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_index(aspect), N = c->lcp.z[first];
   mg_real way = 0, own = 0, size = 0;
   if (!(c->friction.marks[k] & MG_PRESSES)) return 0;
   for (int j = 0; j < mg_grip_rows(c, grip); j++) {
     const mg_real mu = cone[aspect == MG_SLIP ? j : 0], part = c->lcp.z[row + j] / mu;
-    way += fabs(mg_way_of(p, c->lcp.z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, size += part * part;
+    way += fabs(mg_way_of(p, c->lcp.z, row + j)), own += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N,
+        size += part * part;
   }
   return way > c->settings->cone / 10 * own && sqrt(size) > (1 - c->settings->polish) * N;
 }
@@ -176,7 +180,7 @@ static int mg_mark_giving(mg_context *c, const mg_friction_problem *p) {
 }
 
 /* Those that slip get their kinetic bounds; returns how many bounds that changes. */
-MG_INTERNAL int mg_loosen_giving(mg_context *c) {
+MG_INTERNAL int mg_apply_kinetic_bounds(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->system->n_grip; g++) {
     const mg_real *s = c->system->grip_static + 2 * g, *d = c->system->grip_kinetic + 2 * g;
@@ -226,7 +230,8 @@ static int mg_is_admissible(const mg_context *c) {
     if (!c->run->active[i]) continue;
     if (!(c->force[i] > 0)) return 0;
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      if (c->run->grip[g] == MG_STICKING && !(mg_grip_value(c, i, g) > c->settings->cone * c->force[i])) return 0;
+      if (c->run->grip[g] == MG_STICKING && !(mg_friction_event_value(c, i, g) > c->settings->cone * c->force[i]))
+        return 0;
   }
   return 1;
 }
@@ -235,11 +240,13 @@ static int mg_is_admissible(const mg_context *c) {
    left as they were. */
 static int mg_spread(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++)
-    if (mg_way_of(p, c->lcp.z, c->friction.cone_first[k]) < mg_certain(c, p)) c->run->active[c->friction.cone_contact[k]] = 1;
+    if (mg_way_of(p, c->lcp.z, c->friction.cone_first[k]) < mg_certain(c, p))
+      c->run->active[c->friction.cone_contact[k]] = 1;
   c->run->forces_redundant = 0;
-  mg_refresh(c);
+  mg_update_rows_and_forces(c);
   if (mg_is_admissible(c)) return 1;
-  for (int k = 0; k < p->n_contact; k++) c->run->active[c->friction.cone_contact[k]] = (c->friction.marks[k] & MG_PRESSES) != 0;
+  for (int k = 0; k < p->n_contact; k++)
+    c->run->active[c->friction.cone_contact[k]] = (c->friction.marks[k] & MG_PRESSES) != 0;
   c->run->forces_redundant = 1;
   return 0;
 }
@@ -273,25 +280,26 @@ static void mg_note_report(mg_context *c, const mg_friction_report *report, int 
 }
 
 /* Solves for the modes of the closed contacts that are not skipped. Needs the rows at run->x. */
-MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip) {
+MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int giving, redundant, idle = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) mg_sort_out(c, i, g), c->friction.is_yielding[g] = 0;
+    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+      mg_sort_out(c, i, g), c->friction.is_yielding[g] = 0;
   mg_arrest(c);
-  mg_bound_all(c);
+  mg_update_friction_bounds(c);
   mg_let_go(c);
   if (c->system->n_row) idle = c->system->n_row - mg_rank_joints(c, 0);
   const mg_friction_problem p = mg_pose_problem(c, skip);
   if (p.n_contact == 0) {
-    mg_refresh(c);
+    mg_update_rows_and_forces(c);
     return MG_DONE;
   }
-  redundant = mg_oblique_rank(c, c->lcp.rows, p.n) < p.n - idle;
+  redundant = mg_asymmetric_rank(c, c->lcp.rows, p.n) < p.n - idle;
   do {
     if (!mg_try_cones(c, &p, redundant ? 1 - c->settings->cone : 1, c->lcp.z, &report)) return MG_NO_FRICTION;
     giving = mg_mark_giving(c, &p);
-  } while (mg_loosen_giving(c));
+  } while (mg_apply_kinetic_bounds(c));
   mg_note_report(c, &report, idle);
   mg_note_paradox(c, &p);
   mg_take_modes(c, &p);
@@ -300,21 +308,22 @@ MG_INTERNAL int mg_choose_grips(mg_context *c, const int *skip) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; !c->run->active[i] && g < c->system->contact_grip[i + 1]; g++)
       c->run->grip[g] = MG_FRICTION_OFF;
-  mg_refresh(c);
+  mg_update_rows_and_forces(c);
   mg_arrest(c);
   return MG_DONE;
 }
 
 /* Tells of slip that begins, dies, or dies and begins anew. */
-MG_INTERNAL void mg_report_grips(mg_context *c, mg_events *events) {
+MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
       const int before = c->friction.mode_before[g], now = c->run->grip[g];
       const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->system->grip_aspect[g];
-      if (before == MG_STICKING && now >= MG_SLIP_ONSET) mg_emit(c, events, c->run->t, first, i, 0);
-      if (before >= MG_SLIP_ONSET && now == MG_STICKING) mg_emit(c, events, c->run->t + c->friction.slip_time_left[g], first + 1, i, 0);
+      if (before == MG_STICKING && now >= MG_SLIP_ONSET) mg_report_event(c, events, c->run->t, first, i, 0);
+      if (before >= MG_SLIP_ONSET && now == MG_STICKING)
+        mg_report_event(c, events, c->run->t + c->friction.slip_time_left[g], first + 1, i, 0);
       if (before >= MG_SLIP_ONSET && now >= MG_SLIP_ONSET && now != MG_SLIPPING && c->friction.triggered[g])
-        mg_emit(c, events, c->run->t + c->friction.slip_time_left[g], first + 2, i, 0);
+        mg_report_event(c, events, c->run->t + c->friction.slip_time_left[g], first + 2, i, 0);
       c->friction.slip_time_left[g] = 0;
     }
 }
@@ -328,25 +337,29 @@ static mg_real mg_grip_left(const mg_context *c, int contact, int grip) {
 }
 
 /* The event function of a grip, which falls through zero: force left, or slip left along the course. */
-MG_INTERNAL mg_real mg_grip_value(const mg_context *c, int contact, int grip) {
+MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int grip) {
   mg_real slip[2];
-  return c->run->grip[grip] == MG_STICKING ? mg_grip_left(c, contact, grip) : mg_slip_along(c, contact, grip, slip);
+  return c->run->grip[grip] == MG_STICKING ? mg_grip_left(c, contact, grip)
+                                           : mg_speed_along_slip(c, contact, grip, slip);
 }
 
-/* What is left before the event of a grip; MG_MAX where it has none. Slip that has reached slip_speed is over below it; one that
-   has not, once it goes back as fast. */
-MG_INTERNAL mg_real mg_grip_strain(const mg_context *c, int contact, int grip) {
+/* What is left before the event of a grip; MG_MAX where it has none. Slip that has reached slip_speed is over below it;
+   one that has not, once it goes back as fast. */
+MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int grip) {
   const int mode = c->run->grip[grip];
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
-  const mg_real rest = mg_slip_rest(c, grip), slack = mg_slack(c) * c->system->mass;
+  const mg_real rest = mg_stick_speed(c, grip), slack = mg_rest_acceleration(c) * c->system->mass;
   const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -rest;
-  return mg_grip_value(c, contact, grip) - least;
+  return mg_friction_event_value(c, contact, grip) - least;
 }
 
-static int mg_has_fired(const mg_context *c, int contact, int grip) { return mg_grip_strain(c, contact, grip) < 0; }
+static int mg_has_fired(const mg_context *c, int contact, int grip) {
+  return mg_friction_event_margin(c, contact, grip) < 0;
+}
 
-/* Marks in c->friction.triggered the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates. */
-MG_INTERNAL int mg_grips_fired(mg_context *c) {
+/* Marks in c->friction.triggered the grips whose event has fired; returns their number. Needs mg_rhs and mg_gap_rates.
+ */
+MG_INTERNAL int mg_trigger_friction(mg_context *c) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
@@ -354,15 +367,15 @@ MG_INTERNAL int mg_grips_fired(mg_context *c) {
   return count;
 }
 
-/* As mg_grips_fired at a stage, without marks. */
-MG_INTERNAL int mg_grips_suspect(const mg_context *c) {
+/* As mg_trigger_friction at a stage, without marks. */
+MG_INTERNAL int mg_is_friction_event_near(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
       if (mg_has_fired(c, i, g)) return 1;
   return 0;
 }
 
-MG_INTERNAL int mg_first_slipped(const mg_context *c) {
+MG_INTERNAL int mg_first_triggered_grip(const mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
     if (c->friction.triggered[g]) return g;
   return -1;
@@ -370,7 +383,7 @@ MG_INTERNAL int mg_first_slipped(const mg_context *c) {
 
 /* At the start of a step: the courses that tell its forces, the modes that its events are told by. Needs the rows at
    run->x. */
-MG_INTERNAL void mg_aim_all(mg_context *c) {
+MG_INTERNAL void mg_set_slip_directions(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
       if (c->run->active[i] && c->run->grip[g] >= MG_SLIP_STARTING && mg_aim(c, i, g)) c->run->grip[g] = MG_SLIPPING;

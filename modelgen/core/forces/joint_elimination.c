@@ -8,7 +8,8 @@
 
 /* y = -A_jj^+ (right side) over the joints, of minimum norm; the first n entries are 0. */
 static void mg_hold_joints(mg_context *c, int size, const mg_real *right) {
-  mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->singular, c->lcp.reduced_z, c->lcp.work, c->lcp.iwork);
+  mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->singular, c->lcp.reduced_z, c->lcp.work,
+                  c->lcp.iwork);
 }
 
 static mg_real mg_through_joints(const mg_context *c, int row, int n, int size) {
@@ -27,13 +28,14 @@ static void mg_reduce(mg_context *c, int n, int size) {
 }
 
 /* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
-MG_INTERNAL int mg_list_bilateral(const mg_context *c, int *list, int n) {
+MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && !mg_is_edged(c, i)) list[n++] = i;
-  return mg_list_joints(c, list, n);
+    if (c->run->closed[i] && !mg_is_on_edge_trial(c, i)) list[n++] = i;
+  return mg_append_joint_rows(c, list, n);
 }
 
-/* Contacts whose gaps the pads' and the joints' rows hold already take no part: what is left of their rows is rounding. */
+/* Contacts whose gaps the pads' and the joints' rows hold already take no part: what is left of their rows is rounding.
+ */
 static void mg_pass_held(mg_context *c, int n, int size) {
   mg_real most = 0;
   for (int r = 0; r < size; r++)
@@ -46,13 +48,13 @@ static void mg_pass_held(mg_context *c, int n, int size) {
   }
 }
 
-/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->lcp.rows with the pads' and the joints' rows held at
-   zero. Starts from the active set in c->lcp.mask and leaves that of the answer there. Appends pads and joints to c->lcp.rows;
-   z of all is in c->lcp.z. Returns the solver's outcome. */
-MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
-  const int size = mg_list_bilateral(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
+/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->lcp.rows with the pads' and the joints' rows held
+   at zero. Starts from the active set in c->lcp.mask and leaves that of the answer there. Appends pads and joints to
+   c->lcp.rows; z of all is in c->lcp.z. Returns the solver's outcome. */
+MG_INTERNAL int mg_solve_complementarity(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
+  const int size = mg_append_bilateral_rows(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
   c->run->lcp_solves++;
-  mg_assemble(c, c->lcp.rows, size);
+  mg_assemble_delassus(c, c->lcp.rows, size);
   for (int r = 0; r < size; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.joint_mask[r] = r >= n;
   if (size == n) {
     mg_qp(n, c->lcp.A, c->lcp.b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
@@ -69,12 +71,12 @@ MG_INTERNAL int mg_complement(mg_context *c, int n, const mg_real *value, mg_lcp
 }
 
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and the independent
-   rows of each joint into `rank` unless it is 0. Returns the rank. */
+   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and
+   the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
-  const int n = mg_list_joints(c, c->lcp.rows, 0);
+  const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
   int total = 0;
-  mg_assemble(c, c->lcp.rows, n);
+  mg_assemble_delassus(c, c->lcp.rows, n);
   for (int r = 0; r < n; r++) {
     const mg_real own = c->lcp.A[r + n * r];
     mg_real left = own;
@@ -89,7 +91,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
     c->joints.independence[r] = own > 0 && left > 0 ? left / own : 0;
     c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->singular;
     total += c->lcp.joint_mask[r];
-    if (rank) rank[mg_joint_of(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
+    if (rank) rank[mg_row_joint(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
     if (c->lcp.joint_mask[r]) c->lcp.A[r + n * r] = sqrt(left);
   }
   return total;
@@ -105,9 +107,9 @@ static mg_real mg_product_with_before(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is negative.
-   No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at once do not
-   make up for each other. */
+/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is
+   negative. No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at
+   once do not make up for each other. */
 static int mg_has_turned(mg_real *A, int n) {
   for (int k = 0; k < n; k++) {
     if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
@@ -119,12 +121,14 @@ static int mg_has_turned(mg_real *A, int n) {
   return 0;
 }
 
-/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for the
-   next step. */
+/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for
+   the next step. */
 static int mg_passed_dead_centre(mg_context *c) {
   const int n = c->system->n_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
-  for (int r = 0; r < n; r++) same &= c->lcp.joint_mask[r] == c->joints.was_independent[r], lost += c->joints.was_independent[r] - c->lcp.joint_mask[r];
+  for (int r = 0; r < n; r++)
+    same &= c->lcp.joint_mask[r] == c->joints.was_independent[r],
+        lost += c->joints.was_independent[r] - c->lcp.joint_mask[r];
   for (int r = 0; r < n && same; r++)
     if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->joint_row_begin + r;
   for (int j = 0; j < independent; j++)
@@ -135,7 +139,8 @@ static int mg_passed_dead_centre(mg_context *c) {
   return same ? mg_has_turned(c->lcp.A, independent) : !first && lost > 0;
 }
 
-/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway. */
+/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway.
+ */
 static mg_real mg_left_of(const mg_context *c, int joint) {
   const int first = c->system->joint_row[joint];
   mg_real product = 1;
@@ -148,7 +153,8 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
 static int mg_faintest(mg_context *c, mg_real *least) {
   int faintest = -1;
   *least = 1;
-  for (int r = 0; r < c->system->n_row; r++) c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
+  for (int r = 0; r < c->system->n_row; r++)
+    c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_left_of(c, j);
     if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
@@ -158,7 +164,7 @@ static int mg_faintest(mg_context *c, mg_real *least) {
 }
 
 /* Needs the rows at run->x. */
-MG_INTERNAL void mg_watch_joints(mg_context *c) {
+MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;
   const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);

@@ -1,7 +1,7 @@
-/* Problems of friction with patches that slip, whose columns lean: pads and what else holds both ways are eliminated first,
-   which the solver does for symmetric rows only. */
-/* Linear systems that need be neither symmetric nor regular: A P = Q R by Householder's reflections (Golub and Van Loan,
-   Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2), least norm where the rank is less than full. */
+/* Problems of friction with patches that slip, whose columns lean: pads and what else holds both ways are eliminated
+   first, which the solver does for symmetric rows only. */
+/* Linear systems that need be neither symmetric nor regular: A P = Q R by Householder's reflections (Golub and Van
+   Loan, Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2), least norm where the rank is less than full. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -13,26 +13,29 @@ static int mg_any_rub_leans(const mg_context *c) {
   return 0;
 }
 
-/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp.work on. */
+/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp.work on.
+ */
 static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y, mg_real *x) {
   const int k = p->n - m;
   mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
   for (int i = 0; i < k; i++) {
     const int row = c->lcp.rows[m + i];
-    d[i] = 1 / mg_diagonal_scale(mg_product(c, row, row)), b[i] = -y[i] * d[i];
+    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, row, row)), b[i] = -y[i] * d[i];
   }
   for (int j = 0; j < k; j++)
     for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
-  const int rank = mg_triangle(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
-  mg_solve_triangle(k, rank, R, b, scaled, beta);
+  const int rank = mg_qr_pivoted(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
+  mg_qr_least_norm(k, rank, R, b, scaled, beta);
   for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
 }
 
 /* As mg_friction; needs the rows in c->lcp.rows, those of contacts first. */
-MG_INTERNAL int mg_friction_held(mg_context *c, const mg_friction_problem *p, mg_real *z, mg_friction_report *report) {
+MG_INTERNAL int mg_friction_with_bilateral(mg_context *c, const mg_friction_problem *p, mg_real *z,
+                                           mg_friction_report *report) {
   int m = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
-  if (!mg_any_rub_leans(c) || m == p->n) return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+  if (!mg_any_rub_leans(c) || m == p->n)
+    return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   const int k = p->n - m;
   mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
   for (int j = 0; j <= m; j++) {
@@ -96,7 +99,7 @@ static int mg_largest_column(int n, const mg_real *A, int j, mg_real *size) {
 }
 
 /* A becomes R in its upper triangle, y becomes Q'y, `order` holds P. Returns the rank: pivots above `floor`. */
-MG_INTERNAL int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
+MG_INTERNAL int mg_qr_pivoted(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
   for (int j = 0; j < n; j++) order[j] = j;
   for (int j = 0; j < n; j++) {
     mg_real size, *pivot = A + j + n * j;
@@ -112,7 +115,7 @@ MG_INTERNAL int mg_triangle(int n, mg_real *A, mg_real *y, int *order, mg_real f
 }
 
 /* z of least norm with R z = y, R of `rank` rows; beta is scratch. */
-MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
+MG_INTERNAL void mg_qr_least_norm(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
   const int wide = n - rank;
   mg_real *beyond = R + n * rank;
   for (int i = rank - 1; i >= 0; i--) {
@@ -129,20 +132,21 @@ MG_INTERNAL void mg_solve_triangle(int n, int rank, mg_real *R, const mg_real *y
 
 /* The triangle of c->lcp.A and c->lcp.b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
 static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
-  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_product(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
+  for (int i = 0; i < n; i++)
+    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) R[i + n * j] = c->lcp.A[i + n * j] * d[i] * d[j];
-  return mg_triangle(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
+  return mg_qr_pivoted(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
 }
 
-MG_INTERNAL int mg_oblique_rank(mg_context *c, const int *list, int n) {
+MG_INTERNAL int mg_asymmetric_rank(mg_context *c, const int *list, int n) {
   return mg_scaled_triangle(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
 }
 
 /* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
-MG_INTERNAL void mg_oblique_solve(mg_context *c, const int *list, int n, mg_real *z) {
+MG_INTERNAL void mg_asymmetric_solve(mg_context *c, const int *list, int n, mg_real *z) {
   mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
   const int rank = mg_scaled_triangle(c, list, n, R, y, d);
-  mg_solve_triangle(n, rank, R, y, x, beta);
+  mg_qr_least_norm(n, rank, R, y, x, beta);
   for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
 }

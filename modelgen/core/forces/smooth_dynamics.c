@@ -9,48 +9,50 @@
 /* Forces on the active contacts: A force = -(J a + Gamma2), the unconstrained accelerations a in c->accel. */
 static void mg_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) c->row_rate[i] = mg_separation(c, i);
-  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_separation(c, i);
+    if (c->run->active[i]) c->row_rate[i] = mg_gap_acceleration(c, i);
+  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_gap_acceleration(c, i);
   c->friction.couples_normal = c->system->n_grip > 0;
-  if (c->friction.couples_normal) mg_lean_all(c);
+  if (c->friction.couples_normal) mg_update_force_ratios(c);
   c->patches.pressure_rounds = 0;
-  int n = mg_hold(c, c->run->active, c->row_rate, c->force);
-  while (c->friction.couples_normal && mg_rubs_unsettled(c)) n = mg_hold(c, c->run->active, c->row_rate, c->force);
-  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->force[c->lcp.rows[r]], c->accel);
-  if (c->friction.couples_normal) mg_add_slipping(c);
+  int n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
+  while (c->friction.couples_normal && mg_is_pressure_changing(c))
+    n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
+  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->force[c->lcp.rows[r]], c->accel);
+  if (c->friction.couples_normal) mg_add_slip_forces(c);
   c->friction.couples_normal = 0;
 }
 
 static int mg_is_somewhere(const mg_context *c, int body) {
-  return mg_all_finite(12, c->pose + 12 * body) && mg_all_finite(6, c->twist + 6 * body) && mg_all_finite(6, c->accel + 6 * body);
+  return mg_all_finite(12, c->pose + 12 * body) && mg_all_finite(6, c->twist + 6 * body) &&
+         mg_all_finite(6, c->accel + 6 * body);
 }
 
 /* Whether a driven body is nowhere. */
-MG_INTERNAL int mg_a_path_ends(const mg_context *c) {
+MG_INTERNAL int mg_has_nonfinite_path(const mg_context *c) {
   for (int b = 0; b < c->system->n_body && c->n_driven; b++)
     if (mg_is_driven(c->system, b) && !mg_is_somewhere(c, b)) return 1;
   return 0;
 }
 
-/* Power that driven bodies and given motions put into the moving bodies through contacts and joints; without bounds where a path
-   is not finite, though nothing may touch it. */
+/* Power that driven bodies and given motions put into the moving bodies through contacts and joints; without bounds
+   where a path is not finite, though nothing may touch it. */
 MG_INTERNAL mg_real mg_driven_power(const mg_context *c) {
   mg_real power = 0;
-  if (mg_a_path_ends(c)) return INFINITY;
+  if (mg_has_nonfinite_path(c)) return INFINITY;
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) power -= c->force[i] * mg_driven_rate(c, i);
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) power -= c->force[i] * mg_driven_rate(c, i);
+    if (c->run->active[i]) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
   return power;
 }
 
 MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
-  mg_poses(c, t, x);
-  mg_accelerations(c, t, x, x_dot);
-  mg_rates(c, x);
-  mg_joint_rates(c, t);
+  mg_update_poses(c, t, x);
+  mg_free_accelerations(c, t, x, x_dot);
+  mg_contact_rows(c, x);
+  mg_update_joint_rows(c, t);
   mg_forces(c);
-  for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
+  for (int b = 0; b < s->n_body; b++) mg_copy_velocity(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
   for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
   if (c->n_driven || c->has_prescribed_joint) x_dot[c->work_state] += mg_driven_power(c);
   if (s->n_grip) x_dot[c->work_state] += mg_slipping_power(c);
@@ -58,20 +60,24 @@ MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_d
 }
 
 /* d_ddot of one row under the accelerations last computed. */
-MG_INTERNAL mg_real mg_separation(const mg_context *c, int contact) { return mg_row(c, contact, c->accel) + c->gamma[contact]; }
+MG_INTERNAL mg_real mg_gap_acceleration(const mg_context *c, int contact) {
+  return mg_row_times(c, contact, c->accel) + c->gamma[contact];
+}
 
 static int mg_root(int *parent, int body) {
   while (parent[body] != body) body = parent[body] = parent[parent[body]];
   return body;
 }
 
-/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after, else -1. */
+/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
+ * else -1. */
 static void mg_chain(mg_context *c, int n) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
   for (int r = 0; r < n; r++) {
     const int o = c->o[c->lcp.rows[r]], f = c->f[c->lcp.rows[r]];
-    if (mg_moves(c, o) && mg_moves(c, f)) c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
+    if (mg_moves(c, o) && mg_moves(c, f))
+      c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {
     const int root = mg_root(c->islands.parent, mg_moving_side(c, c->lcp.rows[r]));
@@ -83,29 +89,30 @@ static void mg_chain(mg_context *c, int n) {
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
-  mg_assemble(c, c->islands.rows, n);
+  mg_assemble_delassus(c, c->islands.rows, n);
   for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
   if (c->friction.couples_normal) {
-    mg_hold_leaning(c, n, amount);
+    mg_hold_coupled_rows(c, n, amount);
     return;
   }
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z, c->lcp.work, c->lcp.iwork);
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z,
+                  c->lcp.work, c->lcp.iwork);
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
 }
 
 /* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
    Leaves the rows in c->lcp.rows and returns their number. */
-MG_INTERNAL int mg_hold(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
+MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     amount[i] = 0;
     if (marked[i]) c->lcp.rows[n++] = i;
   }
-  n = mg_list_joints(c, c->lcp.rows, n);
+  n = mg_append_joint_rows(c, c->lcp.rows, n);
   for (int i = c->friction_row_begin; i < c->friction_row_end; i++) amount[i] = 0;
-  if (c->system->n_grip) n = mg_list_stuck(c, c->lcp.rows, n);
+  if (c->system->n_grip) n = mg_append_sticking_rows(c, c->lcp.rows, n);
   if (n == 1 && !c->friction.couples_normal) {
-    const mg_real weight = mg_weigh(c, c->lcp.rows[0]);
+    const mg_real weight = mg_inverse_mass_row(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0) {
     mg_chain(c, n);
@@ -116,7 +123,7 @@ MG_INTERNAL int mg_hold(mg_context *c, const int *marked, const mg_real *rate, m
 }
 
 /* The rows at run->x with the slope in K[0]. */
-MG_INTERNAL void mg_refresh(mg_context *c) {
+MG_INTERNAL void mg_update_rows_and_forces(mg_context *c) {
   mg_rhs(c, c->run->t, c->run->x, c->step.slopes);
   mg_gap_rates(c);
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];

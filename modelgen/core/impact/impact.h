@@ -5,34 +5,34 @@
 #include "model/context.h"
 
 typedef struct {
-  mg_real G[9];     /* J M^-1 J^T of N, t1, t2, joints held, row after row */
-  mg_real mu[2];    /* along t1 and t2; zeros: no friction */
-  mg_real velocity[6];     /* rates along N, t1, t2; impulses along t1, t2; work of the normal impulse */
+  mg_real G[9];           /* J M^-1 J^T of N, t1, t2, joints held, row after row */
+  mg_real mu[2];          /* along t1 and t2; zeros: no friction */
+  mg_real velocity[6];    /* rates along N, t1, t2; impulses along t1, t2; work of the normal impulse */
   mg_real impulse;        /* the normal impulse so far */
   mg_real force_ratio[2]; /* tangential over normal impulse, once slip has ended or kept its direction */
-  mg_real initial_speed;    /* the speed that it began with */
-  int keeps_direction;     /* slip keeps its direction, until it ends */
-  int slip_ended;        /* slip has ended, or begun anew in a direction that it keeps */
+  mg_real initial_speed;  /* the speed that it began with */
+  int keeps_direction;    /* slip keeps its direction, until it ends */
+  int slip_ended;         /* slip has ended, or begun anew in a direction that it keeps */
 } mg_impact_path;
 
 /* impulse_path.c */
-MG_INTERNAL int mg_blow_by(mg_impact_path *b, int law, mg_real e);
+MG_INTERNAL int mg_integrate_impulse(mg_impact_path *b, int law, mg_real e);
 
 /* newton_impact.c */
-MG_INTERNAL int mg_approaching(const mg_context *c, int contact);
-MG_INTERNAL mg_real mg_rebound(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_bouncing_approach(const mg_context *c, int contact);
+MG_INTERNAL mg_real mg_restitution_of(const mg_context *c, int contact);
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
-MG_INTERNAL mg_real mg_bounces_left(mg_context *c, int contact);
-MG_INTERNAL void mg_rate_pads(mg_context *c);
+MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
+MG_INTERNAL void mg_set_support_rebound(mg_context *c);
 MG_INTERNAL int mg_impact(mg_context *c, mg_events *events);
 
 /* frictional_impact.c */
 MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c);
-MG_INTERNAL void mg_note_gain(mg_context *c, int n);
-MG_INTERNAL void mg_forget_slip(mg_context *c);
+MG_INTERNAL void mg_note_energy_gain(mg_context *c, int n);
+MG_INTERNAL void mg_clear_slip(mg_context *c);
 
 /* sequential_impact.c */
-MG_INTERNAL int mg_takes_turns(const mg_context *c);
-MG_INTERNAL int mg_strike_in_turn(mg_context *c, mg_events *events);
+MG_INTERNAL int mg_is_sequential_impact(const mg_context *c);
+MG_INTERNAL int mg_sequential_impact(mg_context *c, mg_events *events);
 
 #endif

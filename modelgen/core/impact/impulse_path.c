@@ -1,6 +1,6 @@
-/* One blow at one contact: its velocities followed as the normal impulse grows, through compression and restitution, with
-   Coulomb's law at every moment of it (Routh, Dynamics of a System of Rigid Bodies, 1877; Keller, J. Appl. Mech. 53 (1986),
-   1-4; Stronge, Impact Mechanics, 2000). */
+/* One blow at one contact: its velocities followed as the normal impulse grows, through compression and restitution,
+   with Coulomb's law at every moment of it (Routh, Dynamics of a System of Rigid Bodies, 1877; Keller, J. Appl. Mech.
+   53 (1986), 1-4; Stronge, Impact Mechanics, 2000). */
 #include "impact/impact.h"
 #include "integrate/integrate.h"
 #include "integrate/dop853_coefficients.h"
@@ -23,8 +23,8 @@ static mg_real mg_blow_bound(const mg_impact_path *b, mg_real push, mg_real *sha
   return sqrt(share[0] * share[0] / (b->mu[0] * b->mu[0]) + share[1] * share[1] / (b->mu[1] * b->mu[1]));
 }
 
-/* Once slip is over: the share of the normal impulse that holds it at zero; or, where that is beyond the cone, the one on
-   the cone that most opposes the slip it lets begin, whose direction then stays. */
+/* Once slip is over: the share of the normal impulse that holds it at zero; or, where that is beyond the cone, the one
+   on the cone that most opposes the slip it lets begin, whose direction then stays. */
 static void mg_blow_holds(mg_impact_path *b) {
   mg_real low = 0, high = (b->G[4] + b->G[8]) * (b->mu[0] * b->mu[0] + b->mu[1] * b->mu[1]);
   b->slip_ended = 1, b->velocity[1] = b->velocity[2] = 0;
@@ -56,7 +56,8 @@ static void mg_blow_slope(const mg_impact_path *b, const mg_real *y, mg_real *sl
 /* The error of a step relative to what it may be, of Dormand and Prince's two estimates as Hairer blends them. */
 static mg_real mg_blow_error(const mg_impact_path *b, mg_real dp, mg_real (*slope)[6], const mg_real *y) {
   const mg_real impulse = b->initial_speed / b->G[0];
-  const mg_real size[6] = {b->initial_speed, b->initial_speed, b->initial_speed, impulse, impulse, impulse * b->initial_speed};
+  const mg_real size[6] = {b->initial_speed, b->initial_speed, b->initial_speed,
+                           impulse,          impulse,          impulse * b->initial_speed};
   mg_real fifth = 0, third = 0;
   for (int k = 0; k < 6; k++) {
     mg_real e5 = 0, e3 = (y[k] - b->velocity[k]) / dp;
@@ -73,7 +74,8 @@ static mg_real mg_blow_turn(const mg_impact_path *b, mg_real dp, mg_real *y) {
   for (int stage = 0; stage <= 12; stage++) {
     for (int k = 0; k < 6; k++) {
       mg_real sum = 0;
-      for (int j = mg_dop_row[stage]; j < mg_dop_row[stage + 1]; j++) sum += mg_dop_value[j] * slope[mg_dop_column[j]][k];
+      for (int j = mg_dop_row[stage]; j < mg_dop_row[stage + 1]; j++)
+        sum += mg_dop_value[j] * slope[mg_dop_column[j]][k];
       y[k] = b->velocity[k] + dp * sum;
     }
     if (stage < 12) mg_blow_slope(b, y, slope[stage]);
@@ -95,13 +97,15 @@ static mg_real mg_blow_go(const mg_impact_path *b, mg_real dp, mg_impact_path *t
   return error;
 }
 
-/* The impulse over which slip goes on as it does: to its end where it keeps its direction, else a part of what ends it. */
+/* The impulse over which slip goes on as it does: to its end where it keeps its direction, else a part of what ends it.
+ */
 static mg_real mg_blow_stretch(mg_impact_path *b, int *dies) {
   mg_real slope[6];
   *dies = b->keeps_direction = 0;
   if (b->slip_ended) return MG_MAX;
   mg_blow_slope(b, b->velocity, slope);
-  const mg_real x = b->mu[0] * b->velocity[1], y = b->mu[1] * b->velocity[2], dx = b->mu[0] * slope[1], dy = b->mu[1] * slope[2];
+  const mg_real x = b->mu[0] * b->velocity[1], y = b->mu[1] * b->velocity[2], dx = b->mu[0] * slope[1],
+                dy = b->mu[1] * slope[2];
   const mg_real slip = sqrt(x * x + y * y), rate = sqrt(dx * dx + dy * dy);
   if (fabs(x * dy - y * dx) > MG_IMPACT_STRAIGHT_ANGLE * slip * rate) return slip / rate / MG_IMPACT_PARTS;
   mg_blow_share(b, b->velocity, b->force_ratio);
@@ -110,7 +114,8 @@ static mg_real mg_blow_stretch(mg_impact_path *b, int *dies) {
 }
 
 /* Negative until the end of the phase. */
-static mg_real mg_blow_left(const mg_impact_path *b, const mg_real *start, int law, mg_real e, const mg_impact_path *turn) {
+static mg_real mg_blow_left(const mg_impact_path *b, const mg_real *start, int law, mg_real e,
+                            const mg_impact_path *turn) {
   if (!turn) return b->velocity[0];
   if (law == MG_POISSON) return b->impulse - (1 + e) * turn->impulse;
   if (law == MG_STRONGE) return b->velocity[5] - (1 - e * e) * turn->velocity[5];
@@ -126,7 +131,7 @@ static int mg_blow_phase(mg_impact_path *b, const mg_real *start, int law, mg_re
     mg_impact_path to;
     const mg_real stretch = mg_blow_stretch(b, &dies), dp = stretch < guess ? stretch : guess;
     const mg_real error = mg_blow_go(b, dp, &to);
-    guess = dp * mg_growth(error, 4);
+    guess = dp * mg_step_growth(error, 4);
     if (!(error <= 1)) continue;
     if (mg_blow_left(&to, start, law, e, turn) >= 0) {
       mg_real low = 0, high = dp;
@@ -148,10 +153,11 @@ static int mg_blow_phase(mg_impact_path *b, const mg_real *start, int law, mg_re
 }
 
 /* The whole blow from the velocities in b->u; its impulses are then b->p along N and u[3], u[4] along t1, t2. */
-MG_INTERNAL int mg_blow_by(mg_impact_path *b, int law, mg_real e) {
+MG_INTERNAL int mg_integrate_impulse(mg_impact_path *b, int law, mg_real e) {
   const mg_real start[3] = {b->velocity[0], b->velocity[1], b->velocity[2]};
   b->initial_speed = sqrt(start[0] * start[0] + start[1] * start[1] + start[2] * start[2]);
-  b->impulse = b->velocity[3] = b->velocity[4] = b->velocity[5] = 0, b->slip_ended = b->keeps_direction = 0, b->force_ratio[0] = b->force_ratio[1] = 0;
+  b->impulse = b->velocity[3] = b->velocity[4] = b->velocity[5] = 0, b->slip_ended = b->keeps_direction = 0,
+  b->force_ratio[0] = b->force_ratio[1] = 0;
   if (!(b->mu[0] > 0)) b->slip_ended = 1;
   else if (sqrt(start[1] * start[1] + start[2] * start[2]) <= MG_EPS * b->initial_speed) mg_blow_holds(b);
   if (!mg_blow_phase(b, start, law, e, 0)) return 0;

@@ -16,39 +16,40 @@ MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_
 MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage);
 MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage);
 MG_INTERNAL mg_real mg_stage_time(int stage);
-MG_INTERNAL mg_real mg_stage_weight(int row, int column);
-MG_INTERNAL mg_real mg_twice(int row, int column);
+MG_INTERNAL mg_real mg_collocation_weight(int row, int column);
+MG_INTERNAL mg_real mg_double_integral_weight(int row, int column);
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage);
-MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to);
-MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x);
-MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share);
-MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share);
-MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
+MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share);
+MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share);
+MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
-MG_INTERNAL int mg_is_lost(const mg_context *c, mg_real tilt);
-MG_INTERNAL int mg_open_onsets(mg_context *c, mg_real t, mg_real *x, mg_real h);
-MG_INTERNAL mg_contact_tilt mg_lean_at(const mg_context *c, int contact, mg_real azimuth);
-MG_INTERNAL void mg_note_rate(mg_context *c, int contact, int stage);
-MG_INTERNAL void mg_lean_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
-MG_INTERNAL void mg_lean_to(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real *x);
-MG_INTERNAL mg_real mg_misses(const mg_contact_tilt *at, mg_real tilt);
-MG_INTERNAL void mg_lean_at_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real rate,
-                                 mg_real *x);
-MG_INTERNAL mg_real mg_spin_up(const mg_context *c, int contact, const mg_real *slope, const mg_real *direction);
-MG_INTERNAL int mg_point_leaning(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
+MG_INTERNAL int mg_is_tilt_lost(const mg_context *c, mg_real tilt);
+MG_INTERNAL int mg_init_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h);
+MG_INTERNAL mg_contact_tilt mg_tilt_at(const mg_context *c, int contact, mg_real azimuth);
+MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage);
+MG_INTERNAL void mg_stage_tilt(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+MG_INTERNAL void mg_apply_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real *x);
+MG_INTERNAL mg_real mg_tilt_defect(const mg_contact_tilt *at, mg_real tilt);
+MG_INTERNAL void mg_tilt_rate_at(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
+                                 mg_real rate, mg_real *x);
+MG_INTERNAL mg_real mg_relative_spin_accel(const mg_context *c, int contact, const mg_real *slope,
+                                           const mg_real *direction);
+MG_INTERNAL int mg_tilted_contact_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
 /* rolling_start.c */
 MG_INTERNAL int mg_starts_rolling(const mg_context *c);
 MG_INTERNAL int mg_settle_fully(mg_context *c, int contact, mg_real *eta);
-MG_INTERNAL void mg_grow_up(mg_context *c);
-MG_INTERNAL mg_real mg_differs_half_way(mg_context *c, const mg_real *x, const mg_real *half);
+MG_INTERNAL void mg_end_rolling_start(mg_context *c);
+MG_INTERNAL mg_real mg_differs_at_half_step(mg_context *c, const mg_real *x, const mg_real *half);
 MG_INTERNAL mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
 /* slip_start.c */
 MG_INTERNAL int mg_starts_slipping(const mg_context *c);
-MG_INTERNAL void mg_slip_on(mg_context *c);
+MG_INTERNAL void mg_end_slip_start(mg_context *c);
 MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* step.c */
@@ -59,21 +60,21 @@ MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
 MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h);
 MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
-MG_INTERNAL void mg_watch(mg_context *c);
-MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most);
+MG_INTERNAL void mg_watch_stage(mg_context *c);
+MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* samples.c */
 MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x);
-MG_INTERNAL int mg_due(const mg_record *record, mg_real t);
+MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_dependence.c */
 MG_INTERNAL int mg_count_timed(const mg_system *s);
-MG_INTERNAL int mg_count_felt(const mg_system *s, int timed);
-MG_INTERNAL long mg_instant_size(const mg_system *s);
-MG_INTERNAL mg_real mg_seen_in_time(mg_context *c, mg_real h);
-MG_INTERNAL int mg_hides_on_way(mg_context *c, mg_real h);
+MG_INTERNAL int mg_count_state_loads(const mg_system *s, int timed);
+MG_INTERNAL long mg_time_sample_memory(const mg_system *s);
+MG_INTERNAL mg_real mg_time_step_limit(mg_context *c, mg_real h);
+MG_INTERNAL int mg_has_hidden_load(mg_context *c, mg_real h);
 
 #endif

@@ -1,19 +1,24 @@
-/* Collocation at Radau's points over one step: the state is a polynomial of degree 7 whose slope is the right-hand side's
-   at the seven stages. States and slopes of the stages stand in K, from its second row on. */
+/* Collocation at Radau's points over one step: the state is a polynomial of degree 7 whose slope is the right-hand
+   side's at the seven stages. States and slopes of the stages stand in K, from its second row on. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "integrate/radau_coefficients.h"
 
-MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) { return c->step.slopes + (1 + stage) * c->n_states; }
+MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) {
+  return c->step.slopes + (1 + stage) * c->n_states;
+}
 
-MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) { return c->step.slopes + (1 + MG_RADAU_STAGES + stage) * c->n_states; }
+MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) {
+  return c->step.slopes + (1 + MG_RADAU_STAGES + stage) * c->n_states;
+}
 
 MG_INTERNAL mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
 
-MG_INTERNAL mg_real mg_stage_weight(int row, int column) { return mg_radau_weight[row][column]; }
+MG_INTERNAL mg_real mg_collocation_weight(int row, int column) { return mg_radau_weight[row][column]; }
 
-/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by. */
-MG_INTERNAL mg_real mg_twice(int row, int column) {
+/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by.
+ */
+MG_INTERNAL mg_real mg_double_integral_weight(int row, int column) {
   mg_real sum = 0;
   for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
   return sum;
@@ -49,7 +54,7 @@ static void mg_restage(mg_real *value, mg_real share) {
 }
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
-MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
+MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   const int n = c->n_states;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
   for (int i = from; i < to; i++) {
@@ -68,19 +73,21 @@ MG_INTERNAL mg_real mg_collect(mg_context *c, const mg_real *x, mg_real h, int f
   return most;
 }
 
-/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at the
-   start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
-MG_INTERNAL mg_real mg_misses_start(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at
+   the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
+MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->system;
-  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states, *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->n_states;
+  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states,
+          *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->n_states;
   mg_real share[MG_RADAU_STAGES], sum = 0;
   mg_lagrange(0, share);
   for (int i = 0; i < c->n_states; i++) miss[i] = 0;
   for (int stage = -1; stage < MG_RADAU_STAGES; stage++) {
-    const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage), time = stage < 0 ? t : t + mg_stage_time(stage) * h;
-    mg_poses(c, time, state);
-    mg_accelerations(c, time, state, slope);
-    for (int b = 0; b < s->n_body; b++) mg_copy_u(c, b, c->accel + 6 * b, slope + s->n_q + s->body_u[b]);
+    const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage),
+                  time = stage < 0 ? t : t + mg_stage_time(stage) * h;
+    mg_update_poses(c, time, state);
+    mg_free_accelerations(c, time, state, slope);
+    for (int b = 0; b < s->n_body; b++) mg_copy_velocity(c, b, c->accel + 6 * b, slope + s->n_q + s->body_u[b]);
     for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[stage]);
   }
   for (int i = s->n_q; i < s->n_q + s->n_u; i++) {
@@ -106,21 +113,22 @@ MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
 
 /* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
    polynomial. */
-MG_INTERNAL void mg_share_stages(mg_context *c, const mg_real *x, mg_real share) {
+MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->fresh[i] == MG_START_FLAT) mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
+    if (c->run->fresh[i] == MG_START_FLAT)
+      mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
 }
 
 /* Ends the step that was collocated at a share of it. */
-MG_INTERNAL void mg_end_earlier(mg_context *c, const mg_real *x, mg_real share) {
-  mg_share_stages(c, x, share);
+MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share) {
+  mg_restrict_stages(c, x, share);
   mg_collocated(c, x);
 }
 
 /* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
-MG_INTERNAL int mg_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b) {
+MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b) {
   const int n = MG_RADAU_STAGES;
   for (int k = 0; k < n; k++) {
     int pivot = k;

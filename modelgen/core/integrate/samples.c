@@ -11,7 +11,7 @@ static void mg_copy(mg_real *to, const mg_real *from, int n) {
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->system->n_contact + contact;
   record->link[k] = c->run->link[contact];
-  if (mg_present(c, contact)) mg_place(c, contact, eta, c->search.placement + 32);
+  if (mg_is_on_link(c, contact)) mg_place_contact(c, contact, eta, c->search.placement + 32);
   else
     for (int j = 0; j < 14; j++) c->search.placement[j] = (mg_real)NAN;
   record->force[k] = c->force[contact];
@@ -31,7 +31,7 @@ static void mg_below_vector(const mg_context *c, int contact, const mg_real *val
 
 static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
   const long k = 3 * ((long)row * c->system->n_contact + contact);
-  const int rows = mg_present(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
+  const int rows = mg_is_on_link(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
   for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
   if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
   if (rows > 3) mg_below_vector(c, contact, c->force, 1, record->torque + k);
@@ -50,18 +50,18 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
   for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
   if (!c->kernels->joint_kinds[kind].n_coordinates) return;
   c->kernels->joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
-                       s->parameters + s->joint_parameters[joint], coordinate);
+                                s->parameters + s->joint_parameters[joint], coordinate);
 }
 
 /* The friction of a slot's patch at a place of the world, and how f slips past o there. */
 static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
-  const int pad = mg_pad_of(c, slot);
+  const int pad = mg_slot_support(c, slot);
   const mg_real *t = c->tangents + 6 * pad, *N = c->normal + 3 * pad;
   mg_real point[3], turn[3], moment[3];
   for (int k = 0; k < 8; k++) out[k] = 0;
-  if (mg_patch_in(c, slot) < 0 || !mg_has_rubbing(c, mg_patch_in(c, slot))) return;
-  const mg_real *force = c->force + mg_rub_row(c, slot), *slip = c->d_dot + mg_rub_row(c, slot);
-  mg_pad_point(c, pad, point);
+  if (mg_slot_patch(c, slot) < 0 || !mg_has_patch_friction(c, mg_slot_patch(c, slot))) return;
+  const mg_real *force = c->force + mg_patch_friction_row(c, slot), *slip = c->d_dot + mg_patch_friction_row(c, slot);
+  mg_support_in_hull(c, pad, point);
   for (int k = 0; k < 3; k++) {
     out[k] = force[0] * t[k] + force[1] * t[3 + k], out[4 + k] = slip[0] * t[k] + slip[1] * t[3 + k];
     turn[k] = slip[2] * N[k], point[k] = at[k] - point[k];
@@ -76,9 +76,9 @@ static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_r
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
   const long k = (long)row * c->system->n_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
-  record->patch[k] = mg_patch_in(c, slot);
+  record->patch[k] = mg_slot_patch(c, slot);
   for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
-  if (record->patch[k] >= 0) pressure[0] = mg_resultant(c, slot, c->force, pressure + 1);
+  if (record->patch[k] >= 0) pressure[0] = mg_pressure_resultant(c, slot, c->force, pressure + 1);
   mg_record_rub(c, slot, pressure + 1, record->rub + 8 * k);
 }
 
@@ -106,20 +106,20 @@ MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   record->work[row] = x[c->work_state];
 }
 
-MG_INTERNAL int mg_due(const mg_record *record, mg_real t) {
+MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
 /* Samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
-  if (!mg_due(record, t + h)) return;
+  if (!mg_is_sample_due(record, t + h)) return;
   mg_finish_step(c, t, h);
   mg_make_dense(c, t, c->run->x, h);
-  while (mg_due(record, t + h)) {
+  while (mg_is_sample_due(record, t + h)) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
-    mg_normalise(c, c->step.stage);
+    mg_normalise_quaternions(c, c->step.stage);
     mg_rhs(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
     mg_record_row(c, record, c->step.stage);
   }
@@ -127,5 +127,5 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
 
 /* Samples that are due at run->t itself; needs its rows fresh. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
-  while (mg_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
+  while (mg_is_sample_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
 }

@@ -1,26 +1,30 @@
 /* The first step of slip that begins where friction has reached its bound, static no more than kinetic.
 
-   At the time tau after, the slip is of the order of tau^2, and friction draws it towards one direction at a rate of the
-   order of 1/tau^2: the equations are irregular singular at tau = 0, and stiff for a while. Of all their solutions one is
-   smooth there. Collocation at Radau's points finds it, with the directions at the stages as unknowns: given these, the
-   right-hand side is smooth and converges by substitution; and that the slip at each stage lies along its direction is a
-   well-conditioned linear system of seven rows a grip. The slip and spin of a patch have a direction of two unknowns, its
-   parts along two axes across the course by that along it. */
+   At the time tau after, the slip is of the order of tau^2, and friction draws it towards one direction at a rate of
+   the order of 1/tau^2: the equations are irregular singular at tau = 0, and stiff for a while. Of all their solutions
+   one is smooth there. Collocation at Radau's points finds it, with the directions at the stages as unknowns: given
+   these, the right-hand side is smooth and converges by substitution; and that the slip at each stage lies along its
+   direction is a well-conditioned linear system of seven rows a grip. The slip and spin of a patch have a direction of
+   two unknowns, its parts along two axes across the course by that along it. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_SLIP_ONSET_UNKNOWNS 4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
+#define MG_SLIP_ONSET_UNKNOWNS \
+  4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
 
 #define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES)
 
 typedef struct {
-  int count, grip[MG_SLIP_ONSET_UNKNOWNS], contact[MG_SLIP_ONSET_UNKNOWNS]; /* grip: -1 of a patch, whose first pad the contact is */
-  int axis[MG_SLIP_ONSET_UNKNOWNS];                                /* of a patch: 1, 2 across the course */
-  mg_real angle[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];                 /* from the course, rad; of a patch its tangent along the axis */
+  int count, grip[MG_SLIP_ONSET_UNKNOWNS],
+      contact[MG_SLIP_ONSET_UNKNOWNS]; /* grip: -1 of a patch, whose first pad the contact is */
+  int axis[MG_SLIP_ONSET_UNKNOWNS];    /* of a patch: 1, 2 across the course */
+  mg_real angle[MG_RADAU_STAGES]
+               [MG_SLIP_ONSET_UNKNOWNS]; /* from the course, rad; of a patch its tangent along the axis */
   mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS], across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip */
-  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS];  /* of the first's acceleration across by the second's angle */
+  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]
+                   [MG_SLIP_ONSET_UNKNOWNS]; /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
 
 MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
@@ -32,7 +36,7 @@ MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
 }
 
 /* After the step, or where it is left to small ones. */
-MG_INTERNAL void mg_slip_on(mg_context *c) {
+MG_INTERNAL void mg_end_slip_start(mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
     if (c->run->grip[g] == MG_SLIP_ONSET) c->run->grip[g] = MG_SLIP_STARTING;
   for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
@@ -44,13 +48,13 @@ static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
   for (int g = 0; g < c->system->n_grip; g++) {
     if (c->run->grip[g] != MG_SLIP_ONSET) continue;
     if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
-    o->contact[o->count] = mg_contact_of(c, g), o->grip[o->count++] = g;
+    o->contact[o->count] = mg_grip_contact(c, g), o->grip[o->count++] = g;
   }
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     if (c->run->patch_mode[slot] != MG_SLIP_ONSET) continue;
     if (o->count + 2 > MG_SLIP_ONSET_UNKNOWNS) return 0;
     for (int axis = 1; axis <= 2; axis++)
-      o->contact[o->count] = mg_pad_of(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
+      o->contact[o->count] = mg_slot_support(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
   }
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int k = 0; k < o->count; k++) o->angle[stage][k] = 0;
@@ -72,16 +76,16 @@ static void mg_slope_steered(mg_context *c, const mg_slip_onset *o, mg_real t, c
 static void mg_split_slip(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle, int accelerations,
                           mg_real *along, mg_real *across) {
   const int slot = (o->contact[k] - c->support_begin) / 3, rubs = o->grip[k] < 0;
-  const int row = rubs ? mg_rub_row(c, slot) : mg_grip_row(c, o->contact[k], o->grip[k]);
+  const int row = rubs ? mg_patch_friction_row(c, slot) : mg_grip_row(c, o->contact[k], o->grip[k]);
   mg_real e[3][3], value[3];
-  for (int i = 0; i < 2 + rubs; i++) value[i] = accelerations ? mg_separation(c, row + i) : c->d_dot[row + i];
+  for (int i = 0; i < 2 + rubs; i++) value[i] = accelerations ? mg_gap_acceleration(c, row + i) : c->d_dot[row + i];
   if (rubs) {
-    value[2] *= mg_rub_radius(c, slot);
-    mg_rub_basis(c, slot, e);
+    value[2] *= mg_patch_radius(c, slot);
+    mg_patch_slip_basis(c, slot, e);
     *along = mg_dot3(value, e[0]), *across = mg_dot3(value, e[o->axis[k]]) - angle * *along;
     return;
   }
-  mg_steered(c, o->contact[k], o->grip[k], angle, e[0]);
+  mg_rotated_slip_direction(c, o->contact[k], o->grip[k], angle, e[0]);
   *along = value[0] * e[0][0] + value[1] * e[0][1], *across = value[1] * e[0][0] - value[0] * e[0][1];
 }
 
@@ -95,7 +99,7 @@ static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) 
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     mg_slope_steered(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
                      mg_stage_slope(c, stage));
-    mg_watch(c);
+    mg_watch_stage(c);
     for (int k = 0; k < o->count; k++)
       mg_split_slip(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_all_finite(c->n_states, mg_stage_slope(c, stage))) return 0;
@@ -104,7 +108,7 @@ static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) 
 }
 
 static mg_real mg_go_round(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_look_round(c, o, t, h) ? mg_collect(c, x, h, 0, c->n_states) : (mg_real)NAN;
+  return mg_look_round(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->n_states) : (mg_real)NAN;
 }
 
 /* What the angles do to the accelerations across, by differences. */
@@ -134,11 +138,12 @@ static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
   int order[MG_UNKNOWNS];
   for (int i = 0; i < n; i++) {
     b[i] = -o->across[i / m][i % m];
-    for (int j = 0; j < n; j++) A[i + n * j] = h * mg_stage_weight(i / m, j / m) * o->stiffness[j / m][i % m][j % m];
+    for (int j = 0; j < n; j++)
+      A[i + n * j] = h * mg_collocation_weight(i / m, j / m) * o->stiffness[j / m][i % m][j % m];
     A[i + n * i] -= o->along[i / m][i % m];
   }
-  if (mg_triangle(n, A, b, order, 0) < n) return MG_MAX;
-  mg_solve_triangle(n, n, A, b, y, scratch);
+  if (mg_qr_pivoted(n, A, b, order, 0) < n) return MG_MAX;
+  mg_qr_least_norm(n, n, A, b, y, scratch);
   for (int i = 0; i < n; i++) {
     const int stage = order[i] / m, k = order[i] % m;
     const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_scale_of_onset(c, o, k);
@@ -153,7 +158,8 @@ static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_r
   const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
   mg_real before = MG_MAX;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int i = 0; i < c->n_states; i++) mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
+    for (int i = 0; i < c->n_states; i++)
+      mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < 4; round++)
     if (!(mg_go_round(c, o, t, x, h) <= MG_MAX)) return 0;
   mg_find_slip_stiffness(c, o, t, h);
@@ -190,5 +196,5 @@ MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x
   for (int i = 0; i < c->n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
   if (!mg_find_stages(c, &onset, t, x, h) || !mg_is_under_way(c, &onset)) return MG_MAX;
   mg_collocated(c, x);
-  return c->settings->method == MG_RK4 ? 0 : mg_differs_half_way(c, x, c->step.settled);
+  return c->settings->method == MG_RK4 ? 0 : mg_differs_at_half_step(c, x, c->step.settled);
 }

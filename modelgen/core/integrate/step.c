@@ -14,7 +14,7 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
   if (c->system->n_grip && mg_starts_slipping(c)) {
     const mg_real error = mg_start_slipping(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
     if (error <= MG_MAX / 2 || (c->settings->method == MG_DOP853 && h > least)) return error;
-    mg_slip_on(c);
+    mg_end_slip_start(c);
   }
   if (c->settings->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
@@ -29,7 +29,7 @@ MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_r
 
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
-  mg_normalise(c, c->step.end);
+  mg_normalise_quaternions(c, c->step.end);
   mg_rhs(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->n_states);
   mg_gap_rates(c);
 }
@@ -40,7 +40,8 @@ MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
     const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
-    c->step.interpolant[i] = delta, c->step.interpolant[n + i] = h * first - delta, c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
+    c->step.interpolant[i] = delta, c->step.interpolant[n + i] = h * first - delta,
+    c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
     for (int row = 3; row < 7; row++) c->step.interpolant[row * n + i] = 0;
   }
 }
@@ -61,16 +62,16 @@ MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real t
 }
 
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
-MG_INTERNAL void mg_watch(mg_context *c) {
+MG_INTERNAL void mg_watch_stage(mg_context *c) {
   if (c->step.sign_changed) return;
   const mg_real deep = -c->settings->gap * c->system->length;
   if (mg_any_patch_ends(c)) c->step.sign_changed = 1;
   for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->step.sign_changed = 1;
-  if (c->system->n_grip && mg_grips_suspect(c)) c->step.sign_changed = 1;
+  if (c->system->n_grip && mg_is_friction_event_near(c)) c->step.sign_changed = 1;
 }
 
-MG_INTERNAL mg_real mg_growth(mg_real error, mg_real most) {
+MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {
   if (error <= 0) return most;
   const mg_real factor = (mg_real)0.8 * pow(error, -(mg_real)1 / 8);
   return factor > most ? most : factor < (mg_real)0.2 ? (mg_real)0.2 : factor;

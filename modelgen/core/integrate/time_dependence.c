@@ -1,19 +1,21 @@
-/* Functions of time, in driven bodies, given motions and loads, are looked at between the samples that a step takes of them: no
-   step is so long that one goes up and down, or down and up, unseen. Loads that a body feels where it is, or as it moves, are so
-   along the step. */
+/* Functions of time, in driven bodies, given motions and loads, are looked at between the samples that a step takes of
+   them: no step is so long that one goes up and down, or down and up, unseen. Loads that a body feels where it is, or
+   as it moves, are so along the step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 
 enum { MG_SPANS_SEEN = 7, MG_MOST_SEEN = 4096 }; /* parts of a step; looks at most */
 
-static const mg_real mg_sampled[MG_SPANS_SEEN + 1] = { /* times of a step, in parts of it, whose slopes count in its sum */
-  0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
+static const mg_real mg_sampled[MG_SPANS_SEEN + 1] = {
+    /* times of a step, in parts of it, whose slopes count in its sum */
+    0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
 
 #define MG_SAMPLE_SPACING (mg_real)0.2667 /* part between two of them */
 
 enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
 
-#define MG_EXTRAPOLATED_PART (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
+#define MG_EXTRAPOLATED_PART \
+  (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
 
 static int mg_may_hide(const mg_system *s, int load) {
   const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[load];
@@ -33,7 +35,7 @@ MG_INTERNAL int mg_count_timed(const mg_system *s) {
 }
 
 /* How many loads are felt; of these, if asked for, those alone that time changes too. */
-MG_INTERNAL int mg_count_felt(const mg_system *s, int timed) {
+MG_INTERNAL int mg_count_state_loads(const mg_system *s, int timed) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) {
     const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[i];
@@ -42,34 +44,36 @@ MG_INTERNAL int mg_count_felt(const mg_system *s, int timed) {
   return count;
 }
 
-MG_INTERNAL long mg_instant_size(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_count_timed(s); }
+MG_INTERNAL long mg_time_sample_memory(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_count_timed(s); }
 
 static mg_real *mg_instant(const mg_context *c, int which) { return c->step.time_samples + (long)which * c->n_timed; }
 
-/* All of them at a time: poses of driven bodies, rows of given motions, loads; with what moves by forces where it is, or, within
-   a step `way` that has its interpolant, on its way. Leaves bodies and those rows there. */
+/* All of them at a time: poses of driven bodies, rows of given motions, loads; with what moves by forces where it is,
+   or, within a step `way` that has its interpolant, on its way. Leaves bodies and those rows there. */
 static void mg_look_at_time(mg_context *c, mg_real t, mg_real way, mg_real *value) {
   const mg_system *s = c->system;
   if (way > 0) {
     mg_interpolate(c, c->run->x, (t - c->run->t) / way, c->step.stage);
-    mg_normalise(c, c->step.stage);
-    mg_poses(c, t, c->step.stage);
+    mg_normalise_quaternions(c, c->step.stage);
+    mg_update_poses(c, t, c->step.stage);
   }
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_driven(s, b)) continue;
     mg_real *pose = c->pose + 12 * b;
-    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->twist + 6 * b, c->accel + 6 * b);
+    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->twist + 6 * b,
+                          c->accel + 6 * b);
     for (int k = 0; k < 12; k++) *value++ = pose[k];
   }
-  if (c->has_prescribed_joint) mg_joint_rates(c, t);
+  if (c->has_prescribed_joint) mg_update_joint_rows(c, t);
   for (int j = 0; j < s->n_joint; j++) {
     const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
-    for (int k = 0; k < kind->n_rows && kind->prescribed; k++) *value++ = c->d[c->joint_row_begin + s->joint_row[j] + k];
+    for (int k = 0; k < kind->n_rows && kind->prescribed; k++)
+      *value++ = c->d[c->joint_row_begin + s->joint_row[j] + k];
   }
   for (int i = 0; i < s->n_load; i++) {
     if (!mg_may_hide(s, i)) continue;
     for (int k = 0; k < 12; k++) value[k] = 0;
-    mg_wrench(c, t, i, value);
+    mg_load_wrench(c, t, i, value);
     value += 12;
   }
 }
@@ -137,20 +141,21 @@ static int mg_shows(mg_context *c, mg_real h, mg_real way) {
 
 static mg_real mg_least_seen(const mg_context *c) { return c->settings->look * c->system->time / MG_SAMPLE_SPACING; }
 
-/* The longest step, of h, half of it, and so on, in which functions of time are seen; nothing shorter than look * time is
-   looked for. Needs the poses of run->x. */
-MG_INTERNAL mg_real mg_seen_in_time(mg_context *c, mg_real h) {
+/* The longest step, of h, half of it, and so on, in which functions of time are seen; nothing shorter than look * time
+   is looked for. Needs the poses of run->x. */
+MG_INTERNAL mg_real mg_time_step_limit(mg_context *c, mg_real h) {
   const mg_real least = mg_least_seen(c);
   if (c->n_timed <= 12 * c->n_steady_loads || h <= least) return h;
   while (h > least && !mg_shows(c, h, 0)) h /= 2;
-  if (c->n_driven) mg_poses(c, c->run->t, c->run->x);
-  if (c->has_prescribed_joint) mg_joint_rates(c, c->run->t);
+  if (c->n_driven) mg_update_poses(c, c->run->t, c->run->x);
+  if (c->has_prescribed_joint) mg_update_joint_rows(c, c->run->t);
   return h;
 }
 
-/* Whether a load that is felt goes up and down unseen within the step h just tried, whose end is left as it was. The cubic knows
-   its ends alone: a better interpolant may have met what the step has not, but goes nearer to where the body turns back. */
-MG_INTERNAL int mg_hides_on_way(mg_context *c, mg_real h) {
+/* Whether a load that is felt goes up and down unseen within the step h just tried, whose end is left as it was. The
+   cubic knows its ends alone: a better interpolant may have met what the step has not, but goes nearer to where the
+   body turns back. */
+MG_INTERNAL int mg_has_hidden_load(mg_context *c, mg_real h) {
   if (!c->n_state_loads || c->settings->method == MG_RK4 || h <= mg_least_seen(c)) return 0;
   mg_make_cubic(c, c->run->x, h);
   int shows = mg_shows(c, h, h);

@@ -4,17 +4,19 @@
 MG_INTERNAL int mg_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
 
 /* True for a body that contact forces accelerate. */
-MG_INTERNAL int mg_moves(const mg_context *c, int body) { return c->kernels->body_kinds[mg_kind_of(c, body)].motion >= MG_POINT; }
+MG_INTERNAL int mg_moves(const mg_context *c, int body) {
+  return c->kernels->body_kinds[mg_kind_of(c, body)].motion >= MG_POINT;
+}
 
 /* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
-MG_INTERNAL void mg_copy_u(const mg_context *c, int body, const mg_real *from, mg_real *to) {
+MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to) {
   const int motion = c->kernels->body_kinds[mg_kind_of(c, body)].motion;
   if (motion < MG_POINT) return;
   to[0] = from[0], to[1] = from[1], to[2] = from[2];
   if (motion == MG_FREE) to[3] = from[3], to[4] = from[4], to[5] = from[5];
 }
 
-MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x) {
+MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     const int kind = mg_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
@@ -25,23 +27,23 @@ MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x) {
     if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
     if (motion == MG_POINT)
       for (int i = 0; i < 3; i++) pose[i] = q[i];
-    mg_copy_u(c, b, u, twist);
+    mg_copy_velocity(c, b, u, twist);
   }
 }
 
 /* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
-MG_INTERNAL void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
+MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
-  c->kernels->load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
-                 s->parameters + s->load_parameters[load], wrench, wrench + 6);
+  c->kernels->load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b,
+                          c->twist + 6 * b, s->parameters + s->load_parameters[load], wrench, wrench + 6);
 }
 
 static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load];
   mg_real wrench[12] = {0};
-  mg_wrench(c, t, load, wrench);
+  mg_load_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++) {
     const int body = side ? b : a;
     if (body < 0 || !mg_moves(c, body)) continue;
@@ -53,7 +55,7 @@ static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
 }
 
 /* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->accel. */
-MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
+MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_real power = 0;
   if (s->n_load) {
@@ -62,13 +64,14 @@ MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg
   }
   for (int b = 0; b < s->n_body; b++)
     if (mg_moves(c, b))
-      c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->wrench + 6 * b, s->gravity,
-                     s->parameters + s->body_parameters[b], x_dot + s->body_q[b], c->accel + 6 * b);
+      c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->wrench + 6 * b,
+                              s->gravity, s->parameters + s->body_parameters[b], x_dot + s->body_q[b],
+                              c->accel + 6 * b);
   x_dot[c->work_state] = power;
 }
 
 /* Brings every quaternion back to unit length. */
-MG_INTERNAL void mg_normalise(const mg_context *c, mg_real *x) {
+MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
   for (int b = 0; b < c->system->n_body; b++) {
     if (c->kernels->body_kinds[mg_kind_of(c, b)].motion != MG_FREE) continue;
     mg_real *e = x + c->system->body_q[b] + 3;
@@ -82,6 +85,10 @@ MG_INTERNAL int mg_moving_side(const mg_context *c, int contact) {
   return mg_moves(c, o) ? o : c->f[contact];
 }
 
-MG_INTERNAL int mg_is_free(const mg_context *c, int body) { return c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_FREE; }
+MG_INTERNAL int mg_is_free(const mg_context *c, int body) {
+  return c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_FREE;
+}
 
-MG_INTERNAL int mg_is_driven(const mg_system *s, int body) { return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN; }
+MG_INTERNAL int mg_is_driven(const mg_system *s, int body) {
+  return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;
+}

@@ -6,23 +6,24 @@
 static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
                                 const mg_real *centre_f, mg_real radius_f) {
   mg_real a[3], b[3];
-  mg_out(c->pose + 12 * o, centre_o, 1, a);
-  mg_out(c->pose + 12 * f, centre_f, 1, b);
+  mg_to_world(c->pose + 12 * o, centre_o, 1, a);
+  mg_to_world(c->pose + 12 * f, centre_f, 1, b);
   const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   return sqrt(mg_dot3(span, span)) - radius_o - radius_f;
 }
 
 /* Between the shapes of a link; 0 where one has no bound. */
 static mg_real mg_clearance(const mg_context *c, int link) {
-  const mg_real *o = mg_side(c, link, 0), *f = mg_side(c, link, 1);
+  const mg_real *o = mg_side_numbers(c, link, 0), *f = mg_side_numbers(c, link, 1);
   mg_real centre_o[3], centre_f[3];
   if (o[MG_BOUND] >= MG_MAX / 2 || f[MG_BOUND] >= MG_MAX / 2) return 0;
-  mg_out(o + MG_PLACEMENT, o + MG_CENTRE, 1, centre_o);
-  mg_out(f + MG_PLACEMENT, f + MG_CENTRE, 1, centre_f);
-  return mg_between_balls(c, mg_side_body(c, link, 0), centre_o, o[MG_BOUND], mg_side_body(c, link, 1), centre_f, f[MG_BOUND]);
+  mg_to_world(o + MG_PLACEMENT, o + MG_CENTRE, 1, centre_o);
+  mg_to_world(f + MG_PLACEMENT, f + MG_CENTRE, 1, centre_f);
+  return mg_between_balls(c, mg_side_body(c, link, 0), centre_o, o[MG_BOUND], mg_side_body(c, link, 1), centre_f,
+                          f[MG_BOUND]);
 }
 
-MG_INTERNAL int mg_is_far(const mg_context *c, int link) {
+MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int link) {
   return mg_clearance(c, link) > c->settings->reach * c->system->length;
 }
 
@@ -46,10 +47,12 @@ static mg_real mg_extent(const mg_context *c, int pair, int body) {
 /* Of a body that extends so far from its centre of mass, as another body sees it. */
 static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
   const mg_real *pose = c->pose + 12 * from, *of = c->pose + 12 * seen;
-  const mg_real *a = c->twist + 6 * from, *b = c->twist + 6 * seen, *da = c->accel + 6 * from, *db = c->accel + 6 * seen;
+  const mg_real *a = c->twist + 6 * from, *b = c->twist + 6 * seen, *da = c->accel + 6 * from,
+                *db = c->accel + 6 * seen;
   mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
   for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
-  mg_out(pose, a + 3, 0, own), mg_out(pose, da + 3, 0, down), mg_out(of, b + 3, 0, w), mg_out(of, db + 3, 0, dw);
+  mg_to_world(pose, a + 3, 0, own), mg_to_world(pose, da + 3, 0, down), mg_to_world(of, b + 3, 0, w),
+      mg_to_world(of, db + 3, 0, dw);
   mg_cross(own, arm, swept), mg_cross(down, arm, swung), mg_cross(own, v, turned);
   for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
   const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
@@ -57,8 +60,8 @@ static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_
   return motion;
 }
 
-/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without end the
-   parts no farther than the characteristic length count. */
+/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
+   end the parts no farther than the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair) {
   const int first = c->system->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
   const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);

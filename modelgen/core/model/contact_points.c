@@ -2,30 +2,30 @@
 #include "model/model.h"
 
 /* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
-MG_INTERNAL int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
+MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const int kind = c->kind[contact];
   mg_real *p = c->search.placement;
   c->kernels->contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
-                   mg_parameters_of(c, contact), eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
+                            mg_contact_parameters(c, contact), eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
   return c->kernels->contact_kinds[kind].n_eta;
 }
 
-MG_INTERNAL mg_real mg_margin_of(const mg_context *c) {
+MG_INTERNAL mg_real mg_placement_margin(const mg_context *c) {
   const mg_real flat = c->search.placement[4] * c->system->length;
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
-/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would move;
-   writes d and the margin. Returns 0 if not finite. */
-MG_INTERNAL int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
+/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would
+   move; writes d and the margin. Returns 0 if not finite. */
+MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->system;
-  mg_poses(c, t, x);
+  mg_update_poses(c, t, x);
   for (int i = 0; i < s->n_contact; i++) {
-    mg_real *eta = mg_eta_of(c, x, i), *next = c->search.placement + 32;
-    if (!mg_present(c, i)) continue;
-    const int n = mg_place(c, i, eta, next), flat = mg_is_flat_yet(c, i);
+    mg_real *eta = mg_contact_eta(c, x, i), *next = c->search.placement + 32;
+    if (!mg_is_on_link(c, i)) continue;
+    const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_rounding(c, i);
     c->d[i] = c->search.placement[0];
-    c->run->margin[i] = mg_margin_of(c);
+    c->run->margin[i] = mg_placement_margin(c);
     for (int k = 0; k < n && !flat; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return 0;
       if (c->settings->newton) eta[k] = next[k];
@@ -35,13 +35,14 @@ MG_INTERNAL int mg_place_all(mg_context *c, mg_real t, mg_real *x) {
 }
 
 static int mg_settled(const mg_context *c) {
-  return c->search.placement[1] <= c->settings->residual * c->system->length && c->search.placement[2] <= c->settings->residual;
+  return c->search.placement[1] <= c->settings->residual * c->system->length &&
+         c->search.placement[2] <= c->settings->residual;
 }
 
-MG_INTERNAL int mg_settle_in(mg_context *c, int contact, mg_real *eta) {
+MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta) {
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
-    const int n = mg_place(c, contact, eta, next);
+    const int n = mg_place_contact(c, contact, eta, next);
     if (mg_settled(c)) return step;
     for (int k = 0; k < n; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return -1;
@@ -52,6 +53,6 @@ MG_INTERNAL int mg_settle_in(mg_context *c, int contact, mg_real *eta) {
 }
 
 /* A fresh contact whose lean is not clear of rounding. */
-MG_INTERNAL int mg_is_flat_yet(const mg_context *c, int contact) {
-  return c->run->fresh[contact] == MG_START_FLAT && mg_patch_flat_on(c, contact, c->settings->flat) >= 0;
+MG_INTERNAL int mg_is_tilt_below_rounding(const mg_context *c, int contact) {
+  return c->run->fresh[contact] == MG_START_FLAT && mg_flat_patch_of_contact(c, contact, c->settings->flat) >= 0;
 }

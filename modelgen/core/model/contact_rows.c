@@ -6,17 +6,18 @@
 static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
   const int row = mg_grip_row(c, contact, grip);
   mg_real along[3], *t = c->tangents + 6 * contact;
-  mg_out(c->pose + 12 * c->system->grip_body[grip], c->system->grip_direction + 3 * grip, 0, along);
+  mg_to_world(c->pose + 12 * c->system->grip_body[grip], c->system->grip_direction + 3 * grip, 0, along);
   const mg_real x = mg_dot3(t, along), y = mg_dot3(t + 3, along), size = sqrt(x * x + y * y);
   if (!(size > 0)) return;
-  for (int k = 0; k < 3; k++) mg_turn_pair(x / size, y / size, t + k, t + 3 + k);
-  for (int k = 0; k < 12; k++) mg_turn_pair(x / size, y / size, c->J + 12 * row + k, c->J + 12 * (row + 1) + k);
-  mg_turn_pair(x / size, y / size, c->gamma + row, c->gamma + row + 1);
+  for (int k = 0; k < 3; k++) mg_rotate_pair(x / size, y / size, t + k, t + 3 + k);
+  for (int k = 0; k < 12; k++) mg_rotate_pair(x / size, y / size, c->J + 12 * row + k, c->J + 12 * (row + 1) + k);
+  mg_rotate_pair(x / size, y / size, c->gamma + row, c->gamma + row + 1);
 }
 
-/* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N and t2
-   turn round, and slip along t1 and rolling about t2 change sign. */
-static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned, const mg_real *block) {
+/* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N
+   and t2 turn round, and slip along t1 and rolling about t2 change sign. */
+static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
+                             const mg_real *block) {
   mg_real *normal = c->normal + 3 * contact;
   for (int i = 0; i < c->kernels->contact_kinds[c->kind[contact]].rows; i++) {
     const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
@@ -38,26 +39,29 @@ static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *
 static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
   const mg_system *s = c->system;
   for (int link = c->support_link_begin + 3 * patch + 1; link >= c->support_link_begin + 3 * patch; link--)
-    if (c->kernels->contact_kinds[s->link_kind[link]].rows >= c->kernels->contact_kinds[s->link_kind[contact_link]].rows) return link;
+    if (c->kernels->contact_kinds[s->link_kind[link]].rows >=
+        c->kernels->contact_kinds[s->link_kind[contact_link]].rows)
+      return link;
   return -1;
 }
 
-/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the point where
-   it begins to roll, which its own equations do not tell. */
+/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the
+   point where it begins to roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const mg_real lost = c->settings->flat * c->settings->flat;
-  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_patch_flat_on(c, contact, lost) : -1;
+  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_flat_patch_of_contact(c, contact, lost) : -1;
   const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
   if (link < 0) return 0;
-  const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link], f = s->link_f[link];
+  const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link],
+            f = s->link_f[link];
   mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++) c->point_parameters[k] = s->parameters[s->link_parameters[link] + k];
-  mg_out(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
-  mg_into(c->pose + 12 * f, world, c->point_parameters + n - 3);
-  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0, c->point_parameters,
-                   c->d + contact, block, block + 36, block + 72, none, c->normal + 3 * contact,
-                   c->tangents ? c->tangents + 6 * contact : 0);
+  mg_to_world(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
+  mg_to_local(c->pose + 12 * f, world, c->point_parameters + n - 3);
+  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0,
+                            c->point_parameters, c->d + contact, block, block + 36, block + 72, none,
+                            c->normal + 3 * contact, c->tangents ? c->tangents + 6 * contact : 0);
   mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->o[contact], block);
   return 1;
 }
@@ -75,27 +79,28 @@ static void mg_scatter(mg_context *c, int contact) {
     if (c->system->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
 }
 
-MG_INTERNAL void mg_rates(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
   for (int i = 0; i < s->n_contact; i++) {
     const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = c->kernels->contact_kinds[kind].rows > 1;
     if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
     c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
-                     x + s->n_q + s->n_u + s->contact_eta[i], mg_parameters_of(c, i), c->d + i,
-                     below ? c->kernel_rows : c->J + 12 * i, below ? c->kernel_rows + 36 : c->J + 12 * i + 6,
-                     below ? c->kernel_rows + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i], c->normal + 3 * i,
-                     below ? c->tangents + 6 * i : 0);
+                              x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->d + i,
+                              below ? c->kernel_rows : c->J + 12 * i, below ? c->kernel_rows + 36 : c->J + 12 * i + 6,
+                              below ? c->kernel_rows + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i],
+                              c->normal + 3 * i, below ? c->tangents + 6 * i : 0);
     if (below) mg_scatter(c, i);
     if (!c->settings->use_gamma) c->gamma[i] = 0;
   }
 }
 
 /* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
-MG_INTERNAL mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body) {
+MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   const mg_real *J = c->J + 12 * contact;
   mg_real sum = 0;
-  if (contact >= c->joint_row_begin) return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
+  if (contact >= c->joint_row_begin)
+    return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->o[contact]);
   if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->f[contact]);
   return sum;
@@ -112,7 +117,7 @@ static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ
 }
 
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
-MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int o = c->o[contact], f = c->f[contact];
   mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
@@ -122,7 +127,7 @@ MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact) {
 }
 
 /* per_body += M^-1 J_i^T amount. */
-MG_INTERNAL void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
+MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->o[contact], f = c->f[contact];
   const mg_real *MJ = c->MJ + 12 * contact;
   if (mg_moves(c, o))
@@ -136,8 +141,8 @@ static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int cont
 }
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
-MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n) {
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_weigh(c, list[r]);
+MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
@@ -154,7 +159,7 @@ MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n) {
 }
 
 /* The part of d_dot that driven bodies and given motions make. */
-MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->time_rate[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->f[contact] : c->o[contact];
@@ -165,8 +170,9 @@ MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_gap_rates(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->d_dot[i] = mg_row(c, i, c->twist);
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->d_dot[i] = mg_row(c, i, c->twist) + c->time_rate[i];
+  for (int i = 0; i < c->system->n_contact; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
+    c->d_dot[i] = mg_row_times(c, i, c->twist) + c->time_rate[i];
   if (c->system->n_grip) mg_slip_rates(c);
 }
 
@@ -176,7 +182,7 @@ MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip) {
 }
 
 /* The rows below stand on the bodies of the contact's link. */
-MG_INTERNAL void mg_take_rows(mg_context *c, int contact) {
+MG_INTERNAL void mg_take_friction_rows(mg_context *c, int contact) {
   const int *room = c->system->contact_below + contact, first = c->friction_row_begin + room[0];
   for (int i = 0; i < room[1] - room[0]; i++) {
     c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->lcp.column[first + i] = -1;
@@ -185,12 +191,12 @@ MG_INTERNAL void mg_take_rows(mg_context *c, int contact) {
   }
 }
 
-MG_INTERNAL void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
+MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;
 }
 
 /* Slip, spin and rolling of all contacts, into c->d_dot. */
 MG_INTERNAL void mg_slip_rates(mg_context *c) {
-  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) c->d_dot[i] = mg_row(c, i, c->twist);
+  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
 }

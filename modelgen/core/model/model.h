@@ -1,5 +1,5 @@
-/* The scene as the solver sees it at one state: bodies, feature pairs, rows of contacts and joints, planar contacts, and what
-   becomes of a contact at an event. May use: base, region. */
+/* The scene as the solver sees it at one state: bodies, feature pairs, rows of contacts and joints, planar contacts,
+   and what becomes of a contact at an event. May use: base, region. */
 #ifndef MG_MODEL_H
 #define MG_MODEL_H
 
@@ -7,111 +7,128 @@
 
 static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
 
-enum { MG_IMPACT_INELASTIC, MG_IMPACT_AVOIDED, MG_TOUCHES_DOWN, MG_IMPACT_REBOUND, MG_PUSHED_OPEN, MG_LIFTS_OFF, MG_CONTACT_APPEARS, MG_FEATURE_CHANGES, MG_CONTACT_VANISHES,
-       MG_ENDS_RUN, MG_PATCH_BEGINS, MG_PATCH_TURNS_OVER_EDGE };
+enum {
+  MG_IMPACT_INELASTIC,
+  MG_IMPACT_AVOIDED,
+  MG_TOUCHES_DOWN,
+  MG_IMPACT_REBOUND,
+  MG_PUSHED_OPEN,
+  MG_LIFTS_OFF,
+  MG_CONTACT_APPEARS,
+  MG_FEATURE_CHANGES,
+  MG_CONTACT_VANISHES,
+  MG_ENDS_RUN,
+  MG_PATCH_BEGINS,
+  MG_PATCH_TURNS_OVER_EDGE
+};
 
-enum { MG_TRIAL_ON_EDGE = 2, MG_TRIAL_TORN_OFF = 3 }; /* marks in c->patches.trial: the slot's pads stand on points of the edge; and had rested flat */
+enum {
+  MG_TRIAL_ON_EDGE = 2,
+  MG_TRIAL_TORN_OFF = 3
+}; /* marks in c->patches.trial: the slot's pads stand on points of the edge; and had rested flat */
 
 /* bodies.c */
 MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
 MG_INTERNAL int mg_moves(const mg_context *c, int body);
-MG_INTERNAL void mg_copy_u(const mg_context *c, int body, const mg_real *from, mg_real *to);
-MG_INTERNAL void mg_poses(mg_context *c, mg_real t, const mg_real *x);
-MG_INTERNAL void mg_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
-MG_INTERNAL void mg_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
-MG_INTERNAL void mg_normalise(const mg_context *c, mg_real *x);
+MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
+MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
+MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
 MG_INTERNAL int mg_moving_side(const mg_context *c, int contact);
 MG_INTERNAL int mg_is_free(const mg_context *c, int body);
 MG_INTERNAL int mg_is_driven(const mg_system *s, int body);
 
 /* feature_pairs.c */
-MG_INTERNAL int mg_present(const mg_context *c, int contact);
-MG_INTERNAL mg_real *mg_eta_of(const mg_context *c, mg_real *x, int contact);
-MG_INTERNAL const mg_real *mg_parameters_of(mg_context *c, int contact);
-MG_INTERNAL void mg_stand(mg_context *c, int contact, int link);
-MG_INTERNAL int mg_is_endless(const mg_context *c, int link);
-MG_INTERNAL int mg_first_contact(const mg_context *c, int pair);
+MG_INTERNAL int mg_is_on_link(const mg_context *c, int contact);
+MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
+MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
+MG_INTERNAL void mg_place_on_link(mg_context *c, int contact, int link);
+MG_INTERNAL int mg_is_unconditional_link(const mg_context *c, int link);
+MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
 MG_INTERNAL int mg_has_own_links(const mg_context *c, int pair);
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int link, mg_real *scale);
-MG_INTERNAL void mg_take_link(mg_context *c, int contact);
+MG_INTERNAL void mg_read_link(mg_context *c, int contact);
 MG_INTERNAL void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
-MG_INTERNAL const mg_real *mg_side(const mg_context *c, int link, int side);
+MG_INTERNAL const mg_real *mg_side_numbers(const mg_context *c, int link, int side);
 MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side);
-MG_INTERNAL int mg_carrier(const mg_context *c, int link, int side);
-MG_INTERNAL void mg_point_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
-MG_INTERNAL mg_real mg_sine(const mg_real *a, const mg_real *b);
-MG_INTERNAL mg_real mg_condition(const mg_context *c, int link, int k, const mg_real *eta);
-MG_INTERNAL mg_real mg_least_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
-MG_INTERNAL mg_real mg_worst_condition(const mg_context *c, int link, const mg_real *eta, int *which);
+MG_INTERNAL int mg_parametrisation(const mg_context *c, int link, int side);
+MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
+MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
+MG_INTERNAL mg_real mg_link_condition(const mg_context *c, int link, int k, const mg_real *eta);
+MG_INTERNAL mg_real mg_least_link_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
+MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int link, const mg_real *eta, int *which);
 MG_INTERNAL int mg_has_signs(const mg_context *c, int link);
-MG_INTERNAL int mg_is_bare(const mg_context *c, int link);
+MG_INTERNAL int mg_has_no_outside(const mg_context *c, int link);
 
 /* contact_rows.c */
-MG_INTERNAL void mg_rates(mg_context *c, const mg_real *x);
-MG_INTERNAL mg_real mg_row(const mg_context *c, int contact, const mg_real *per_body);
-MG_INTERNAL mg_real mg_weigh(mg_context *c, int contact);
-MG_INTERNAL void mg_add(mg_context *c, int contact, mg_real amount, mg_real *per_body);
-MG_INTERNAL void mg_assemble(mg_context *c, const int *list, int n);
-MG_INTERNAL mg_real mg_driven_rate(const mg_context *c, int contact);
+MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x);
+MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
+MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact);
+MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
+MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
+MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 MG_INTERNAL void mg_gap_rates(mg_context *c);
 MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip);
-MG_INTERNAL void mg_take_rows(mg_context *c, int contact);
-MG_INTERNAL void mg_turn_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
+MG_INTERNAL void mg_take_friction_rows(mg_context *c, int contact);
+MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
 MG_INTERNAL void mg_slip_rates(mg_context *c);
 
 /* joint_rows.c */
-MG_INTERNAL void mg_open_joints(mg_context *c);
-MG_INTERNAL void mg_joint_rates(mg_context *c, mg_real t);
-MG_INTERNAL int mg_list_joints(const mg_context *c, int *list, int n);
-MG_INTERNAL int mg_joint_of(const mg_context *c, int row);
+MG_INTERNAL void mg_init_joint_rows(mg_context *c);
+MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t);
+MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n);
+MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 
 /* contact_points.c */
-MG_INTERNAL int mg_place(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
-MG_INTERNAL mg_real mg_margin_of(const mg_context *c);
-MG_INTERNAL int mg_place_all(mg_context *c, mg_real t, mg_real *x);
-MG_INTERNAL int mg_settle_in(mg_context *c, int contact, mg_real *eta);
-MG_INTERNAL int mg_is_flat_yet(const mg_context *c, int contact);
+MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
+MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
+MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
+MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta);
+MG_INTERNAL int mg_is_tilt_below_rounding(const mg_context *c, int contact);
 
 /* bounding_balls.c */
-MG_INTERNAL int mg_is_far(const mg_context *c, int link);
+MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int link);
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
 
 /* planar_contacts.c */
-MG_INTERNAL int mg_is_pad(const mg_context *c, int contact);
-MG_INTERNAL int mg_pad_of(const mg_context *c, int slot);
-MG_INTERNAL int mg_patch_in(const mg_context *c, int slot);
-MG_INTERNAL int mg_slot_of(const mg_context *c, int patch);
+MG_INTERNAL int mg_is_support_point(const mg_context *c, int contact);
+MG_INTERNAL int mg_slot_support(const mg_context *c, int slot);
+MG_INTERNAL int mg_slot_patch(const mg_context *c, int slot);
+MG_INTERNAL int mg_patch_slot(const mg_context *c, int patch);
 MG_INTERNAL int mg_free_slot(const mg_context *c, int patch);
 MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link);
-MG_INTERNAL int mg_patch_flat_on(const mg_context *c, int contact, mg_real lean);
-MG_INTERNAL int mg_is_for_flat(const mg_context *c, int link);
-MG_INTERNAL int mg_is_for_leaning(const mg_context *c, int link);
-MG_INTERNAL int mg_is_flat_far(const mg_context *c, int contact);
-MG_INTERNAL int mg_patch_starts(const mg_context *c, int patch);
-MG_INTERNAL int mg_pair_unfolds(const mg_context *c, int pair);
-MG_INTERNAL mg_real mg_unfolding(const mg_context *c);
+MG_INTERNAL int mg_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
+MG_INTERNAL int mg_is_flat_link(const mg_context *c, int link);
+MG_INTERNAL int mg_is_tilted_link(const mg_context *c, int link);
+MG_INTERNAL int mg_is_distant_flat_link(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_patch_starting_to_roll(const mg_context *c, int patch);
+MG_INTERNAL int mg_is_pair_unfolding(const mg_context *c, int pair);
+MG_INTERNAL mg_real mg_unfolding_step_limit(const mg_context *c);
 MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact);
 MG_INTERNAL int mg_is_covered(const mg_context *c, int link);
-MG_INTERNAL int mg_patch_concerns(const mg_context *c, int patch, int pair);
-MG_INTERNAL int mg_pair_rests(const mg_context *c, int pair);
-MG_INTERNAL void mg_search_around(mg_context *c, int patch);
+MG_INTERNAL int mg_patch_involves_pair(const mg_context *c, int patch, int pair);
+MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair);
+MG_INTERNAL void mg_request_patch_search(mg_context *c, int patch);
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
-MG_INTERNAL const mg_real *mg_point_of_link(const mg_context *c, int link);
+MG_INTERNAL const mg_real *mg_link_support_point(const mg_context *c, int link);
 MG_INTERNAL void mg_hold_patch(mg_context *c, int slot, int patch);
-MG_INTERNAL void mg_drop_patch(mg_context *c, int slot);
+MG_INTERNAL void mg_release_patch(mg_context *c, int slot);
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
-MG_INTERNAL int mg_is_edged(const mg_context *c, int contact);
-MG_INTERNAL int mg_pivots(const mg_context *c, int slot);
-MG_INTERNAL int mg_is_hinged(const mg_context *c, int slot);
-MG_INTERNAL int mg_edge_ends(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
-MG_INTERNAL mg_real mg_edge_value(const mg_context *c, int slot, int cause);
+MG_INTERNAL int mg_is_on_edge_trial(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_turning_on_edge(const mg_context *c, int slot);
+MG_INTERNAL int mg_is_on_straight_edge(const mg_context *c, int slot);
+MG_INTERNAL int mg_edge_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+MG_INTERNAL mg_real mg_edge_event_value(const mg_context *c, int slot, int cause);
 
 /* transitions.c */
-MG_INTERNAL void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed);
-MG_INTERNAL void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed);
-MG_INTERNAL void mg_forget_events(mg_context *c);
-MG_INTERNAL void mg_pass_time(mg_run *run, mg_real h);
+MG_INTERNAL void mg_report_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
+                                 mg_real speed);
+MG_INTERNAL void mg_apply_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
+                                     mg_real speed);
+MG_INTERNAL void mg_clear_triggered(mg_context *c);
+MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h);
 
 #endif

@@ -22,26 +22,28 @@ static const struct {
     [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
-MG_INTERNAL void mg_emit(const mg_context *c, mg_events *events, mg_real t, int kind, int contact, mg_real speed) {
+MG_INTERNAL void mg_report_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
+                                 mg_real speed) {
   if (events->count >= events->capacity) return;
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
   events->link[k] = c->run->link[contact];
 }
 
-MG_INTERNAL void mg_befalls(mg_context *c, mg_events *events, int contact, int cause, mg_real t, mg_real speed) {
+MG_INTERNAL void mg_apply_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
+                                     mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_MODE_UNCHANGED && closed != c->run->closed[contact])
     c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;
-  if (event != MG_NO_EVENT) mg_emit(c, events, t, event, contact, speed);
+  if (event != MG_NO_EVENT) mg_report_event(c, events, t, event, contact, speed);
 }
 
-MG_INTERNAL void mg_forget_events(mg_context *c) {
+MG_INTERNAL void mg_clear_triggered(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.triggered[i] = 0;
 }
 
 /* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
-MG_INTERNAL void mg_pass_time(mg_run *run, mg_real h) {
+MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h) {
   const mg_real t = run->t, step = h + run->t_roundoff;
   run->t = t + step;
   run->t_roundoff = step - (run->t - t);

@@ -12,7 +12,7 @@ static int mg_add_spot(mg_hull *h, int track, int cut, mg_real t) {
   }
   mg_hull_vertex *s = h->vertices + h->n_vertex;
   s->track = track, s->intersection = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
-  mg_on(h->arcs + track, t, s->point, s->tangent);
+  mg_arc_point(h->arcs + track, t, s->point, s->tangent);
   return h->n_vertex++;
 }
 
@@ -67,7 +67,7 @@ static int mg_join_twins(mg_hull *h, int n) {
     for (int j = kept - 1; j >= 0 && same < 0; j--) {
       const mg_hull_vertex *other = h->vertices + h->order[j];
       if (h->vertices[spot].point[0] - other->point[0] > near) break;
-      if (mg_apart2(other->point, h->vertices[spot].point) <= near) same = h->order[j];
+      if (mg_distance2(other->point, h->vertices[spot].point) <= near) same = h->order[j];
     }
     if (same < 0) {
       h->order[kept++] = spot;
@@ -147,7 +147,8 @@ static void mg_make_edge(const mg_hull *h, mg_hull_edge *e, int u, int v) {
   const mg_real chord[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
   e->length = sqrt(mg_dot2(chord, chord));
   e->normal[0] = e->length > 0 ? chord[1] / e->length : 0, e->normal[1] = e->length > 0 ? -chord[0] / e->length : 0;
-  const mg_real rise = e->direction * mg_dot2(e->normal, a->tangent), fall = e->direction * mg_dot2(e->normal, b->tangent);
+  const mg_real rise = e->direction * mg_dot2(e->normal, a->tangent),
+                fall = e->direction * mg_dot2(e->normal, b->tangent);
   if (!(rise > 0 && fall < 0)) e->direction = 0;
   e->height = e->direction ? e->length * rise / sqrt(mg_dot2(a->tangent, a->tangent)) : 0;
 }
@@ -166,7 +167,7 @@ static void mg_make_edges(mg_hull *h) {
 static int mg_find_top(const mg_hull *h, int spot, const mg_real *n, mg_real *t) {
   const mg_hull_vertex *s = h->vertices + spot, *to = h->vertices + s->next;
   if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
-  *t = mg_zero_along(h->arcs + s->track, MG_ZERO_SUPPORT, n, s->t, s->t_end);
+  *t = mg_zero_on_arc(h->arcs + s->track, MG_ZERO_SUPPORT, n, s->t, s->t_end);
   return *t != s->t && *t != s->t_end;
 }
 
@@ -178,7 +179,7 @@ static int mg_raise_side(mg_hull *h, const mg_hull_edge *e, int n) {
   for (int i = 0; i < n; i++) {
     mg_real t, p[2], T[2];
     if (h->vertices[i].next < 0 || !mg_find_top(h, i, n_, &t)) continue;
-    mg_on(h->arcs + h->vertices[i].track, t, p, T);
+    mg_arc_point(h->arcs + h->vertices[i].track, t, p, T);
     if (mg_dot2(n_, p) - floor > best) best = mg_dot2(n_, p) - floor, best_t = t, from = i;
   }
   if (from < 0) return 0;
@@ -199,7 +200,7 @@ static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
   mg_real t;
   if (!mg_find_top(h, before, n, &t) && !mg_find_top(h, spot, n, &t)) return;
   s->t = h->vertices[before].t_end = t;
-  mg_on(h->arcs + s->track, t, s->point, s->tangent);
+  mg_arc_point(h->arcs + s->track, t, s->point, s->tangent);
 }
 
 static void mg_settle_tangents(mg_hull *h) {

@@ -1,16 +1,17 @@
 /* Coulomb friction summed over what is pressed (rubbing.h), from integrals along its boundary.
 
-   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the integral
-   along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is smooth on
-   curves but near the centre, towards which these are divided. Where the centre is far, the direction is smooth all over the
-   region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few nodes. */
+   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the
+   integral along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is
+   smooth on curves but near the centre, towards which these are divided. Where the centre is far, the direction is
+   smooth all over the region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few
+   nodes. */
 /* How much of what friction can hold a force and torque take: the least that a twist rubs of all on which they work
    alike. A smooth convex function of two unknowns, by the method of Broyden, Fletcher, Goldfarb and Shanno (Nocedal and
    Wright, Numerical Optimization, 2006, chapter 6). */
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_FAR_CENTRE 3       /* extents: from there on the centre of rotation is far */
+#define MG_FAR_CENTRE 3 /* extents: from there on the centre of rotation is far */
 
 #define MG_PURE_TRANSLATION 40
 
@@ -22,7 +23,8 @@ typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d
 
 typedef struct {
   const mg_pressure *press;
-  mg_real radius, from[3], across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
+  mg_real radius, from[3],
+      across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
 } mg_search_plane;
 
 /* Adds a piece of boundary at d with weight d cross dx. */
@@ -37,7 +39,7 @@ static void mg_add_ring(mg_ring *g, mg_real weight, const mg_real *d) {
 
 /* Adds a straight piece of boundary from P to Q. */
 static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
-  const mg_real length = mg_apart2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
+  const mg_real length = mg_distance2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
   if (!(length > 0)) return;
   const mg_real t[2] = {(Q[0] - P[0]) / length, (Q[1] - P[1]) / length}, h = mg_cross2(p, t);
   if (h == 0) return;
@@ -46,8 +48,7 @@ static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
   const mg_real k0 = asinh(b / fabs(h)) - asinh(a / fabs(h)), k1 = (b + a) * length / (rb + ra);
   const mg_real k2 = (b * rb - a * ra - h * h * k0) / 2, r0 = (b * rb - a * ra + h * h * k0) / 2;
   const mg_real r1 = (rb * rb * rb - ra * ra * ra) / 3;
-  for (int i = 0; i < 2; i++)
-    g->e[i] += h / 2 * (f[i] * k0 + t[i] * k1), g->rd[i] += h / 4 * (f[i] * r0 + t[i] * r1);
+  for (int i = 0; i < 2; i++) g->e[i] += h / 2 * (f[i] * k0 + t[i] * k1), g->rd[i] += h / 4 * (f[i] * r0 + t[i] * r1);
   g->ed[0] += h / 3 * (f[0] * f[0] * k0 + 2 * f[0] * t[0] * k1 + t[0] * t[0] * k2);
   g->ed[1] += h / 3 * (f[0] * f[1] * k0 + (f[0] * t[1] + f[1] * t[0]) * k1 + t[0] * t[1] * k2);
   g->ed[2] += h / 3 * (f[1] * f[1] * k0 + 2 * f[1] * t[1] * k1 + t[1] * t[1] * k2);
@@ -55,17 +56,18 @@ static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
 }
 
 /* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
-static void mg_add_curve(mg_ring *g, const mg_placed_arc *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q, mg_real least) {
-  const mg_real t = (t0 + t1) / 2, length = mg_apart2(P, Q);
+static void mg_add_curve(mg_ring *g, const mg_placed_arc *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q,
+                         mg_real least) {
+  const mg_real t = (t0 + t1) / 2, length = mg_distance2(P, Q);
   mg_real x[2], T[2];
-  mg_on(k, t, x, T);
-  const mg_real near = fmin(fmin(mg_apart2(P, g->centre), mg_apart2(Q, g->centre)), mg_apart2(x, g->centre));
+  mg_arc_point(k, t, x, T);
+  const mg_real near = fmin(fmin(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
   if (2 * length > near && length > least) {
     mg_add_curve(g, k, t0, t, P, x, least), mg_add_curve(g, k, t, t1, x, Q, least);
     return;
   }
   for (int j = 0; j < MG_NODES; j++) {
-    mg_on(k, t0 + mg_node[j] * (t1 - t0), x, T);
+    mg_arc_point(k, t0 + mg_node[j] * (t1 - t0), x, T);
     const mg_real d[2] = {x[0] - g->centre[0], x[1] - g->centre[1]};
     mg_add_ring(g, mg_node_weight[j] * (t1 - t0) * mg_cross2(d, T), d);
   }
@@ -97,12 +99,14 @@ static void mg_shift_ring(const mg_ring *g, const mg_real *q, int sign, mg_real 
 static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
   const mg_real v[2] = {twist[0] - twist[2] * d[1], twist[1] + twist[2] * d[0]}, size = sqrt(mg_dot2(v, v));
   if (!(size > 0)) return;
-  const mg_real by[3] = {weight, weight * d[0], weight * d[1]}, u[2] = {v[0] / size, v[1] / size}, arm = mg_cross2(d, u);
+  const mg_real by[3] = {weight, weight * d[0], weight * d[1]}, u[2] = {v[0] / size, v[1] / size},
+                arm = mg_cross2(d, u);
   for (int j = 0; j < 3; j++) G[0][j] += u[0] * by[j], G[1][j] += u[1] * by[j], G[2][j] += arm * by[j];
 }
 
 /* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
-static void mg_add_ray(const mg_pressure *p, const mg_real *twist, int n, mg_real weight, const mg_real *x, mg_real G[3][3]) {
+static void mg_add_ray(const mg_pressure *p, const mg_real *twist, int n, mg_real weight, const mg_real *x,
+                       mg_real G[3][3]) {
   static const mg_real few[2][MG_FEW_NODES] = {
       {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
        (mg_real)0.930568155797026287611973},
@@ -123,14 +127,15 @@ static void mg_rub_far(const mg_pressure *p, const mg_real *twist, int n, mg_rea
       mg_real x[2], T[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
       if (s->straight)
         for (int k = 0; k < 2; k++) x[k] = s->P[k] + mg_node[j] * T[k];
-      else mg_on(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
-      const mg_real arm[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]}, whole = s->straight ? 1 : s->t[1] - s->t[0];
+      else mg_arc_point(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      const mg_real arm[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]},
+                    whole = s->straight ? 1 : s->t[1] - s->t[0];
       mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
     }
   }
 }
 
-MG_INTERNAL void mg_rub(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]) {
+MG_INTERNAL void mg_friction_matrix(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]) {
   const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->reach;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
   if (away >= MG_FAR_CENTRE * turn) {
@@ -152,7 +157,7 @@ static mg_real mg_rubs_at(const mg_search_plane *s, const mg_real *y, mg_real *s
   mg_real twist[3], force[3], G[3][3], power = 0;
   mg_twist_of(s, y, twist);
   twist[2] /= s->radius;
-  mg_rub(s->press, twist, G);
+  mg_friction_matrix(s->press, twist, G);
   const mg_real *level = s->press->coefficients;
   for (int k = 0; k < 3; k++) {
     force[k] = G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2];
@@ -210,7 +215,8 @@ static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *gr
   H[2] += more * step[1] * step[1] - 2 * Hg[1] * step[1] / curve;
 }
 
-MG_INTERNAL mg_real mg_share_of_limit(const mg_pressure *p, const mg_real *wrench, mg_real radius, mg_real *twist) {
+MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_pressure *p, const mg_real *wrench, mg_real radius,
+                                           mg_real *twist) {
   const mg_real force[3] = {wrench[0], wrench[1], wrench[2] / radius};
   const mg_real size = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
   mg_search_plane s = {p, radius, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};

@@ -11,10 +11,12 @@ typedef struct { /* the nearest point so far: at parameter t of the curve from u
 static void mg_try_spots(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
   mg_real least = MG_MAX;
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_real *p = h->vertices[h->edges[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]}, square = mg_dot2(arm, arm);
+    const mg_real *p = h->vertices[h->edges[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]},
+                  square = mg_dot2(arm, arm);
     if (square < least) least = square, best->edge = i;
   }
-  best->spot = h->edges[best->edge].u, best->t = h->vertices[best->spot].t, best->curve = 0, best->distance = sqrt(least);
+  best->spot = h->edges[best->edge].u, best->t = h->vertices[best->spot].t, best->curve = 0,
+  best->distance = sqrt(least);
 }
 
 /* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
@@ -24,8 +26,8 @@ static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest
   const mg_real from[2] = {a->point[0] - x[0], a->point[1] - x[1]}, to[2] = {b->point[0] - x[0], b->point[1] - x[1]};
   if (!(mg_dot2(from, a->tangent) < 0 && mg_dot2(to, b->tangent) > 0)) return 0;
   mg_real p[2], T[2];
-  const mg_real t = mg_zero_along(h->arcs + a->track, MG_ZERO_FOOT, x, a->t, a->t_end);
-  mg_on(h->arcs + a->track, t, p, T);
+  const mg_real t = mg_zero_on_arc(h->arcs + a->track, MG_ZERO_FOOT, x, a->t, a->t_end);
+  mg_arc_point(h->arcs + a->track, t, p, T);
   const mg_real arm[2] = {x[0] - p[0], x[1] - p[1]}, distance = sqrt(mg_dot2(arm, arm));
   if (distance <= best->distance) {
     const mg_nearest_side found = {distance, t, edge, -1, 1};
@@ -54,8 +56,8 @@ static int mg_is_beyond(const mg_hull *h, const mg_hull_edge *e, int spot, const
   return -e->direction * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
 }
 
-/* The nearest point of the hull's boundary to x. Returns whether x is outside: then it is beyond the chord of a side, which
-   tells. */
+/* The nearest point of the hull's boundary to x. Returns whether x is outside: then it is beyond the chord of a side,
+   which tells. */
 static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
   const mg_real rounding = 4 * MG_EPS * h->size;
   int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edges[0].direction && !h->edges[1].direction);
@@ -74,7 +76,7 @@ static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *
   return outside;
 }
 
-MG_INTERNAL void mg_support_at(const mg_hull *h, int spot, mg_support_point *at) {
+MG_INTERNAL void mg_read_support_point(const mg_hull *h, int spot, mg_support_point *at) {
   int own = spot;
   for (int i = h->vertices[spot].twin; i != spot && h->vertices[own].intersection < 0; i = h->vertices[i].twin)
     if (h->vertices[i].intersection >= 0) own = i;
@@ -92,16 +94,19 @@ static void mg_side_normal(const mg_hull_edge *e, const mg_real *T, mg_real *nor
   for (int k = 0; k < 2; k++) normal[k] = e->direction ? e->direction * (k ? -T[0] : T[1]) / size : e->normal[k];
 }
 
-/* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then. */
-static int mg_leads_past(const mg_hull *h, const mg_hull_edge *e, int spot, int last, const mg_real *way, mg_real *normal) {
+/* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then.
+ */
+static int mg_leads_past(const mg_hull *h, const mg_hull_edge *e, int spot, int last, const mg_real *way,
+                         mg_real *normal) {
   if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->shared)) return 0;
   mg_side_normal(e, h->vertices[spot].tangent, normal);
   return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
 }
 
-/* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there. Where
-   these are one, as where a closed outline begins, so is it, however near x is. */
-static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_nearest_boundary *brink) {
+/* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there.
+   Where these are one, as where a closed outline begins, so is it, however near x is. */
+static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const mg_real *x,
+                           mg_nearest_boundary *brink) {
   const mg_hull_edge *next = h->edges + near->edge, *last = h->edges + (near->edge + h->n_edge - 1) % h->n_edge;
   const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
   const mg_real way[2] = {sign * (p[0] - x[0]) / near->distance, sign * (p[1] - x[1]) / near->distance};
@@ -118,15 +123,15 @@ static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const m
   mg_real T[2] = {own[0], own[1]};
   brink->n = 1;
   if (near->spot >= 0) {
-    mg_support_at(h, near->spot, brink->at);
+    mg_read_support_point(h, near->spot, brink->at);
   } else if (near->curve) {
     mg_support_point *at = brink->at;
-    mg_support_at(h, e->u, at);
+    mg_read_support_point(h, e->u, at);
     at->arc = h->vertices[e->u].track, at->side = h->arcs[at->arc].side, at->t = near->t, at->crossing_arc = -1;
-    mg_on(h->arcs + at->arc, near->t, at->point, T);
+    mg_arc_point(h->arcs + at->arc, near->t, at->point, T);
   } else {
     brink->n = 2;
-    mg_support_at(h, e->u, brink->at), mg_support_at(h, e->v, brink->at + 1);
+    mg_read_support_point(h, e->u, brink->at), mg_read_support_point(h, e->v, brink->at + 1);
   }
   const int is_off = near->spot >= 0 && near->distance > h->regions->shared;
   if (is_off) mg_spot_normal(h, near, x, brink);

@@ -4,7 +4,7 @@
 
 #define MG_PENDING_SPAN_PAIRS 128 /* pairs of spans that wait to be split */
 
-#define MG_NEARLY_PARALLEL 0.3  /* rad: spans whose directions differ by less run side by side */
+#define MG_NEARLY_PARALLEL 0.3 /* rad: spans whose directions differ by less run side by side */
 
 typedef struct {
   int count;
@@ -16,8 +16,8 @@ static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_
   const mg_placed_arc *k = h->arcs + track;
   const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
   const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->shared, middle = (k->t0 + k->t1) / 2;
-  if (t <= middle && mg_apart2(first->P, point) <= near) return k->t0;
-  if (t >= middle && mg_apart2(last->Q, point) <= near) return k->t1;
+  if (t <= middle && mg_distance2(first->P, point) <= near) return k->t0;
+  if (t >= middle && mg_distance2(last->Q, point) <= near) return k->t1;
   return t;
 }
 
@@ -30,7 +30,7 @@ static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *other = h->intersections + i;
     const int same = other->track[0] == track[0] && other->track[1] == track[1];
-    if (same && mg_apart2(other->point, point) <= 4 * h->regions->shared) return;
+    if (same && mg_distance2(other->point, point) <= 4 * h->regions->shared) return;
   }
   if (h->n_intersection == h->intersection_capacity) h->overflow = 1;
   else h->intersections[h->n_intersection++] = cut;
@@ -50,10 +50,11 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
     if (off > cell->turn * length + shared) continue;
     const mg_real part = fmin(fmax(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
-    t[k->side] = k->straight ? cell->a + part * (cell->b - cell->a) : mg_zero_along(k, MG_ZERO_FOOT, p, cell->a, cell->b);
+    t[k->side] =
+        k->straight ? cell->a + part * (cell->b - cell->a) : mg_zero_on_arc(k, MG_ZERO_FOOT, p, cell->a, cell->b);
     t[e->side] = last ? e->t1 : e->t0;
-    mg_on(k, t[k->side], point, T);
-    if (mg_apart2(point, p) > shared) continue;
+    mg_arc_point(k, t[k->side], point, T);
+    if (mg_distance2(point, p) > shared) continue;
     const int track[2] = {k->side ? ending : other, k->side ? other : ending};
     mg_add_cut(h, track, t, p);
   }
@@ -61,7 +62,7 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
 
 /* Whether the curve of one span may come near the other: bounding boxes. */
 static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
-  const mg_real slack = shared + (mg_apart2(x->P, x->Q) * x->turn + mg_apart2(y->P, y->Q) * y->turn) / 2;
+  const mg_real slack = shared + (mg_distance2(x->P, x->Q) * x->turn + mg_distance2(y->P, y->Q) * y->turn) / 2;
   for (int k = 0; k < 2; k++) {
     if (fmin(x->P[k], x->Q[k]) > fmax(y->P[k], y->Q[k]) + slack) return 0;
     if (fmin(y->P[k], y->Q[k]) > fmax(x->P[k], x->Q[k]) + slack) return 0;
@@ -78,7 +79,7 @@ static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span 
   const int track[2] = {x->track, y->track};
   mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
   for (int i = 0; i < 50; i++) {
-    for (int k = 0; k < 2; k++) mg_on(h->arcs + track[k], t[k], c[k], T[k]);
+    for (int k = 0; k < 2; k++) mg_arc_point(h->arcs + track[k], t[k], c[k], T[k]);
     for (int k = 0; k < 2; k++) apart[k] = c[1][k] - c[0][k];
     const mg_real det = mg_cross2(T[0], T[1]), size = mg_dot2(apart, apart);
     if (det == 0 || (size >= last && size <= h->regions->shared * h->regions->shared)) break;
@@ -103,14 +104,15 @@ static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span 
 /* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
 static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t, mg_real *gap) {
   const mg_placed_arc *k = h->arcs + x->track, *other = h->arcs + y->track;
-  const mg_real ends[2] = {mg_zero_along(k, MG_ZERO_FOOT, y->P, x->a, x->b), mg_zero_along(k, MG_ZERO_FOOT, y->Q, x->a, x->b)};
+  const mg_real ends[2] = {mg_zero_on_arc(k, MG_ZERO_FOOT, y->P, x->a, x->b),
+                           mg_zero_on_arc(k, MG_ZERO_FOOT, y->Q, x->a, x->b)};
   if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->a) + fabs(x->b))) return 0;
   for (int i = 0; i < 5; i++) {
     mg_real p[2], q[2], T[2];
     s[i] = ends[0] + i * (ends[1] - ends[0]) / 4;
-    mg_on(k, s[i], p, T);
-    t[i] = mg_zero_along(other, MG_ZERO_FOOT, p, y->a, y->b);
-    mg_on(other, t[i], q, T);
+    mg_arc_point(k, s[i], p, T);
+    t[i] = mg_zero_on_arc(other, MG_ZERO_FOOT, p, y->a, y->b);
+    mg_arc_point(other, t[i], q, T);
     const mg_real arm[2] = {p[0] - q[0], p[1] - q[1]};
     gap[i] = mg_cross2(T, arm) / sqrt(mg_dot2(T, T));
   }
@@ -123,7 +125,7 @@ static void mg_try_closed(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y
   const mg_real at[2] = {s, t};
   mg_real point[2], T[2];
   if (fabs(gap) > h->regions->shared) return;
-  mg_on(h->arcs + x->track, s, point, T);
+  mg_arc_point(h->arcs + x->track, s, point, T);
   mg_add_cut(h, track, at, point);
 }
 
@@ -143,8 +145,9 @@ static int mg_run_along(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) 
   mg_try_closed(h, x, y, s[0], t[0], gap[0]), mg_try_closed(h, x, y, s[4], t[4], gap[4]);
   if (!changes && least > bent) return 1;
   if (changes != 1 || step <= bent) return 0;
-  const mg_real part = gap[change - 1] / (gap[change - 1] - gap[change]), start[2] = {
-    s[change - 1] + part * (s[change] - s[change - 1]), t[change - 1] + part * (t[change] - t[change - 1])};
+  const mg_real part = gap[change - 1] / (gap[change - 1] - gap[change]),
+                start[2] = {s[change - 1] + part * (s[change] - s[change - 1]),
+                            t[change - 1] + part * (t[change] - t[change - 1])};
   mg_try_crossing(h, x, y, start);
   return 1;
 }
@@ -154,12 +157,12 @@ static void mg_push_spans(mg_splits *stack, const mg_arc_span *x, const mg_arc_s
 }
 
 static void mg_split(const mg_hull *h, mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
-  const int second = mg_apart2(y->P, y->Q) > mg_apart2(x->P, x->Q);
+  const int second = mg_distance2(y->P, y->Q) > mg_distance2(x->P, x->Q);
   const mg_arc_span *whole = second ? y : x;
   const mg_real middle = (whole->a + whole->b) / 2, ends[3] = {whole->a, middle, whole->b};
   for (int i = 0; i < 2; i++) {
     mg_arc_span half;
-    mg_span_between(h, whole->track, ends[i], ends[i + 1], &half);
+    mg_make_span(h, whole->track, ends[i], ends[i + 1], &half);
     if (h->arcs[whole->track].straight) half.turn = 0;
     mg_push_spans(stack, second ? x : &half, second ? &half : y);
   }
@@ -178,7 +181,8 @@ static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_sp
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
     const mg_real middle[2] = {(x.a + x.b) / 2, (y.a + y.b) / 2};
     if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y, middle);
-    else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS && !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_run_along(h, &x, &y)))
+    else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS &&
+             !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_run_along(h, &x, &y)))
       mg_split(h, &stack, &x, &y);
   }
 }
@@ -195,7 +199,7 @@ static void mg_cross_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *
   mg_add_cut(h, track, t, point);
 }
 
-MG_INTERNAL void mg_find_cuts(mg_hull *h) {
+MG_INTERNAL void mg_find_intersections(mg_hull *h) {
   const int n = h->regions->n_arc, n_o = h->regions->n_o;
   h->n_intersection = 0, h->overflow = 0;
   for (int i = 0; i < n_o; i++)

@@ -16,7 +16,7 @@ static void mg_trace(const mg_hull *h, int track, mg_real t0, mg_real t1, int fi
   const int n = k->straight ? 1 : fine;
   for (int i = 0; i < n; i++) {
     mg_real p[2], T[2];
-    mg_on(k, t0 + i * (t1 - t0) / n, p, T);
+    mg_arc_point(k, t0 + i * (t1 - t0) / n, p, T);
     mg_put_point(out, p);
   }
 }
@@ -36,9 +36,9 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
   for (int i = 0; i < h->n_piece; i++)
     for (int end = 0; end < 2 && !h->order[i]; end++) {
       mg_real q[2], T[2];
-      mg_on(h->arcs + h->pieces[i].track, h->pieces[i].t[end], q, T);
-      if (!(mg_apart2(p, q) <= reach)) continue;
-      reach = mg_apart2(p, q), next = i, *back = end;
+      mg_arc_point(h->arcs + h->pieces[i].track, h->pieces[i].t[end], q, T);
+      if (!(mg_distance2(p, q) <= reach)) continue;
+      reach = mg_distance2(p, q), next = i, *back = end;
     }
   return next;
 }
@@ -52,7 +52,7 @@ MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) 
     for (int piece = first, back = 0; piece >= 0; piece = mg_next_piece(h, p, 64 * h->regions->shared, &back)) {
       h->order[piece] = 1;
       mg_trace_piece(h, h->pieces + piece, back, fine, out);
-      mg_on(h->arcs + h->pieces[piece].track, h->pieces[piece].t[!back], p, T);
+      mg_arc_point(h->arcs + h->pieces[piece].track, h->pieces[piece].t[!back], p, T);
     }
     out->n_loop++;
   }

@@ -15,14 +15,15 @@ static mg_hull_capacity mg_rooms_of(int n_arc, int n_o) {
   return r;
 }
 
-MG_INTERNAL long mg_hull_room(int n_arc, int n_o) {
+MG_INTERNAL long mg_hull_memory_size(int n_arc, int n_o) {
   const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
-  return mg_reals(n_arc, sizeof(mg_placed_arc)) + mg_reals(r.span, sizeof(mg_arc_span)) + mg_reals(r.cut, sizeof(mg_intersection)) +
-         mg_reals(r.piece, sizeof(mg_boundary_piece)) + mg_reals(r.spot, sizeof(mg_hull_vertex)) + mg_reals(r.spot, sizeof(mg_hull_edge)) +
-         mg_reals(2 * r.spot, sizeof(int));
+  return mg_count_reals(n_arc, sizeof(mg_placed_arc)) + mg_count_reals(r.span, sizeof(mg_arc_span)) +
+         mg_count_reals(r.cut, sizeof(mg_intersection)) + mg_count_reals(r.piece, sizeof(mg_boundary_piece)) +
+         mg_count_reals(r.spot, sizeof(mg_hull_vertex)) + mg_count_reals(r.spot, sizeof(mg_hull_edge)) +
+         mg_count_reals(2 * r.spot, sizeof(int));
 }
 
-MG_INTERNAL long mg_press_room(int n_arc, int n_o) {
+MG_INTERNAL long mg_strip_capacity(int n_arc, int n_o) {
   const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
   return 2 * (r.span + r.piece);
 }
@@ -30,14 +31,14 @@ MG_INTERNAL long mg_press_room(int n_arc, int n_o) {
 MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
   const mg_hull_capacity r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
-  h->arcs = mg_part_of_memory(&memory, regions->n_arc, sizeof(mg_placed_arc));
-  h->spans = mg_part_of_memory(&memory, r.span, sizeof(mg_arc_span)), h->span_capacity = (int)r.span;
-  h->intersections = mg_part_of_memory(&memory, r.cut, sizeof(mg_intersection)), h->intersection_capacity = (int)r.cut;
-  h->pieces = mg_part_of_memory(&memory, r.piece, sizeof(mg_boundary_piece)), h->piece_capacity = (int)r.piece;
-  h->vertices = mg_part_of_memory(&memory, r.spot, sizeof(mg_hull_vertex)), h->vertex_capacity = (int)r.spot;
-  h->edges = mg_part_of_memory(&memory, r.spot, sizeof(mg_hull_edge));
-  h->order = mg_part_of_memory(&memory, 2 * r.spot, sizeof(int));
-  mg_divide_tracks(h);
+  h->arcs = mg_take_memory(&memory, regions->n_arc, sizeof(mg_placed_arc));
+  h->spans = mg_take_memory(&memory, r.span, sizeof(mg_arc_span)), h->span_capacity = (int)r.span;
+  h->intersections = mg_take_memory(&memory, r.cut, sizeof(mg_intersection)), h->intersection_capacity = (int)r.cut;
+  h->pieces = mg_take_memory(&memory, r.piece, sizeof(mg_boundary_piece)), h->piece_capacity = (int)r.piece;
+  h->vertices = mg_take_memory(&memory, r.spot, sizeof(mg_hull_vertex)), h->vertex_capacity = (int)r.spot;
+  h->edges = mg_take_memory(&memory, r.spot, sizeof(mg_hull_edge));
+  h->order = mg_take_memory(&memory, 2 * r.spot, sizeof(int));
+  mg_divide_arcs(h);
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
@@ -57,8 +58,8 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
   static const mg_real parts[] = {0.5, 0.23, 0.81};
   for (int i = 0; i < 3; i++) {
     mg_real p[2], T[2];
-    mg_on(h->arcs + track, t0 + parts[i] * (t1 - t0), p, T);
-    const int inside = mg_is_inside(h, !h->arcs[track].side, p);
+    mg_arc_point(h->arcs + track, t0 + parts[i] * (t1 - t0), p, T);
+    const int inside = mg_locate_point(h, !h->arcs[track].side, p);
     if (inside < 2) return inside;
   }
   return 2;
@@ -67,11 +68,11 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
 /* Whether the intersection has no width at a point where both boundaries are one. */
 static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
   mg_real p[2], T[2];
-  mg_on(h->arcs + track, t, p, T);
+  mg_arc_point(h->arcs + track, t, p, T);
   const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared / sqrt(mg_dot2(T, T));
   const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
-  return !(mg_is_inside(h, 0, left) && mg_is_inside(h, 1, left)) &&
-         !(mg_is_inside(h, 0, right) && mg_is_inside(h, 1, right));
+  return !(mg_locate_point(h, 0, left) && mg_locate_point(h, 1, left)) &&
+         !(mg_locate_point(h, 0, right) && mg_locate_point(h, 1, right));
 }
 
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
@@ -79,7 +80,7 @@ static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut
   const mg_placed_arc *k = h->arcs + track;
   mg_real p[2], T[2];
   if (!(t1 > t0)) return;
-  mg_on(k, (t0 + t1) / 2, p, T);
+  mg_arc_point(k, (t0 + t1) / 2, p, T);
   if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->shared) return;
   const int inside = mg_is_part_inside(h, track, t0, t1);
   if (!inside || (inside == 2 && k->side)) return;
@@ -106,9 +107,9 @@ static void mg_find_pieces(mg_hull *h) {
   }
 }
 
-MG_INTERNAL int mg_lay(mg_hull *h, const mg_real *pose) {
-  mg_place_tracks(h, pose);
-  mg_find_cuts(h);
+MG_INTERNAL int mg_overlay_regions(mg_hull *h, const mg_real *pose) {
+  mg_place_arcs(h, pose);
+  mg_find_intersections(h);
   mg_find_pieces(h);
   mg_make_hull(h);
   return h->n_edge;

@@ -4,11 +4,11 @@
 
 #define MG_SPAN_TURN 0.3 /* rad, of a span */
 
-#define MG_SPANS_MAX 512    /* spans of an arc at most */
+#define MG_SPANS_MAX 512 /* spans of an arc at most */
 
-#define MG_INFLECTION_PARTS 8       /* parts of a span in which an inflection is sought */
+#define MG_INFLECTION_PARTS 8 /* parts of a span in which an inflection is sought */
 
-MG_INTERNAL void mg_on(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent) {
+MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
   const mg_real *a = k->axis;
   mg_real x[3], d[3];
@@ -32,9 +32,9 @@ static void mg_turn_of(mg_arc_span *s) {
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
 }
 
-MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
+MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
   span->track = track, span->a = a, span->b = b;
-  mg_on(h->arcs + track, a, span->P, span->S), mg_on(h->arcs + track, b, span->Q, span->E);
+  mg_arc_point(h->arcs + track, a, span->P, span->S), mg_arc_point(h->arcs + track, b, span->Q, span->E);
   mg_unit2(span->S), mg_unit2(span->E);
   mg_turn_of(span);
 }
@@ -43,14 +43,14 @@ MG_INTERNAL void mg_span_between(const mg_hull *h, int track, mg_real a, mg_real
 static int mg_is_straight(const mg_placed_arc *k) {
   static const mg_real parts[] = {0.23, 0.5, 0.81};
   mg_real P[2], Q[2], T[2], E[2];
-  mg_on(k, k->t0, P, T), mg_on(k, k->t1, Q, E);
+  mg_arc_point(k, k->t0, P, T), mg_arc_point(k, k->t1, Q, E);
   mg_real chord[2] = {Q[0] - P[0], Q[1] - P[1]};
   const mg_real size = fabs(P[0]) + fabs(P[1]) + fabs(Q[0]) + fabs(Q[1]);
   mg_unit2(chord), mg_unit2(T), mg_unit2(E);
   int straight = mg_dot2(chord, T) > 0.5 && mg_dot2(chord, E) > 0.5;
   for (int i = 0; i < 3 && straight; i++) {
     mg_real x[2], D[2];
-    mg_on(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
+    mg_arc_point(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
     const mg_real arm[2] = {x[0] - P[0], x[1] - P[1]};
     mg_unit2(D);
     straight = fabs(mg_cross2(chord, arm)) <= 4 * MG_EPS * size && fabs(mg_cross2(chord, D)) <= sqrt(MG_EPS);
@@ -62,16 +62,17 @@ static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, m
   mg_real x[2], T[2], E[2];
   if (sought == MG_ZERO_CURVATURE) {
     const mg_real step = (k->t1 - k->t0) / 4096;
-    mg_on(k, fmax(t - step, k->t0), x, T), mg_on(k, fmin(t + step, k->t1), x, E);
+    mg_arc_point(k, fmax(t - step, k->t0), x, T), mg_arc_point(k, fmin(t + step, k->t1), x, E);
     return mg_cross2(T, E);
   }
-  mg_on(k, t, x, T);
+  mg_arc_point(k, t, x, T);
   const mg_real arm[2] = {x[0] - v[0], x[1] - v[1]};
   return sought == MG_ZERO_SUPPORT ? mg_dot2(v, T) : mg_dot2(arm, T);
 }
 
-/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded (Anderson and Bjorck, BIT 13, 1973). */
-MG_INTERNAL mg_real mg_zero_along(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
+/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
+ * (Anderson and Bjorck, BIT 13, 1973). */
+MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
   mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
   if (sought == MG_ZERO_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
   if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
@@ -103,9 +104,9 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
     const int changed = (before > 0) != (bend > 0);
     before = bend;
     if (!changed) continue;
-    const mg_real t = mg_zero_along(k, MG_ZERO_CURVATURE, s->P, low, high);
+    const mg_real t = mg_zero_on_arc(k, MG_ZERO_CURVATURE, s->P, low, high);
     if (!(t > s->a + part / 64 && t < s->b - part / 64)) continue;
-    mg_span_between(h, s->track, s->a, t, s);
+    mg_make_span(h, s->track, s->a, t, s);
     return;
   }
 }
@@ -121,7 +122,7 @@ static void mg_divide(mg_hull *h, int track, int most) {
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
     mg_arc_span *s = h->spans + h->n_span;
-    mg_span_between(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
+    mg_make_span(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
     if (s->turn > MG_SPAN_TURN && part > (mg_real)1 / MG_SPANS_MAX && part / 2 > least) {
       part /= 2;
       continue;
@@ -186,17 +187,19 @@ static mg_real mg_reach_of_track(const mg_hull *h, int i) {
 static int mg_has_right(const mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_real x[2], T[2];
-  mg_on(k, (k->t0 + k->t1) / 2, x, T);
+  mg_arc_point(k, (k->t0 + k->t1) / 2, x, T);
   mg_unit2(T);
-  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared, right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
-  return mg_is_inside(h, k->side, right) == 1;
+  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared,
+                right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
+  return mg_locate_point(h, k->side, right) == 1;
 }
 
-MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
+MG_INTERNAL void mg_divide_arcs(mg_hull *h) {
   const mg_regions *r = h->regions;
   for (int i = 0; i < r->n_arc; i++) {
     mg_placed_arc *k = h->arcs + i;
-    k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0, k->t1 = r->arc[i].t1;
+    k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0,
+    k->t1 = r->arc[i].t1;
     k->side = i >= r->n_o, k->next = mg_following(r, i);
     mg_place_track(h, i, 0);
     k->straight = mg_is_straight(k);
@@ -206,7 +209,7 @@ MG_INTERNAL void mg_divide_tracks(mg_hull *h) {
   for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_has_right(h, i);
 }
 
-MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose) {
+MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   const mg_regions *r = h->regions;
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
@@ -214,7 +217,7 @@ MG_INTERNAL void mg_place_tracks(mg_hull *h, const mg_real *pose) {
     mg_place_track(h, i, pose);
     for (int j = k->span; j < k->span + k->n_span; j++) {
       mg_arc_span *s = h->spans + j;
-      mg_span_between(h, i, s->a, s->b, s);
+      mg_make_span(h, i, s->a, s->b, s);
       if (k->straight) s->turn = 0;
     }
   }

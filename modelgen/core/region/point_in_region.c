@@ -11,8 +11,8 @@ static int mg_is_between(const mg_hull *h, const mg_arc_span *s, const mg_real *
   if (fabs(off) > length * s->turn + shared || along < -shared || along > length + shared) return 0;
   if (k->straight) return fabs(off) <= shared ? -1 : 0;
   mg_real foot[2], T[2];
-  mg_on(k, mg_zero_along(k, MG_ZERO_FOOT, p, s->a, s->b), foot, T);
-  if (mg_apart2(foot, p) <= shared) return -1;
+  mg_arc_point(k, mg_zero_on_arc(k, MG_ZERO_FOOT, p, s->a, s->b), foot, T);
+  if (mg_distance2(foot, p) <= shared) return -1;
   if (along < 0 || along > length) return 0;
   const mg_real to[2] = {p[0] - foot[0], p[1] - foot[1]}, side = mg_cross2(T, to);
   return (side > 0) != (cross > 0);
@@ -22,7 +22,7 @@ static int mg_is_between(const mg_hull *h, const mg_arc_span *s, const mg_real *
 static int mg_is_next_part(const mg_regions *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
 
 /* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
-MG_INTERNAL int mg_is_inside(const mg_hull *h, int side, const mg_real *p) {
+MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {
   const mg_regions *r = h->regions;
   const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;
   const mg_real shared = r->shared * MG_COINCIDENCE_FACTOR / (side ? 1 : 2);

@@ -2,7 +2,9 @@
 #include "region/region.h"
 #include "base/base.h"
 
-MG_API long mg_region_size(int n_arc, int n_o) { return mg_hull_room(n_arc, n_o) + mg_reals(n_arc, sizeof(mg_arc)); }
+MG_API long mg_region_size(int n_arc, int n_o) {
+  return mg_hull_memory_size(n_arc, n_o) + mg_count_reals(n_arc, sizeof(mg_arc));
+}
 
 static void mg_put_support(const mg_support_point *from, int *identity, mg_real *where) {
   identity[0] = from->side, identity[1] = from->arc, identity[2] = from->crossing_arc;
@@ -19,7 +21,7 @@ static void mg_put_margin(const mg_hull *h, const mg_region_query *q, int i) {
 
 /* Lays the regions on each other; returns the number of sides of their hull. */
 static int mg_lay_query(const mg_region_query *q, mg_regions *regions, mg_hull *h, mg_real **work) {
-  mg_arc *arc = mg_part_of_memory(work, q->n_arc, sizeof(mg_arc));
+  mg_arc *arc = mg_take_memory(work, q->n_arc, sizeof(mg_arc));
   for (int i = 0; i < q->n_arc; i++) {
     const mg_real *numbers = q->numbers + 14 * i;
     const mg_arc given = {q->shape[i], q->loop[i], q->parameters + q->first[i], numbers, numbers[12], numbers[13]};
@@ -28,8 +30,8 @@ static int mg_lay_query(const mg_region_query *q, mg_regions *regions, mg_hull *
   const mg_regions all = {q->kernels, q->n_arc, q->n_o, arc, q->shared};
   *regions = all;
   mg_set_regions(h, regions, *work);
-  *work += mg_hull_room(q->n_arc, q->n_o);
-  return mg_lay(h, q->pose);
+  *work += mg_hull_memory_size(q->n_arc, q->n_o);
+  return mg_overlay_regions(h, q->pose);
 }
 
 MG_API int mg_region(const mg_region_query *q, mg_real *work) {
@@ -42,33 +44,34 @@ MG_API int mg_region(const mg_region_query *q, mg_real *work) {
   return h.overflow ? -1 : sides;
 }
 
-MG_API long mg_rub_size(int n_arc, int n_o) {
-  return mg_region_size(n_arc, n_o) + mg_reals(mg_press_room(n_arc, n_o), sizeof(mg_boundary_strip));
+MG_API long mg_region_friction_size(int n_arc, int n_o) {
+  return mg_region_size(n_arc, n_o) + mg_count_reals(mg_strip_capacity(n_arc, n_o), sizeof(mg_boundary_strip));
 }
 
 static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) {
   const mg_real *load = q->load + 3 * i, centre[2] = {load[1], load[2]};
   mg_real G[3][3], worst[3];
   mg_nearest_boundary brink;
-  q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_press_at(p, load[0], centre);
+  q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_winkler_pressure(p, load[0], centre);
   for (int k = 0; k < 3; k++) q->pressure[3 * i + k] = q->friction[3 * i + k] = (mg_real)NAN;
   q->needed[i] = (mg_real)NAN;
   if (!q->found[i]) return;
-  mg_rub(p, q->twist + 3 * i, G);
+  mg_friction_matrix(p, q->twist + 3 * i, G);
   for (int k = 0; k < 3; k++) {
     q->pressure[3 * i + k] = p->coefficients[k];
-    q->friction[3 * i + k] = -(G[k][0] * p->coefficients[0] + G[k][1] * p->coefficients[1] + G[k][2] * p->coefficients[2]);
+    q->friction[3 * i + k] =
+        -(G[k][0] * p->coefficients[0] + G[k][1] * p->coefficients[1] + G[k][2] * p->coefficients[2]);
   }
-  q->needed[i] = mg_share_of_limit(p, q->wrench + 3 * i, p->reach, worst);
+  q->needed[i] = mg_limit_surface_ratio(p, q->wrench + 3 * i, p->reach, worst);
 }
 
-MG_API int mg_rub_regions(const mg_patch_friction_query *q, mg_real *work) {
+MG_API int mg_region_friction(const mg_patch_friction_query *q, mg_real *work) {
   const mg_region_query *r = q->regions;
   mg_regions regions;
   mg_hull h;
   mg_pressure press;
   const int sides = mg_lay_query(r, &regions, &h, &work);
-  mg_open_press(&press, &h, mg_press_room(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
+  mg_open_pressure(&press, &h, mg_strip_capacity(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
   for (int i = 0; i < q->n && sides > 2; i++) mg_put_rub(q, &press, i);
   return h.overflow ? -1 : sides;
 }

@@ -2,16 +2,16 @@
 #ifndef MG_PLANAR_QUERIES_H
 #define MG_PLANAR_QUERIES_H
 
-typedef struct {          /* points in order, loop after loop; count goes on beyond capacity */
+typedef struct { /* points in order, loop after loop; count goes on beyond capacity */
   int capacity, count, n_loop;
-  mg_real *point;         /* 2 each */
-  int *loop;              /* 1 each */
+  mg_real *point; /* 2 each */
+  int *loop;      /* 1 each */
 } mg_outline;
 
-typedef struct {          /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
+typedef struct { /* two planar regions laid on each other: A on the face of o (n_o = 0: the whole plane), B */
   const mg_kernels *kernels;
-  int n_arc, n_o;         /* the first n_o arcs bound A, the others B */
-  int fine;               /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
+  int n_arc, n_o; /* the first n_o arcs bound A, the others B */
+  int fine;       /* points to a part of a curve that turns by less than 0.3 rad, in outlines */
   int n_point;
   const int *shape, *loop, *first; /* per arc: shape kind, loop, offset of its curve's parameters */
   const mg_real *parameters;
@@ -27,16 +27,17 @@ typedef struct {          /* two planar regions laid on each other: A on the fac
   mg_outline *outline, *hull; /* of A cap B, of its hull */
 } mg_region_query;
 
-typedef struct {          /* friction between two regions laid on each other (rubbing.h), for n loads and twists */
+typedef struct { /* friction between two regions laid on each other (rubbing.h), for n loads and twists */
   const mg_region_query *regions;
   int n;
-  const mg_real *load;    /* 3 each: resultant force, N, and its centre, in the axes of o's face */
-  const mg_real *twist;   /* 3 each, of f past o there: velocity of the centre, m/s; spin about the outward normal, rad/s */
-  const mg_real *wrench;  /* 3 each: a force, N, through the centre and a torque, N m, that friction is to hold */
-  int *found;             /* 1: the centre is inside the hull and the pressure has been found */
-  mg_real *pressure;      /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
-  mg_real *friction;      /* 3: force and torque about the centre, for a coefficient of 1 */
-  mg_real *needed;        /* 1: the coefficient that it takes to hold the wrench */
+  const mg_real *load; /* 3 each: resultant force, N, and its centre, in the axes of o's face */
+  const mg_real
+      *twist; /* 3 each, of f past o there: velocity of the centre, m/s; spin about the outward normal, rad/s */
+  const mg_real *wrench; /* 3 each: a force, N, through the centre and a torque, N m, that friction is to hold */
+  int *found;            /* 1: the centre is inside the hull and the pressure has been found */
+  mg_real *pressure;     /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
+  mg_real *friction;     /* 3: force and torque about the centre, for a coefficient of 1 */
+  mg_real *needed;       /* 1: the coefficient that it takes to hold the wrench */
 } mg_patch_friction_query;
 
 /* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
@@ -45,7 +46,7 @@ MG_API long mg_region_size(int n_arc, int n_o);
 MG_API int mg_region(const mg_region_query *query, mg_real *work);
 
 /* The same numbers and memory; returns the number of the hull's sides, or -1. */
-MG_API long mg_rub_size(int n_arc, int n_o);
-MG_API int mg_rub_regions(const mg_patch_friction_query *query, mg_real *work);
+MG_API long mg_region_friction_size(int n_arc, int n_o);
+MG_API int mg_region_friction(const mg_patch_friction_query *query, mg_real *work);
 
 #endif

@@ -8,9 +8,9 @@
 
 #define MG_NEWTON_PART_MIN 1e-6 /* of a Newton step */
 
-#define MG_CONTINUATION_PART_MIN 1e-3  /* of what is left of the way to a centre */
+#define MG_CONTINUATION_PART_MIN 1e-3 /* of what is left of the way to a centre */
 
-MG_INTERNAL void mg_open_press(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips) {
+MG_INTERNAL void mg_open_pressure(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips) {
   p->hull = h, p->capacity = room, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
@@ -47,11 +47,11 @@ static void mg_clip_straight(mg_pressure *p, mg_boundary_strip s, int back) {
 /* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
 static mg_real mg_find_level(const mg_pressure *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
-  mg_on(k, t0, x, T);
+  mg_arc_point(k, t0, x, T);
   const int sign = mg_pressure_at(p, x) > 0;
   mg_real t = (t0 + t1) / 2;
   for (int i = 0; i < 100; i++) {
-    mg_on(k, t, x, T);
+    mg_arc_point(k, t, x, T);
     const mg_real value = mg_pressure_at(p, x), slope = p->coefficients[1] * T[0] + p->coefficients[2] * T[1];
     if ((value > 0) == sign) low = t;
     else high = t;
@@ -67,7 +67,7 @@ static mg_real mg_find_level(const mg_pressure *p, const mg_placed_arc *k, mg_re
 static void mg_put_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
   mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
-  mg_on(p->hull->arcs + track, t0, s.P, T), mg_on(p->hull->arcs + track, t1, s.Q, T);
+  mg_arc_point(p->hull->arcs + track, t0, s.P, T), mg_arc_point(p->hull->arcs + track, t1, s.Q, T);
   mg_put_strip(p, &s, back);
 }
 
@@ -76,9 +76,10 @@ static void mg_clip_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, int
   const mg_placed_arc *k = p->hull->arcs + track;
   const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
   mg_real t[3] = {t0, t0, t1}, value[3], slope[3], T[2], x[2];
-  for (int i = 0; i < 3; i += 2) mg_on(k, t[i], x, T), value[i] = mg_pressure_at(p, x), slope[i] = mg_dot2(along, T);
-  t[1] = slope[0] * slope[2] < 0 ? mg_zero_along(k, MG_ZERO_SUPPORT, along, t0, t1) : t0;
-  mg_on(k, t[1], x, T), value[1] = mg_pressure_at(p, x);
+  for (int i = 0; i < 3; i += 2)
+    mg_arc_point(k, t[i], x, T), value[i] = mg_pressure_at(p, x), slope[i] = mg_dot2(along, T);
+  t[1] = slope[0] * slope[2] < 0 ? mg_zero_on_arc(k, MG_ZERO_SUPPORT, along, t0, t1) : t0;
+  mg_arc_point(k, t[1], x, T), value[1] = mg_pressure_at(p, x);
   for (int half = t[1] == t0; half < 2; half++) {
     const int in = value[half] > 0, out = value[half + 1] > 0;
     if (!in || !out) p->partly_unloaded = 1;
@@ -109,9 +110,9 @@ static void mg_strip_boundary(mg_pressure *p) {
       mg_boundary_strip strip = {piece->track, 1, {0, 0}, {a, b}, {0, 0}, {0, 0}};
       mg_real T[2];
       if (a == s->a) strip.P[0] = s->P[0], strip.P[1] = s->P[1];
-      else mg_on(k, a, strip.P, T);
+      else mg_arc_point(k, a, strip.P, T);
       if (b == s->b) strip.Q[0] = s->Q[0], strip.Q[1] = s->Q[1];
-      else mg_on(k, b, strip.Q, T);
+      else mg_arc_point(k, b, strip.Q, T);
       mg_clip_straight(p, strip, back);
     }
   }
@@ -123,11 +124,11 @@ static void mg_add_moments(mg_pressure *p, mg_real weight, const mg_real *x) {
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
   m[3] += weight * d[0] * d[0] / 4, m[4] += weight * d[0] * d[1] / 4, m[5] += weight * d[1] * d[1] / 4;
-  p->reach = fmax(p->reach, mg_apart2(x, p->centre));
+  p->reach = fmax(p->reach, mg_distance2(x, p->centre));
 }
 
-/* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts, moved
-   to the centre. */
+/* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts,
+   moved to the centre. */
 static void mg_take_moments(mg_pressure *p) {
   const mg_real *o = p->line_foot, shift[2] = {p->line_foot[0] - p->centre[0], p->line_foot[1] - p->centre[1]};
   mg_real *m = p->moments;
@@ -143,7 +144,7 @@ static void mg_take_moments(mg_pressure *p) {
     }
     for (int j = 0; j < MG_NODES; j++) {
       mg_real x[2], T[2];
-      mg_on(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      mg_arc_point(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
       const mg_real d[2] = {x[0] - o[0], x[1] - o[1]};
       mg_add_moments(p, mg_node_weight[j] * (s->t[1] - s->t[0]) * mg_cross2(d, T), x);
     }
@@ -165,7 +166,7 @@ MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg
 }
 
 /* All of the region pressed alike, with moments about a point. */
-MG_INTERNAL void mg_press_whole(mg_pressure *p, const mg_real *about) {
+MG_INTERNAL void mg_uniform_pressure(mg_pressure *p, const mg_real *about) {
   for (int k = 0; k < 2; k++) p->centre[k] = p->line_foot[k] = about[k];
   p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
   mg_strip_boundary(p);
@@ -176,7 +177,8 @@ static void mg_set_level(mg_pressure *p, const mg_real *level) {
   for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
   mg_strip_boundary(p);
   const mg_real slope = level[1] * level[1] + level[2] * level[2];
-  for (int k = 0; k < 2; k++) p->line_foot[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
+  for (int k = 0; k < 2; k++)
+    p->line_foot[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
   mg_take_moments(p);
 }
 
@@ -193,13 +195,13 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   middle[0] = middle[1] = 0;
   for (int i = 0; i < h->n_edge; i++)
     for (int k = 0; k < 2; k++) middle[k] += h->vertices[h->edges[i].u].point[k] / h->n_edge;
-  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_apart2(h->vertices[h->edges[i].u].point, middle));
+  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_distance2(h->vertices[h->edges[i].u].point, middle));
   return reach;
 }
 
-/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether it
-   had to. */
-MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x) {
+/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
+   it had to. */
+MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary brink;
   mg_real middle[2];
   const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
@@ -211,8 +213,8 @@ MG_INTERNAL int mg_inside_hull(const mg_hull *h, mg_real *x) {
   return 1;
 }
 
-/* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a convex
-   function, whose Hessian the moments are; 0 where it is not found. */
+/* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a
+   convex function, whose Hessian the moments are; 0 where it is not found. */
 static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
@@ -232,7 +234,7 @@ static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, c
     const mg_real r[3] = {1, p->reach, p->reach};
     for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
     const mg_real noise = 65536 * MG_EPS * p->hull->size / p->reach; /* of a part so small */
-    const int stalls = near && change > last / 4; /* Newton's method does so at rounding alone */
+    const int stalls = near && change > last / 4;                    /* Newton's method does so at rounding alone */
     if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
       for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
       return 1;
@@ -244,7 +246,7 @@ static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, c
 
 /* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
 static int mg_press_along(mg_pressure *p, mg_real force, const mg_real *centre) {
-  mg_press_whole(p, centre);
+  mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
   mg_real level[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
@@ -264,10 +266,10 @@ static int mg_press_along(mg_pressure *p, mg_real force, const mg_real *centre) 
 }
 
 /* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
-MG_INTERNAL int mg_press_at(mg_pressure *p, mg_real force, const mg_real *centre) {
+MG_INTERNAL int mg_winkler_pressure(mg_pressure *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3];
-  mg_press_whole(p, centre);
+  mg_uniform_pressure(p, centre);
   if (!mg_solve_moments(p, moment, level)) return 0;
   return mg_press_from(p, force, centre, level) || mg_press_along(p, force, centre);
 }

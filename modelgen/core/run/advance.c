@@ -18,7 +18,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
     const int finite = mg_all_finite(c->n_states, c->step.end) && error <= MG_MAX;
     if (finite && error <= 1) {
-      const mg_real next = *h * mg_growth(error, most);
+      const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
       if (mg_starts_slipping(c)) run->h = c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
@@ -27,7 +27,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     run->rejected++;
     if (c->settings->method == MG_RK4) return MG_NOT_FINITE;
     most = 1;
-    *h *= finite ? mg_growth(error, most) : MG_NONFINITE_STEP_CUT;
+    *h *= finite ? mg_step_growth(error, most) : MG_NONFINITE_STEP_CUT;
     run->h = *h;
     if (*h < c->settings->step_min * c->system->time) return finite ? MG_STEP_TOO_SMALL : MG_NOT_FINITE;
   }
@@ -38,15 +38,15 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
 static int mg_settle_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
   for (int i = 0; i < c->n_states; i++) c->step.settled[i] = c->step.end[i];
-  mg_normalise(c, c->step.settled);
-  int sound = mg_place_all(c, run->t + h, c->step.settled);
+  mg_normalise_quaternions(c, c->step.settled);
+  int sound = mg_place_all_contacts(c, run->t + h, c->step.settled);
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_singular(c, i)) sound = 0;
   return sound || c->settings->method == MG_RK4 || h <= c->settings->event * c->system->time;
 }
 
-/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points have
-   leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
+/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points
+   have leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
 static int mg_leaps(const mg_context *c, mg_real h) {
   const mg_real least = c->system->length / c->system->time, part = c->settings->leap * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
@@ -60,22 +60,22 @@ static int mg_leaps(const mg_context *c, mg_real h) {
 
 static void mg_commit(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.settled[i];
-  mg_pass_time(c->run, h);
+  mg_advance_time(c->run, h);
   c->run->steps++;
-  mg_grow_up(c);
-  mg_slip_on(c);
+  mg_end_rolling_start(c);
+  mg_end_slip_start(c);
 }
 
 static int mg_settle_drift(mg_context *c) {
   if (!mg_all_finite(c->n_states, c->run->x)) return MG_NOT_FINITE;
-  mg_refresh(c);
+  mg_update_rows_and_forces(c);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
-  return mg_project(c) ? MG_DONE : MG_NOT_FINITE;
+  return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be one
-   alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
+/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be
+   one alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
 static int mg_differs(const mg_context *c, mg_real h) {
   return c->settings->stride < 1 && c->run->t == c->run->t_event && h > c->settings->event * c->system->time;
 }
@@ -83,9 +83,9 @@ static int mg_differs(const mg_context *c, mg_real h) {
 static int mg_step_part(mg_context *c, mg_real *h) {
   *h *= c->settings->stride;
   int outcome = MG_DONE;
-  if (mg_starts_rolling(c)) mg_end_earlier(c, c->run->x, c->settings->stride);
+  if (mg_starts_rolling(c)) mg_restrict_step(c, c->run->x, c->settings->stride);
   else {
-    mg_refresh(c);
+    mg_update_rows_and_forces(c);
     outcome = mg_accurate_step(c, h);
   }
   if (!outcome) mg_finish_step(c, c->run->t, *h);
@@ -94,18 +94,20 @@ static int mg_step_part(mg_context *c, mg_real *h) {
 
 /* The longest step in which nothing passes unseen. */
 static mg_real mg_longest(const mg_context *c) {
-  const mg_real reach = mg_reach(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_sight(c), unfolding = mg_unfolding(c);
+  const mg_real reach = mg_penetration_step_limit(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_search_step_limit(c),
+                unfolding = mg_unfolding_step_limit(c);
   const mg_real seen = sight < reach ? sight : reach;
   return (mg_differs(c, MG_MAX) ? 1 : c->settings->stride) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_mark_dips(c, h), fired = mg_fired(c, c->step.end), hidden = !fired && !c->step.sign_changed && mg_may_strain(c);
+  const int dips = mg_mark_gap_dips(c, h), fired = mg_trigger_events(c, c->step.end),
+            hidden = !fired && !c->step.sign_changed && mg_may_have_hidden_event(c);
   const int passed = fired || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
   if (!passed && !dips) return 0;
   mg_make_dense(c, c->run->t, c->run->x, h);
-  return mg_locate(c, h, passed);
+  return mg_locate_event(c, h, passed);
 }
 
 /* A stage saw an event that is over before it could be located: what moves in time came and went. */
@@ -116,7 +118,7 @@ static int mg_overlooks(const mg_context *c, mg_real h) {
 /* Ends a step that was collocated beyond the time it may take. */
 static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
-  mg_end_earlier(c, c->run->x, end / *h);
+  mg_restrict_step(c, c->run->x, end / *h);
   *h = end;
   return 1;
 }
@@ -128,45 +130,45 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
   int outcome = mg_settle_drift(c);
   if (outcome) return outcome;
   if (event) outcome = mg_change_mode(c, events);
-  else if (mg_unsettled(c)) {
-    mg_forget_events(c);
+  else if (mg_is_active_set_stale(c)) {
+    mg_clear_triggered(c);
     outcome = mg_solve_modes(c, events);
   }
-  if (!outcome && mg_search_all(c, events, h)) mg_refresh(c);
-  mg_ledger(c);
-  if (!outcome) outcome = mg_vault_all(c, record, events);
+  if (!outcome && mg_search_moved_pairs(c, events, h)) mg_update_rows_and_forces(c);
+  mg_update_diagnostics(c);
+  if (!outcome) outcome = mg_pass_singularities(c, record, events);
   if (!outcome) outcome = mg_check_margins(c, events);
-  return !outcome && mg_crawls(c) ? MG_STEP_TOO_SMALL : outcome;
+  return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
 /* No step now, and a shorter one next. */
 static int mg_shorten(mg_context *c, mg_real h) {
   c->run->rejected++, c->run->h = h / 2;
-  mg_refresh(c);
+  mg_update_rows_and_forces(c);
   return MG_DONE;
 }
 
-/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a face
-   begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a
+   face begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
 static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real end = h;
   const mg_real longest = mg_longest(c);
   if (mg_starts_rolling(c)) h = run->h;
-  if (c->settings->method == MG_DOP853) h = mg_seen_in_time(c, h > longest ? longest : h);
+  if (c->settings->method == MG_DOP853) h = mg_time_step_limit(c, h > longest ? longest : h);
   mg_real before, after;
-  const int jerks = mg_find_jerk(c, h, &before, &after);
-  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_take_jerk(c, after, events);
+  const int jerks = mg_find_velocity_jump(c, h, &before, &after);
+  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_pass_velocity_jump(c, after, events);
   if (jerks) h = before - run->t;
   c->search.abandoned.count = 0;
   mg_note_gaps(c);
-  mg_mark_upright(c);
-  if (c->system->n_grip) mg_aim_all(c), mg_aim_rubs(c);
-  mg_begin_strain(c);
+  mg_mark_within_borders(c);
+  if (c->system->n_grip) mg_set_slip_directions(c), mg_set_patch_slip_directions(c);
+  mg_begin_margins(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (mg_hides_on_way(c, h)) return mg_shorten(c, h);
+  if (mg_has_hidden_load(c, h)) return mg_shorten(c, h);
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
@@ -183,22 +185,22 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
 /* A step of the method, or of time-stepping where it has to stand in for it. */
 static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   int outcome;
-  if (mg_steps_in_time(c)) {
+  if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
-    if (!outcome) outcome = mg_take_up(c, events);
+    if (!outcome) outcome = mg_count_fallback_step(c, events);
   } else outcome = mg_step(c, h, record, events);
-  outcome = mg_verdict(c, outcome);
-  return mg_falls_back(c, outcome, events) ? MG_DONE : outcome;
+  outcome = mg_explain_outcome(c, outcome);
+  return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
 
-MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
-                      long max_steps, mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
+                      mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
-  mg_open(&c, system, settings, run, work, iwork);
+  mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop;
-  mg_refresh(&c);
+  mg_update_rows_and_forces(&c);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
-  mg_preview(&c, record);
+  mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;

@@ -14,28 +14,29 @@ static int mg_find_extrema(mg_context *c) {
   for (int i = 0; i < s->n_contact; i++) {
     c->run->failed_contact = i;
     c->run->closed[i] = c->run->active[i] = c->run->fresh[i] = 0;
-    if (!mg_present(c, i)) continue;
-    const int lost = mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0 || !(mg_margin_of(c) >= c->settings->margin_refuse);
-    if (lost && mg_is_flat_on(c, i)) {
+    if (!mg_is_on_link(c, i)) continue;
+    const int lost = mg_newton_on_link(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
+                     !(mg_placement_margin(c) >= c->settings->margin_refuse);
+    if (lost && mg_is_of_flat_patch(c, i)) {
       mg_set_link(c, i, -1, 0);
       continue;
     }
-    if (mg_settle_in(c, i, mg_eta_of(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
+    if (mg_newton_on_link(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->search.placement[0] <= touching;
-    c->run->margin[i] = mg_margin_of(c);
+    c->run->margin[i] = mg_placement_margin(c);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
     if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
-  return mg_has_room(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
+  return mg_has_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
 /* After the first impacts: contacts that were struck and do not rebound. */
 static void mg_report_caught(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && mg_approaching(c, i))
-      mg_befalls(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
+    if (c->run->closed[i] && mg_is_bouncing_approach(c, i))
+      mg_apply_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {
@@ -46,59 +47,62 @@ static void mg_reset(mg_run *run) {
   run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
-  run->gain_max = run->gain_t = 0, run->gain_contact = run->chain_contact = run->paradox_contact = -1, run->forces_redundant = 0;
+  run->gain_max = run->gain_t = 0, run->gain_contact = run->chain_contact = run->paradox_contact = -1,
+  run->forces_redundant = 0;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
-  run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1, run->rank_max = run->dead_centres = 0;
+  run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1,
+  run->rank_max = run->dead_centres = 0;
   run->dead_centre_t = 0;
   run->t_event = run->t, run->t_roundoff = 0;
 }
 
 /* Time-stepping needs no modes: its first step takes the first impacts. */
 static int mg_begin_in_time(mg_context *c) {
-  mg_rows_at(c, c->run->t, c->run->x);
+  mg_update_rows_at(c, c->run->t, c->run->x);
   for (int i = 0; i < c->friction_row_end; i++) c->force[i] = 0;
-  mg_ledger(c);
+  mg_update_diagnostics(c);
   return MG_DONE;
 }
 
 /* A run that starts at a kink of a path starts after it, with the whole of its speed. */
 static void mg_start_after_kink(mg_context *c) {
   mg_real before, after;
-  if (!mg_find_jerk(c, mg_at_once(c) / 4, &before, &after)) return;
+  if (!mg_find_velocity_jump(c, mg_negligible_time(c) / 4, &before, &after)) return;
   c->run->t = c->run->t_event = after;
 }
 
-MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events,
-                    mg_real *work, int *iwork) {
+MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
+                    int *iwork) {
   mg_context c;
   mg_real kinetic;
-  mg_open(&c, system, settings, run, work, iwork);
+  mg_open_context(&c, system, settings, run, work, iwork);
   mg_reset(run);
   mg_start_after_kink(&c);
-  for (int i = 0; i < system->n_grip; i++) run->grip[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
+  for (int i = 0; i < system->n_grip; i++)
+    run->grip[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
   for (int i = 0; i < system->n_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
   run->x[c.work_state] = 0;
-  mg_normalise(&c, run->x);
-  mg_poses(&c, run->t, run->x);
-  int outcome = mg_start_pairs(&c);
+  mg_normalise_quaternions(&c, run->x);
+  mg_update_poses(&c, run->t, run->x);
+  int outcome = mg_search_start_pairs(&c);
   if (!outcome) outcome = mg_find_extrema(&c);
   if (outcome) return outcome;
-  mg_refresh(&c);
-  if (!mg_start_joints(&c)) return MG_JOINT_APART;
-  mg_open_leaving(&c);
+  mg_update_rows_and_forces(&c);
+  if (!mg_project_start_joints(&c)) return MG_JOINT_APART;
+  mg_open_separating(&c);
   if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);
-  mg_forget_events(&c);
+  mg_clear_triggered(&c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_in_time(&c);
   outcome = mg_impact(&c, events);
   mg_report_caught(&c, events);
   if (!outcome) outcome = mg_solve_modes(&c, events);
-  if (!outcome && settings->project && !mg_project(&c)) outcome = MG_NO_EXTREMUM;
-  outcome = mg_verdict(&c, outcome);
-  if (mg_falls_back(&c, outcome, events)) return mg_begin_in_time(&c);
+  if (!outcome && settings->project && !mg_project_drift(&c)) outcome = MG_NO_EXTREMUM;
+  outcome = mg_explain_outcome(&c, outcome);
+  if (mg_start_fallback(&c, outcome, events)) return mg_begin_in_time(&c);
   if (outcome) return outcome;
-  if (!mg_place_all(&c, run->t, run->x)) return MG_NO_EXTREMUM;
-  mg_refresh(&c);
-  mg_ledger(&c);
+  if (!mg_place_all_contacts(&c, run->t, run->x)) return MG_NO_EXTREMUM;
+  mg_update_rows_and_forces(&c);
+  mg_update_diagnostics(&c);
   return MG_DONE;
 }

@@ -9,27 +9,29 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
                      mg_real *point_f, mg_real *work, int *iwork) {
   mg_context c;
   mg_run copy = *run;
-  mg_open(&c, system, settings, &copy, work, iwork);
-  mg_poses(&c, run->t, run->x);
-  const int steps = mg_settle_in(&c, contact, eta);
-  *d = c.search.placement[0], residual[0] = c.search.placement[1], residual[1] = c.search.placement[2], margin[0] = c.search.placement[3], margin[1] = c.search.placement[4];
+  mg_open_context(&c, system, settings, &copy, work, iwork);
+  mg_update_poses(&c, run->t, run->x);
+  const int steps = mg_newton_on_link(&c, contact, eta);
+  *d = c.search.placement[0], residual[0] = c.search.placement[1], residual[1] = c.search.placement[2],
+  margin[0] = c.search.placement[3], margin[1] = c.search.placement[4];
   for (int k = 0; k < 3; k++)
-    normal[k] = c.search.placement[5 + k], point_o[k] = c.search.placement[8 + k], point_f[k] = c.search.placement[11 + k];
+    normal[k] = c.search.placement[5 + k], point_o[k] = c.search.placement[8 + k],
+    point_f[k] = c.search.placement[11 + k];
   return steps;
 }
 
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,
                         int *iwork) {
   mg_context c;
-  mg_open(&c, system, settings, run, work, iwork);
-  mg_poses(&c, run->t, run->x);
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_update_poses(&c, run->t, run->x);
   for (int i = 0; i < 12 * system->n_body; i++) pose[i] = c.pose[i];
 }
 
-MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t,
-                        const mg_real *x, mg_real *x_dot, mg_real *work, int *iwork) {
+MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t, const mg_real *x,
+                        mg_real *x_dot, mg_real *work, int *iwork) {
   mg_context c;
-  mg_open(&c, system, settings, run, work, iwork);
+  mg_open_context(&c, system, settings, run, work, iwork);
   mg_rhs(&c, t, x, x_dot);
   for (int i = 0; i < system->n_contact; i++) run->force[i] = c.force[i];
 }
@@ -37,9 +39,9 @@ MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg
 MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
                            int *iwork) {
   mg_context c;
-  mg_open(&c, system, settings, run, work, iwork);
-  mg_poses(&c, run->t, run->x);
-  mg_joint_rates(&c, run->t);
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_update_poses(&c, run->t, run->x);
+  mg_update_joint_rows(&c, run->t);
   for (int j = 0; j < system->n_joint; j++) rank[j] = 0;
   mg_rank_joints(&c, rank);
 }
@@ -47,12 +49,12 @@ MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings,
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
                       int *iwork) {
   mg_context c;
-  mg_open(&c, system, settings, run, work, iwork);
+  mg_open_context(&c, system, settings, run, work, iwork);
   for (long step = 0; step < n; step++) {
     mg_rhs(&c, run->t, run->x, c.step.slopes);
     mg_rk4(&c, run->t, run->x, settings->step);
     for (int i = 0; i < c.n_states; i++) run->x[i] = c.step.end[i];
-    mg_pass_time(run, settings->step);
+    mg_advance_time(run, settings->step);
   }
   run->steps += n;
 }

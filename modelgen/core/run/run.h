@@ -7,10 +7,10 @@
 #define MG_FRICTION_ROWS 5 /* most rows of a contact below its normal one */
 
 /* workspace.c */
-MG_INTERNAL void mg_open(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run, mg_real *work,
-                         int *iwork);
+MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
+                                 mg_real *work, int *iwork);
 
 /* nonfinite_inputs.c */
-MG_INTERNAL int mg_verdict(mg_context *c, int outcome);
+MG_INTERNAL int mg_explain_outcome(mg_context *c, int outcome);
 
 #endif

@@ -1,5 +1,6 @@
-/* Where an event-driven run cannot go on, it goes on by time-stepping for a while: where events accumulate at one time, where
-   steps shrink without getting on, or where no accelerations are admissible, as in Painleve's paradox, but impulses are. */
+/* Where an event-driven run cannot go on, it goes on by time-stepping for a while: where events accumulate at one time,
+   where steps shrink without getting on, or where no accelerations are admissible, as in Painleve's paradox, but
+   impulses are. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -10,7 +11,9 @@
 
 enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
 
-MG_INTERNAL int mg_steps_in_time(const mg_context *c) { return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0; }
+MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
+  return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;
+}
 
 /* The length of the next step: given, that of a fall, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
@@ -18,7 +21,7 @@ MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
 }
 
-MG_INTERNAL int mg_is_closed_to_events(int outcome) {
+MG_INTERNAL int mg_needs_fallback(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
          outcome == MG_STEP_TOO_SMALL;
 }
@@ -29,14 +32,15 @@ static int mg_is_gripped(const mg_context *c) {
   return 0;
 }
 
-/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as where
-   slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
-MG_INTERNAL int mg_crawls(mg_context *c) {
+/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as
+   where slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
+MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
   const mg_real way = run->t - run->progress_t, least = c->settings->crawl * c->system->time;
-  const int crawls = way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_is_gripped(c)));
+  const int crawls =
+      way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_is_gripped(c)));
   run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
   return crawls;
 }
@@ -51,24 +55,24 @@ static int mg_first_closed(const mg_context *c) {
 static void mg_release_patches(mg_context *c) {
   mg_minima found;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int patch = mg_patch_in(c, slot);
+    const int patch = mg_slot_patch(c, slot);
     if (patch < 0) continue;
-    mg_drop_patch(c, slot);
-    mg_uncover(c, patch, &found);
+    mg_release_patch(c, slot);
+    mg_uncover_links_of(c, patch, &found);
   }
 }
 
-/* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once on
-   another lasts twice as long. */
-MG_INTERNAL int mg_falls_back(mg_context *c, int outcome, mg_events *events) {
+/* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once
+   on another lasts twice as long. */
+MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->settings->fallback || mg_steps_in_time(c) || !mg_is_closed_to_events(outcome)) return 0;
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_needs_fallback(outcome)) return 0;
   const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->crawl) * c->system->time;
   const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
   run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
   if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-  mg_emit(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
+  mg_report_event(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
   mg_release_patches(c);
   return 1;
 }
@@ -79,24 +83,26 @@ static int mg_hand_over(mg_context *c) {
   mg_real kinetic;
   const mg_real before = mg_energy(c, &kinetic);
   for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
-  for (int g = 0; g < c->system->n_grip; g++) run->grip[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0, c->friction.slip_time_left[g] = 0;
-  mg_refresh(c);
-  mg_open_leaving(c);
-  if (!mg_has_room(c)) return MG_TOO_MANY_CLOSED;
-  if (c->settings->project && !mg_project(c)) return MG_NOT_FINITE;
+  for (int g = 0; g < c->system->n_grip; g++)
+    run->grip[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
+    c->friction.slip_time_left[g] = 0;
+  mg_update_rows_and_forces(c);
+  mg_open_separating(c);
+  if (!mg_has_capacity(c)) return MG_TOO_MANY_CLOSED;
+  if (c->settings->project && !mg_project_drift(c)) return MG_NOT_FINITE;
   run->x[c->work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }
 
 /* Counts a step of a fall; after the last one events are told again. */
-MG_INTERNAL int mg_take_up(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
   if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
   int outcome = mg_hand_over(c);
   if (!outcome) outcome = mg_impact(c, events);
   if (!outcome) outcome = mg_solve_modes(c, events);
-  if (!outcome && c->settings->project && !mg_project(c)) outcome = MG_NOT_FINITE;
-  if (!outcome) mg_emit(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
+  if (!outcome && c->settings->project && !mg_project_drift(c)) outcome = MG_NOT_FINITE;
+  if (!outcome) mg_report_event(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
   return outcome;
 }

@@ -10,19 +10,21 @@ enum { MG_FAR = 0, MG_NEAR = 1, MG_ROUNDS = 20, MG_SOON = 16 };
 /* The relaxation keeps gaps open that slip makes: how fast, at the rates of the end of the step. */
 static mg_real mg_opening(const mg_context *c, int contact, mg_real h) {
   mg_real sum = 0;
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1] && c->settings->law == MG_RELAXED; g++)
+  for (int g = c->system->contact_grip[contact];
+       g < c->system->contact_grip[contact + 1] && c->settings->law == MG_RELAXED; g++)
     for (int k = 0; k < mg_grip_rows(c, g); k++) {
       const int row = mg_grip_row(c, contact, g) + k;
-      const mg_real slip = c->system->grip_kinetic[2 * g + k] * (mg_free_rate(c, row, h) + mg_row(c, row, c->wrench));
+      const mg_real slip =
+          c->system->grip_kinetic[2 * g + k] * (mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->wrench));
       sum += fabs(slip);
     }
   return sum;
 }
 
-/* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme asks
-   for what touches only, at its very beginning, of which `MG_SOON` parts make a step. */
+/* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme
+   asks for what touches only, at its very beginning, of which `MG_SOON` parts make a step. */
 static int mg_takes_part(const mg_context *c, int contact, mg_real rate, mg_real h) {
-  if (!mg_present(c, contact)) return 0;
+  if (!mg_is_on_link(c, contact)) return 0;
   const mg_real gap = c->d[contact] > 0 ? c->d[contact] : 0, touching = c->settings->start_gap * c->system->length;
   const int soon = c->settings->scheme == MG_STEWART_TRINKLE ? 1 : MG_SOON;
   return gap + h * rate / soon <= c->settings->gap * c->system->length || (soon > 1 && gap <= touching);
@@ -30,7 +32,7 @@ static int mg_takes_part(const mg_context *c, int contact, mg_real rate, mg_real
 
 /* Under the impulses found so far. */
 static mg_real mg_end_rate(const mg_context *c, int contact, mg_real h) {
-  return mg_free_rate(c, contact, h) + mg_row(c, contact, c->wrench) - mg_opening(c, contact, h);
+  return mg_contact_free_rate(c, contact, h) + mg_row_times(c, contact, c->wrench) - mg_opening(c, contact, h);
 }
 
 static int mg_list_near(mg_context *c) {
@@ -48,30 +50,34 @@ static int mg_solve_smooth(mg_context *c, mg_real h, int *size) {
   if (n > c->system->n_closed) return MG_TOO_MANY_CLOSED;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    c->row_rate[i] = mg_free_rate(c, i, h) - mg_least_rate(c, i, h), c->lcp.mask[r] = 1;
+    c->row_rate[i] = mg_contact_free_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
   }
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_free_rate(c, i, h);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_contact_free_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  const int outcome = mg_complement(c, n, c->row_rate, &report);
-  if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
+  const int outcome = mg_solve_complementarity(c, n, c->row_rate, &report);
+  if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
+    c->run->lcp_residual_max = report.residual;
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
 /* A grip that held in the step before is bounded by static friction, the others by kinetic. */
 static void mg_bound_in_time(mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
-    c->friction.triggered[g] = 0, c->friction.bound[g] = c->run->grip[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
+    c->friction.triggered[g] = 0,
+    c->friction.bound[g] = c->run->grip[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
 
 static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
-  mg_friction_problem p = {0, 0, c->settings->law, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 1, 1};
+  mg_friction_problem p = {
+      0, 0, c->settings->law, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b,
+      1, 1};
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->events.is_near[i]) p.n = mg_put_contact(c, i, p.n_contact++, p.n);
-  p.n = mg_list_joints(c, c->lcp.rows, p.n);
-  mg_assemble(c, c->lcp.rows, p.n);
+    if (c->events.is_near[i]) p.n = mg_append_contact_rows(c, i, p.n_contact++, p.n);
+  p.n = mg_append_joint_rows(c, c->lcp.rows, p.n);
+  mg_assemble_delassus(c, c->lcp.rows, p.n);
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
-    c->lcp.b[r] = mg_free_rate(c, row, h) - (row < c->system->n_contact ? mg_least_rate(c, row, h) : 0);
+    c->lcp.b[r] = mg_contact_free_rate(c, row, h) - (row < c->system->n_contact ? mg_scheme_gap_rate(c, row, h) : 0);
     c->lcp.z[r] = row < c->system->n_contact || row >= c->friction_row_begin ? c->force[row] * h : 0;
   }
   return p;
@@ -85,7 +91,7 @@ static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
       c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_SLIPS << c->system->grip_aspect[g])) != 0;
   }
-  return mg_loosen_giving(c);
+  return mg_apply_kinetic_bounds(c);
 }
 
 /* The best impulses found count as solved if their residual is small enough. */
@@ -100,7 +106,8 @@ static int mg_try_law(mg_context *c, const mg_friction_problem *p, mg_friction_r
 /* Coulomb's law, or its relaxation where that is asked for or no solution of the law is found. */
 static int mg_solve_law(mg_context *c, mg_friction_problem *p) {
   mg_friction_report report;
-  for (int k = 0; k < p->n_contact; k++) mg_put_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
+  for (int k = 0; k < p->n_contact; k++)
+    mg_write_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
   int outcome = mg_try_law(c, p, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB) {
     p->law = MG_RELAXED, c->run->relaxed_solutions++;
@@ -128,11 +135,12 @@ static int mg_solve_rough(mg_context *c, mg_real h, int *size) {
 
 /* Impulses of the rows into c->force, what they do to the velocities into c->wrench. */
 static void mg_take_impulses(mg_context *c, int n, mg_real h) {
-  for (int i = 0; i < c->friction_row_end; i++) c->force[i] = i >= c->joint_row_begin && i < c->friction_row_begin ? h * c->impulse[i] : 0;
+  for (int i = 0; i < c->friction_row_end; i++)
+    c->force[i] = i >= c->joint_row_begin && i < c->friction_row_begin ? h * c->impulse[i] : 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < n; r++) {
     c->force[c->lcp.rows[r]] += c->lcp.z[r];
-    mg_add(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+    mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
   }
 }
 
@@ -149,7 +157,8 @@ static int mg_add_missed(mg_context *c, mg_real h) {
 /* Needs the geometry of the step. Leaves impulses in c->force, the changes of velocity that they make in c->wrench. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
-  for (int i = 0; i < c->system->n_contact; i++) c->events.is_near[i] = mg_takes_part(c, i, mg_end_rate(c, i, h), h) ? MG_NEAR : MG_FAR;
+  for (int i = 0; i < c->system->n_contact; i++)
+    c->events.is_near[i] = mg_takes_part(c, i, mg_end_rate(c, i, h), h) ? MG_NEAR : MG_FAR;
   for (int round = 0; round < MG_ROUNDS; round++) {
     int n = 0;
     const int outcome = c->system->n_grip ? mg_solve_rough(c, h, &n) : mg_solve_smooth(c, h, &n);

@@ -1,4 +1,5 @@
-/* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of penetration. */
+/* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of
+ * penetration. */
 #include "timestep/timestep.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
@@ -9,8 +10,8 @@
 /* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
 static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
   if (c->force[row] == 0) return 0;
-  const mg_real after = mg_free_rate(c, row, h) + mg_row(c, row, c->wrench);
-  return c->force[row] * ((c->d_dot[row] + after) / 2 - mg_driven_rate(c, row));
+  const mg_real after = mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->wrench);
+  return c->force[row] * ((c->d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
 }
 
 /* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
@@ -18,16 +19,16 @@ static void mg_work_of_impulses(mg_context *c, mg_real h) {
   mg_run *run = c->run;
   for (int i = 0; i < c->friction_row_end; i++) run->x[c->work_state] += mg_work_of(c, i, h);
   for (int i = 0; i < c->system->n_contact; i++) {
-    const int first = c->friction_row_begin + (mg_rows_below(c, i) ? c->system->contact_below[i] : 0);
+    const int first = c->friction_row_begin + (mg_friction_row_count(c, i) ? c->system->contact_below[i] : 0);
     mg_real gain = mg_work_of(c, i, h);
-    for (int row = first; row < first + mg_rows_below(c, i); row++) gain += mg_work_of(c, row, h);
-    if (!mg_is_sent_back(c, i, h) || !(gain > run->gain_max)) continue;
+    for (int row = first; row < first + mg_friction_row_count(c, i); row++) gain += mg_work_of(c, row, h);
+    if (!mg_is_rebounding(c, i, h) || !(gain > run->gain_max)) continue;
     run->gain_max = gain, run->gain_t = run->t + h, run->gain_contact = i;
   }
 }
 
 /* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
-MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_work_of_impulses(c, h);
   c->run->x[c->work_state] += h * c->step.slopes[c->n_states + c->work_state];
@@ -38,33 +39,33 @@ MG_INTERNAL void mg_book_impulses(mg_context *c, mg_real h) {
 }
 
 /* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
-MG_INTERNAL void mg_drift_on(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
-  const mg_real left = mg_theta(c) * h, none[6] = {0};
+  const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
   mg_real unused[6];
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
     const mg_real *from = c->step.settled + s->body_q[b];
     c->kernels->body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
-                   s->parameters + s->body_parameters[b], slope, unused);
+                            s->parameters + s->body_parameters[b], slope, unused);
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
     c->run->x[k] = c->step.settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
-  mg_normalise(c, c->run->x);
+  mg_normalise_quaternions(c, c->run->x);
 }
 
 /* From where the step has led eta, else from where it began. Returns 0 where neither finds the extremum. */
 static int mg_settle_one(mg_context *c, int contact) {
-  mg_real *eta = mg_eta_of(c, c->run->x, contact), found[MG_MAX_ETA];
-  const mg_real *before = mg_eta_of(c, c->step.settled, contact);
+  mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
+  const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
   const int n = c->n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
-  int steps = mg_settle_in(c, contact, found);
+  int steps = mg_newton_on_link(c, contact, found);
   if (steps < 0) {
     for (int k = 0; k < n; k++) found[k] = before[k];
-    steps = mg_settle_safely(c, contact, found);
+    steps = mg_settle_from_anywhere(c, contact, found);
   }
   for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
   return steps >= 0;
@@ -73,14 +74,14 @@ static int mg_settle_one(mg_context *c, int contact) {
 /* Puts all contacts on their extrema at run->x; those that have none there are left. Returns how many. */
 MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
   int count = 0;
-  mg_poses(c, c->run->t, c->run->x);
+  mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (!mg_present(c, i)) continue;
+    if (!mg_is_on_link(c, i)) continue;
     if (mg_settle_one(c, i)) {
-      c->d[i] = c->search.placement[0], c->run->margin[i] = mg_margin_of(c);
+      c->d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
       continue;
     }
-    mg_leave(c, events, i);
+    mg_leave_link(c, events, i);
     count++;
   }
   return count;
@@ -101,20 +102,20 @@ static int mg_push_once(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_present(c, i) && c->d[i] <= worst && n < c->system->n_closed) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
-  if (mg_complement(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
+    if (mg_is_on_link(c, i) && c->d[i] <= worst && n < c->system->n_closed) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+  if (mg_solve_complementarity(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < n + c->system->n_row; r++) mg_add(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
-  mg_move(c);
+  for (int r = 0; r < n + c->system->n_row; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+  mg_correct_positions(c);
   return 1;
 }
 
-/* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change; what
-   that does to the energy is booked as work. Leaves the rows fresh. */
-MG_INTERNAL int mg_push_apart(mg_context *c, mg_events *events) {
+/* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change;
+   what that does to the energy is booked as work. Leaves the rows fresh. */
+MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0;
   int moved = 0;
-  mg_rows_at(c, c->run->t, c->run->x);
+  mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < 4 && c->settings->project; round++) {
     const mg_real worst = mg_deepest(c);
     if (!(worst > c->settings->gap * c->system->length)) break;
@@ -122,10 +123,10 @@ MG_INTERNAL int mg_push_apart(mg_context *c, mg_events *events) {
     for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->run->x[i];
     if (!mg_push_once(c, worst)) break;
     mg_settle_eta(c, events);
-    mg_rows_at(c, c->run->t, c->run->x);
+    mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_deepest(c) < 2 * worst) continue;
     for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.stage[i];
-    mg_rows_at(c, c->run->t, c->run->x);
+    mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }
   if (moved) c->run->x[c->work_state] += mg_energy(c, &kinetic) - before;

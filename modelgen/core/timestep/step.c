@@ -19,11 +19,11 @@ static void mg_spread_over(mg_context *c, mg_real h) {
 /* Samples due within the step from the state in c->step.end to run->x, on the straight line between them. */
 static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t - h;
-  while (mg_due(record, c->run->t)) {
+  while (mg_is_sample_due(record, c->run->t)) {
     const mg_real theta = (record->t[record->count] - t) / h;
     for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
-    mg_normalise(c, c->step.stage);
-    mg_rows_at(c, t + theta * h, c->step.stage);
+    mg_normalise_quaternions(c, c->step.stage);
+    mg_update_rows_at(c, t + theta * h, c->step.stage);
     mg_record_row(c, record, c->step.stage);
   }
 }
@@ -33,55 +33,56 @@ static void mg_walk_in_time(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     c->events.within_border[i] = 0;
-    c->events.triggered[i] = mg_present(c, i) ? mg_leaves(c, i, c->run->x) : 0, count += c->events.triggered[i] != 0;
+    c->events.triggered[i] = mg_is_on_link(c, i) ? mg_leaves_link_at(c, i, c->run->x) : 0,
+    count += c->events.triggered[i] != 0;
   }
-  if (count) mg_walk_all(c, events);
+  if (count) mg_change_features(c, events);
 }
 
 /* Links, extrema and penetration at the end of the step; leaves the rows fresh. */
 static int mg_settle_contacts(mg_context *c, mg_events *events, mg_real h) {
   mg_settle_eta(c, events);
   mg_walk_in_time(c, events);
-  int outcome = mg_push_apart(c, events);
-  if (outcome || !mg_search_all(c, events, h)) return outcome;
-  return mg_push_apart(c, events);
+  int outcome = mg_post_stabilise(c, events);
+  if (outcome || !mg_search_moved_pairs(c, events, h)) return outcome;
+  return mg_post_stabilise(c, events);
 }
 
 /* One step of h, or of less where a pair could move past what the next search sees. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
-  const mg_real sight = mg_sight(c);
+  const mg_real sight = mg_search_step_limit(c);
   if (h > sight) h = sight;
   c->search.abandoned.count = 0;
   mg_take_geometry(c, h);
   const int powered = mg_all_finite(1, c->step.slopes + c->n_states + c->work_state); /* by the loads */
-  if (!powered || mg_a_path_ends(c)) return MG_NOT_FINITE;
+  if (!powered || mg_has_nonfinite_path(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
-  mg_tell_modes(c, events, h);
+  mg_report_step_modes(c, events, h);
   for (int i = 0; i < c->n_states; i++) c->step.end[i] = run->x[i];
-  mg_book_impulses(c, h);
-  mg_drift_on(c, h);
+  mg_apply_step_impulses(c, h);
+  mg_integrate_positions(c, h);
   if (!mg_all_finite(c->n_states, run->x)) return MG_NOT_FINITE;
   mg_spread_over(c, h);
-  mg_pass_time(run, h);
+  mg_advance_time(run, h);
   run->steps++, run->fallback_time += run->fallback_steps_left > 0 ? h : 0;
   outcome = mg_settle_contacts(c, events, h);
   if (outcome) return outcome;
-  if (mg_due(record, run->t)) {
+  if (mg_is_sample_due(record, run->t)) {
     mg_record_straight(c, record, h);
-    mg_rows_at(c, run->t, run->x);
+    mg_update_rows_at(c, run->t, run->x);
   }
-  mg_ledger(c);
+  mg_update_diagnostics(c);
   return mg_check_margins(c, events);
 }
 
 /* The forces of the step to come, where a sample is due at its start. */
-MG_INTERNAL void mg_preview(mg_context *c, const mg_record *record) {
-  if (!mg_steps_in_time(c) || !mg_due(record, c->run->t)) return;
+MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {
+  if (!mg_is_time_stepping(c) || !mg_is_sample_due(record, c->run->t)) return;
   const mg_real h = mg_next_step(c);
   mg_take_geometry(c, h);
   if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
-  mg_rows_at(c, c->run->t, c->run->x);
+  mg_update_rows_at(c, c->run->t, c->run->x);
 }

@@ -1,18 +1,20 @@
-/* Time-stepping, what a step starts from: the rows where they are taken, the velocities at its end without contacts, and
-   how fast each contact must then part at least. */
+/* Time-stepping, what a step starts from: the rows where they are taken, the velocities at its end without contacts,
+   and how fast each contact must then part at least. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
 /* Rows, gaps and their rates; no forces. */
-MG_INTERNAL void mg_rows_at(mg_context *c, mg_real t, const mg_real *x) {
-  mg_poses(c, t, x);
-  mg_rates(c, x);
-  mg_joint_rates(c, t);
+MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x) {
+  mg_update_poses(c, t, x);
+  mg_contact_rows(c, x);
+  mg_update_joint_rows(c, t);
   mg_gap_rates(c);
 }
 
-MG_INTERNAL mg_real mg_theta(const mg_context *c) { return c->settings->scheme == MG_MOREAU ? c->settings->theta : 1; }
+MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {
+  return c->settings->scheme == MG_MOREAU ? c->settings->theta : 1;
+}
 
 /* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->accel. */
 static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
@@ -22,54 +24,54 @@ static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real 
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
       to[s->n_q + s->body_u[b] + k] += change * c->accel[6 * b + k];
-  mg_normalise(c, to);
+  mg_normalise_quaternions(c, to);
 }
 
 /* Takes the forces of the joints into c->accel, and notes them in c->impulse. */
 static void mg_join_free(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_separation(c, i);
-  const int n = mg_hold(c, c->run->active, c->row_rate, c->impulse);
-  for (int r = 0; r < n; r++) mg_add(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->accel);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_gap_acceleration(c, i);
+  const int n = mg_hold_rows(c, c->run->active, c->row_rate, c->impulse);
+  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->accel);
 }
 
-/* Leaves in c->accel the accelerations without contacts, in K[1] the power of the loads, both of the middle of the step,
-   and in c->step.settled the positions at which the rows are taken; makes the rows. */
+/* Leaves in c->accel the accelerations without contacts, in K[1] the power of the loads, both of the middle of the
+   step, and in c->step.settled the positions at which the rows are taken; makes the rows. */
 MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
-  const mg_real t = c->run->t, ahead = (1 - mg_theta(c)) * h;
-  mg_rows_at(c, t, c->run->x);
-  mg_accelerations(c, t, c->run->x, c->step.slopes);
+  const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
+  mg_update_rows_at(c, t, c->run->x);
+  mg_free_accelerations(c, t, c->run->x, c->step.slopes);
   mg_go_on(c, ahead, 0, c->step.settled);
   for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->eta_dot[k];
   mg_go_on(c, h / 2, h / 2, c->step.stage);
-  mg_poses(c, t + h / 2, c->step.stage);
-  mg_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->n_states);
-  if (ahead > 0) mg_place_all(c, t + ahead, c->step.settled);
-  mg_rows_at(c, t + ahead, c->step.settled);
+  mg_update_poses(c, t + h / 2, c->step.stage);
+  mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->n_states);
+  if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
+  mg_update_rows_at(c, t + ahead, c->step.settled);
   mg_join_free(c);
 }
 
 /* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */
-MG_INTERNAL mg_real mg_free_rate(const mg_context *c, int row, mg_real h) {
+MG_INTERNAL mg_real mg_contact_free_rate(const mg_context *c, int row, mg_real h) {
   const mg_real turning = row >= c->joint_row_begin && row < c->friction_row_begin ? c->gamma[row] : 0;
-  return c->d_dot[row] + h * (mg_row(c, row, c->accel) + turning);
+  return c->d_dot[row] + h * (mg_row_times(c, row, c->accel) + turning);
 }
 
 /* What a step may make of the rate of a gap that rests. */
-MG_INTERNAL mg_real mg_slow(const mg_context *c, int contact, mg_real h) {
+MG_INTERNAL mg_real mg_resting_gap_rate(const mg_context *c, int contact, mg_real h) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  return rest + 2 * h * (fabs(mg_row(c, contact, c->accel)) + fabs(c->gamma[contact]));
+  return rest + 2 * h * (fabs(mg_row_times(c, contact, c->accel)) + fabs(c->gamma[contact]));
 }
 
 /* The approach is one that Newton's law sends back. */
-MG_INTERNAL int mg_is_sent_back(const mg_context *c, int contact, mg_real h) {
-  return c->system->restitution[contact] > 0 && c->d_dot[contact] < -mg_slow(c, contact, h);
+MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
+  return c->system->restitution[contact] > 0 && c->d_dot[contact] < -mg_resting_gap_rate(c, contact, h);
 }
 
 /* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
-MG_INTERNAL mg_real mg_least_rate(const mg_context *c, int contact, mg_real h) {
-  if (mg_is_sent_back(c, contact, h)) return -c->system->restitution[contact] * c->d_dot[contact];
+MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
+  if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->d_dot[contact];
   if (c->settings->scheme != MG_STEWART_TRINKLE || c->d[contact] <= 0) return 0;
   return -c->d[contact] / h;
 }

@@ -8,15 +8,13 @@ typedef struct {
   mg_real error, size, force; /* largest of the certificate, of b, of z, all in its units */
 } mg_friction_measure;
 
-MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x)
-{
+MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
   if (k == 1) return (mg_real)fabs(x[0]);
   return (mg_real)sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
 /* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k axes. */
-static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius)
-{
+static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius) {
   mg_real q[2] = {0, 0}, size, error[2] = {0, 0};
   for (int i = 0; i < k; ++i) q[i] = f[i] - w[i] / rho;
   size = mg_friction_norm(k, q);
@@ -25,8 +23,7 @@ static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w,
   return mg_friction_norm(k, error) * (mg_real)sqrt(rho);
 }
 
-MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact)
-{
+MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact) {
   mg_real slack = s->v[s->normal[contact]];
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p)
     slack -= s->theta * mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
@@ -34,8 +31,7 @@ MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact)
 }
 
 /* Of y and v as they stand. */
-MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s)
-{
+MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
   mg_real worst = 0;
   for (int c = 0; c < s->n; ++c) {
     const mg_real force = s->y[s->normal[c]], slack = mg_friction_slack(s, c);
@@ -53,8 +49,7 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s)
 }
 
 /* v = S y + c */
-MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s)
-{
+MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s) {
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
     const mg_real *column = s->S + j * s->m, value = s->y[j];
@@ -63,15 +58,13 @@ MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s)
 }
 
 /* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
-MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y)
-{
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
   const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
 /* Keeps y as the best if it is; returns whether it is good enough. */
-MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s)
-{
+MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
     s->residual = error;
@@ -80,15 +73,13 @@ MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s)
   return s->residual <= mg_friction_tolerance(s, s->best);
 }
 
-static mg_real mg_friction_row(const mg_friction_problem *p, const mg_real *z, int row)
-{
+static mg_real mg_friction_row(const mg_friction_problem *p, const mg_real *z, int row) {
   mg_real w = p->b[row];
   for (int j = 0; j < p->n; ++j) w += p->A[row + j * p->n] * z[j];
   return w;
 }
 
-static void mg_friction_note(mg_friction_measure *at, mg_real error, mg_real size, mg_real force)
-{
+static void mg_friction_note(mg_friction_measure *at, mg_real error, mg_real size, mg_real force) {
   if (!(error <= at->error)) at->error = error;
   if (size > at->size) at->size = size;
   if (force > at->force) at->force = force;
@@ -96,8 +87,7 @@ static void mg_friction_note(mg_friction_measure *at, mg_real error, mg_real siz
 
 /* One part of a contact; returns |mu w|, by which the relaxed law lowers w_n. */
 static mg_real mg_friction_part(const mg_friction_problem *p, const mg_real *z, int row, int count, const mg_real *mu,
-                                mg_real normal, mg_friction_measure *at)
-{
+                                mg_real normal, mg_friction_measure *at) {
   mg_real f[2] = {0, 0}, w[2] = {0, 0}, b[2] = {0, 0}, rho = 0, root;
   int k = 0;
   for (int i = 0; i < count; ++i) {
@@ -118,8 +108,7 @@ static mg_real mg_friction_part(const mg_friction_problem *p, const mg_real *z, 
   return mg_friction_norm(k, w);
 }
 
-static void mg_friction_one(const mg_friction_problem *p, const mg_real *z, int contact, mg_friction_measure *at)
-{
+static void mg_friction_one(const mg_friction_problem *p, const mg_real *z, int contact, mg_friction_measure *at) {
   const int row = p->first[contact], rows = p->rows[contact];
   const mg_real *cone = p->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
   const mg_real d = mg_diagonal_scale((mg_real)fabs(p->A[row * (p->n + 1)]));
@@ -131,35 +120,32 @@ static void mg_friction_one(const mg_friction_problem *p, const mg_real *z, int 
   mg_friction_note(at, (mg_real)fabs(force < w ? force : w), (mg_real)fabs(p->b[row]) / d, force);
 }
 
-static int mg_friction_is_bilateral(const mg_friction_problem *p, int row)
-{
+static int mg_friction_is_bilateral(const mg_friction_problem *p, int row) {
   for (int c = 0; c < p->n_contact; ++c)
     if (row >= p->first[c] && row < p->first[c] + p->rows[c]) return 0;
   return 1;
 }
 
-MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth)
-{
+MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth) {
   mg_friction_measure at = {0, 0, 0};
   for (int c = 0; c < p->n_contact; ++c) mg_friction_one(p, z, c, &at);
   for (int i = 0; i < p->n; ++i)
     if (mg_friction_is_bilateral(p, i)) {
       const mg_real d = mg_diagonal_scale((mg_real)fabs(p->A[i * (p->n + 1)]));
-      mg_friction_note(&at, (mg_real)fabs(mg_friction_row(p, z, i)) / d, (mg_real)fabs(p->b[i]) / d, (mg_real)fabs(z[i]) * d);
+      mg_friction_note(&at, (mg_real)fabs(mg_friction_row(p, z, i)) / d, (mg_real)fabs(p->b[i]) / d,
+                       (mg_real)fabs(z[i]) * d);
     }
   *growth = at.size > 0 ? at.force / at.size : 0;
   if (!(at.error <= MG_MAX)) return MG_MAX;
   return at.size > 0 ? at.error / at.size : at.error;
 }
 
-MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z)
-{
+MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z) {
   mg_real growth;
   return mg_friction_certify(problem, z, &growth);
 }
 
-static int mg_friction_symmetric(const mg_scaled_friction *s)
-{
+static int mg_friction_symmetric(const mg_scaled_friction *s) {
   const int m = s->m;
   mg_real largest = mg_max_abs(m * m, s->S), odd = 0;
   for (int j = 0; j < m; ++j)
@@ -172,8 +158,7 @@ static int mg_friction_symmetric(const mg_scaled_friction *s)
 
 /* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
    program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
-static int mg_friction_unbounded(mg_scaled_friction *s)
-{
+static int mg_friction_unbounded(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *shift = s->spare, size, work = 0, bound = 0;
   for (int c = 0; c < s->n; ++c) shift[c] = 0;
@@ -191,8 +176,7 @@ static int mg_friction_unbounded(mg_scaled_friction *s)
 /* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
    then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
    only where it has no other rows. */
-MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s)
-{
+MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s) {
   const int n = s->n;
   mg_real *N = s->work, *b = N + n * n, *z = b + n;
   int *active = s->iwork, symmetric = mg_friction_symmetric(s);
@@ -210,8 +194,7 @@ MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s)
 }
 
 /* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */
-static mg_real mg_friction_bound(int k, const mg_real *M)
-{
+static mg_real mg_friction_bound(int k, const mg_real *M) {
   mg_real largest = 0;
   for (int j = 0; j < k; ++j) {
     mg_real sum = 0;
@@ -222,8 +205,7 @@ static mg_real mg_friction_bound(int k, const mg_real *M)
 }
 
 /* Bound of (S^-1)_nn, or of nothing (MG_MAX) where S is not clearly definite. */
-static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L, mg_real *x, mg_real *inverse)
-{
+static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L, mg_real *x, mg_real *inverse) {
   const int m = s->m;
   for (int i = 0; i < m * m; ++i) L[i] = s->S[i];
   if (!(mg_cholesky(m, L) > MG_LCP_REGULAR)) return MG_MAX;
@@ -235,8 +217,7 @@ static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L
   return mg_friction_bound(s->n, inverse);
 }
 
-static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s)
-{
+static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int p = 0; p < s->n_part; ++p)
     for (int j = s->part_row[p]; j < s->part_row[p] + s->part_dim[p]; ++j) {
@@ -248,10 +229,10 @@ static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s)
   return largest;
 }
 
-/* v_t as a function of the shift s = sum |v_t| of the convex problem (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011),
-   155-175) has the Lipschitz constant sqrt(parts |S_tt| |(S^-1)_nn|): below 1 there is one solution for every b. */
-static int mg_friction_one_only(const mg_scaled_friction *s)
-{
+/* v_t as a function of the shift s = sum |v_t| of the convex problem (Acary, Cadoux, Lemarechal, Malick, ZAMM 91
+   (2011), 155-175) has the Lipschitz constant sqrt(parts |S_tt| |(S^-1)_nn|): below 1 there is one solution for every
+   b. */
+static int mg_friction_one_only(const mg_scaled_friction *s) {
   mg_real *L = s->work, *x = L + s->m * s->m, inverse = mg_friction_inverse_bound(s, L, x, x + s->m);
   int parts = 0;
   if (!(inverse < MG_MAX)) return 0;
@@ -261,8 +242,7 @@ static int mg_friction_one_only(const mg_scaled_friction *s)
 }
 
 /* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
-MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report)
-{
+MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report) {
   if (!mg_friction_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;
   else if (s->rank == s->n_bilateral && mg_friction_one_only(s)) report->unique = MG_UNIQUE;

@@ -3,11 +3,16 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_FRICTION_ROUNDS = 4, MG_FRICTION_SWEEPS = 6, MG_FRICTION_MORE = 4, MG_FRICTION_STEPS = 40, MG_FRICTION_LAST = 3 };
+enum {
+  MG_FRICTION_ROUNDS = 4,
+  MG_FRICTION_SWEEPS = 6,
+  MG_FRICTION_MORE = 4,
+  MG_FRICTION_STEPS = 40,
+  MG_FRICTION_LAST = 3
+};
 
 /* Sweeps, then Newton; more sweeps from where the first ended where Newton failed. */
-static int mg_friction_try(mg_scaled_friction *s, int rounds)
-{
+static int mg_friction_try(mg_scaled_friction *s, int rounds) {
   const int m = s->m;
   mg_real *swept = s->spare;
   for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_MORE) {
@@ -22,8 +27,7 @@ static int mg_friction_try(mg_scaled_friction *s, int rounds)
 }
 
 /* A guess may be the solution, or near it; leaves y there. */
-static int mg_friction_warm(mg_scaled_friction *s, const mg_real *z)
-{
+static int mg_friction_warm(mg_scaled_friction *s, const mg_real *z) {
   const int guessed = mg_max_abs(s->given->n, z) > 0;
   mg_friction_take(s, z);
   mg_friction_motion(s);
@@ -33,13 +37,11 @@ static int mg_friction_warm(mg_scaled_friction *s, const mg_real *z)
   return 0;
 }
 
-static mg_real mg_friction_speed(const mg_scaled_friction *s, int part)
-{
+static mg_real mg_friction_speed(const mg_scaled_friction *s, int part) {
   return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
 }
 
-static int mg_friction_mark(const mg_scaled_friction *s, int contact)
-{
+static int mg_friction_mark(const mg_scaled_friction *s, int contact) {
   const mg_real radius = s->y[s->normal[contact]];
   int mark = MG_PRESSES;
   if (!(radius - mg_friction_slack(s, contact) > 0)) return 0;
@@ -53,8 +55,7 @@ static int mg_friction_mark(const mg_scaled_friction *s, int contact)
 }
 
 /* The best candidate in the units of the problem, and what the certificate says of it. */
-static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report)
-{
+static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   mg_real growth;
   for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
   mg_friction_motion(s);
@@ -66,8 +67,7 @@ static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_f
 }
 
 /* Newton steps from a solution for its last digits, as long as they gain: the tolerance is a thousand roundings. */
-static void mg_friction_polish(mg_scaled_friction *s)
-{
+static void mg_friction_polish(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->spare;
   for (int step = 0; step < MG_FRICTION_LAST && !s->given->hasty; ++step) {
@@ -85,8 +85,7 @@ static void mg_friction_polish(mg_scaled_friction *s)
   }
 }
 
-static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report)
-{
+static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   report->starts = 1;
   if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
   mg_friction_polish(s);
@@ -104,8 +103,7 @@ static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_
 }
 
 MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report,
-                       mg_real *work, int *iwork)
-{
+                       mg_real *work, int *iwork) {
   const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
   mg_scaled_friction s;
   *report = none;

@@ -5,7 +5,7 @@
 
 enum { MG_LOCAL_ROOT = 40, MG_LOCAL_DOUBLINGS = 80 };
 
-typedef struct {           /* T f + c = -alpha f on a disc; N = base + slope.f */
+typedef struct { /* T f + c = -alpha f on a disc; N = base + slope.f */
   int k;
   mg_real T[4], c[2], slope[2], base;
 } mg_disc;
@@ -13,8 +13,7 @@ typedef struct {           /* T f + c = -alpha f on a disc; N = base + slope.f *
 enum { MG_ROWS_AT_MOST = 6 };
 
 /* f = -(T + alpha I)^-1 c. Returns 0 where that is singular. */
-static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f)
-{
+static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
   mg_real a = d->T[0] + alpha, b = d->T[3] + alpha, determinant;
   if (d->k == 1) {
     if (!(a > MG_LCP_RANK(1))) return 0;
@@ -28,23 +27,20 @@ static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f)
   return 1;
 }
 
-static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f)
-{
+static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f) {
   mg_real radius = d->base;
   for (int i = 0; i < d->k; ++i) radius += d->slope[i] * f[i];
   return radius;
 }
 
 /* N - |f|; far below 0 where the force is not defined. */
-static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f)
-{
+static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f) {
   if (!mg_disc_force(d, alpha, f)) return -MG_MAX;
   return mg_disc_radius(d, f) - mg_friction_norm(d->k, f);
 }
 
 /* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
-static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f)
-{
+static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f) {
   int side = 0;
   for (int i = 0; i < MG_LOCAL_ROOT; ++i) {
     mg_real middle = (low + high) / 2, room;
@@ -65,8 +61,7 @@ static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_rea
 }
 
 /* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
-static void mg_disc_solve(const mg_disc *d, mg_real *f)
-{
+static void mg_disc_solve(const mg_disc *d, mg_real *f) {
   mg_real room = mg_disc_room(d, 0, f), low = 0, high, room_high = 0;
   if (room >= 0) return;
   high = (mg_real)fabs(d->T[0]) + (mg_real)fabs(d->T[3]);
@@ -82,16 +77,14 @@ static void mg_disc_solve(const mg_disc *d, mg_real *f)
 }
 
 /* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */
-static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y)
-{
+static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y) {
   mg_real b = s->v[row];
   for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
   return b;
 }
 
 /* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
-static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d)
-{
+static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
   const int m = s->m, row = s->part_row[part];
   const mg_real a = s->S[from + from * m];
   mg_real b;
@@ -116,8 +109,7 @@ static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to,
 }
 
 /* y: the contact's rows, from s->y on entry, solved on return. */
-static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y)
-{
+static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   int part = s->part[contact];
   mg_disc d;
@@ -144,12 +136,10 @@ static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_rea
 }
 
 /* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
-static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_real *y)
-{
+static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
   mg_real N = y[0], size[3];
-  for (int p = 0; p < parts; ++p)
-    size[p] = mg_friction_norm(s->part_dim[first + p], y + s->part_row[first + p] - from);
+  for (int p = 0; p < parts; ++p) size[p] = mg_friction_norm(s->part_dim[first + p], y + s->part_row[first + p] - from);
   for (int pass = 0; pass <= parts; ++pass) {
     mg_real sum = y[0];
     int count = 1;
@@ -164,8 +154,7 @@ static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_rea
 }
 
 /* A projected gradient step of one contact: the convex program's own sweep. */
-static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_real *y)
-{
+static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   mg_real trace = 0;
   for (int i = from; i < to; ++i) trace += s->S[i + i * s->m];
@@ -173,8 +162,7 @@ static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_rea
   mg_friction_project(s, contact, y);
 }
 
-static void mg_friction_change(mg_scaled_friction *s, int contact)
-{
+static void mg_friction_change(mg_scaled_friction *s, int contact) {
   const int m = s->m, from = s->normal[contact], to = mg_friction_end_of(s, contact);
   mg_real y[MG_ROWS_AT_MOST];
   for (int j = from; j < to; ++j) y[j - from] = s->y[j];
@@ -189,8 +177,7 @@ static void mg_friction_change(mg_scaled_friction *s, int contact)
 }
 
 /* Sweeps forth and back from y. Returns whether that is a solution. */
-MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps)
-{
+MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   mg_friction_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (int c = 0; c < s->n; ++c) mg_friction_change(s, sweep % 2 ? s->n - 1 - c : c);

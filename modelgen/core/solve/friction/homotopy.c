@@ -18,20 +18,17 @@ typedef struct {
 } mg_path;
 
 /* A fixed sequence in 0..1, so that answers repeat. */
-static mg_real mg_path_scatter(int i)
-{
+static mg_real mg_path_scatter(int i) {
   const mg_real x = (mg_real)(i + 1) * (mg_real)0.6180339887498949;
   return x - (mg_real)(int)x;
 }
 
-static void mg_path_restore(mg_scaled_friction *s, const mg_real *from)
-{
+static void mg_path_restore(mg_scaled_friction *s, const mg_real *from) {
   for (int i = 0; i < s->m; ++i) s->y[i] = from[i];
 }
 
 /* Newton of both kinds from the point `from`; returns whether that gave a solution. */
-static int mg_path_polish(mg_scaled_friction *s, const mg_real *from, int limit)
-{
+static int mg_path_polish(mg_scaled_friction *s, const mg_real *from, int limit) {
   for (int augmented = 0; augmented <= 1; ++augmented) {
     mg_path_restore(s, from);
     if (mg_friction_newton(s, limit, augmented)) return 1;
@@ -41,8 +38,7 @@ static int mg_path_polish(mg_scaled_friction *s, const mg_real *from, int limit)
 
 /* Coulomb's law is the convex program with w_n shifted by |mu w_t|, if that is the |mu w_t| that comes out: a
    fixed point, iterated with damping from shifts that are all `from` (Acary, Cadoux, Lemarechal, Malick). */
-static int mg_friction_shift(mg_scaled_friction *s, mg_real from, int scatter)
-{
+static int mg_friction_shift(mg_scaled_friction *s, mg_real from, int scatter) {
   const int relaxed = s->given->law == MG_RELAXED;
   mg_real *shift = s->spare, *start = shift + s->m;
   for (int c = 0; c < s->n; ++c) shift[c] = relaxed ? 0 : scatter ? 4 * from * mg_path_scatter(c + 5 * scatter) : from;
@@ -53,7 +49,8 @@ static int mg_friction_shift(mg_scaled_friction *s, mg_real from, int scatter)
     for (int i = 0; i < s->m; ++i) start[i] = s->y[i];
     for (int c = 0; c < s->n; ++c) {
       mg_real moves = 0;
-      for (int p = s->part[c]; p < s->part[c + 1]; ++p) moves += mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
+      for (int p = s->part[c]; p < s->part[c + 1]; ++p)
+        moves += mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
       shift[c] += blend * (moves - shift[c]);
     }
     if (mg_path_polish(s, start, 2 * MG_PATH_NEWTON)) return 1;
@@ -63,8 +60,7 @@ static int mg_friction_shift(mg_scaled_friction *s, mg_real from, int scatter)
   return 0;
 }
 
-static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which)
-{
+static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which) {
   const int m = s->m;
   p->s = s;
   p->last = s->spare;
@@ -82,8 +78,7 @@ static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which)
 }
 
 /* The problem at `along`, 0..1: at 1 the given one. */
-static void mg_path_set(mg_path *p, mg_real along)
-{
+static void mg_path_set(mg_path *p, mg_real along) {
   mg_scaled_friction *s = p->s;
   const mg_real delta = along >= 1 ? 0 : (mg_real)pow(MG_PATH_SOFT, along);
   s->residual = MG_MAX;
@@ -93,8 +88,7 @@ static void mg_path_set(mg_path *p, mg_real along)
   }
 }
 
-static int mg_path_advance(mg_path *p, mg_real along)
-{
+static int mg_path_advance(mg_path *p, mg_real along) {
   mg_path_set(p, along);
   if (!mg_path_polish(p->s, p->last, MG_PATH_NEWTON)) return 0;
   for (int i = 0; i < p->s->m; ++i) p->last[i] = p->s->best[i];
@@ -102,8 +96,7 @@ static int mg_path_advance(mg_path *p, mg_real along)
 }
 
 /* From S + delta I, delta = 1 (which = 0), or from another definite matrix and offset, to S. */
-static int mg_friction_soften(mg_scaled_friction *s, int which)
-{
+static int mg_friction_soften(mg_scaled_friction *s, int which) {
   mg_path p;
   mg_real along = 0, step = (mg_real)0.1;
   mg_path_open(&p, s, which);
@@ -123,8 +116,7 @@ static int mg_friction_soften(mg_scaled_friction *s, int which)
 }
 
 /* Start number `which`, from the likeliest to the rest. */
-MG_INTERNAL int mg_friction_follow(mg_scaled_friction *s, int which)
-{
+MG_INTERNAL int mg_friction_follow(mg_scaled_friction *s, int which) {
   if (which < 2) return mg_friction_shift(s, (mg_real)(1 - which), 0);
   if (which % 2) return mg_friction_shift(s, 1, which);
   return mg_friction_soften(s, which / 2 - 1);

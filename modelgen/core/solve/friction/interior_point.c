@@ -6,42 +6,39 @@
 
 enum { MG_INTERIOR_STEPS = 60, MG_TRIPLE = 3 };
 
-typedef struct {           /* one second-order cone: (N, f), f of k rows, and its scaling W = W(w, eta) */
+typedef struct { /* one second-order cone: (N, f), f of k rows, and its scaling W = W(w, eta) */
   int k, row;
   mg_real x[MG_TRIPLE], w[MG_TRIPLE], eta;
 } mg_lorentz;
 
 typedef struct {
   mg_scaled_friction *s;
-  const mg_real *shift;    /* per contact */
+  const mg_real *shift; /* per contact */
   int *swap;
   mg_real *K, *dy, *residual; /* m^2; m */
-  mg_real *u, *du, *guess; /* MG_TRIPLE a cone: dual, its step, product of the predictor's steps */
+  mg_real *u, *du, *guess;    /* MG_TRIPLE a cone: dual, its step, product of the predictor's steps */
   mg_real gap;
 } mg_interior;
 
-static int mg_interior_cones(const mg_scaled_friction *s, int contact)
-{
+static int mg_interior_cones(const mg_scaled_friction *s, int contact) {
   const int parts = s->part[contact + 1] - s->part[contact];
   return parts > 0 ? parts : 1;
 }
 
-static mg_real mg_lorentz_tail(int k, const mg_real *a, const mg_real *b)
-{
+static mg_real mg_lorentz_tail(int k, const mg_real *a, const mg_real *b) {
   mg_real sum = 0;
   for (int i = 1; i <= k; ++i) sum += a[i] * b[i];
   return sum;
 }
 
 /* sqrt(x_0^2 - |x_1|^2), a little above 0 */
-static mg_real mg_lorentz_size(int k, const mg_real *x)
-{
+static mg_real mg_lorentz_size(int k, const mg_real *x) {
   const mg_real tail = (mg_real)sqrt(mg_lorentz_tail(k, x, x)), square = (x[0] - tail) * (x[0] + tail);
   return square > MG_EPS * MG_EPS * x[0] * x[0] ? (mg_real)sqrt(square) : MG_EPS * (mg_real)fabs(x[0]);
 }
 
-static void mg_lorentz_rows(const mg_scaled_friction *s, int contact, int cone, const mg_real *y, mg_lorentz *q, mg_real *x)
-{
+static void mg_lorentz_rows(const mg_scaled_friction *s, int contact, int cone, const mg_real *y, mg_lorentz *q,
+                            mg_real *x) {
   const int part = s->part[contact] + cone;
   q->k = part < s->part[contact + 1] ? s->part_dim[part] : 0;
   q->row = q->k ? s->part_row[part] : 0;
@@ -50,8 +47,7 @@ static void mg_lorentz_rows(const mg_scaled_friction *s, int contact, int cone, 
 }
 
 /* x of a cone of a contact and the scaling point between x and u. */
-static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, const mg_real *u, mg_lorentz *q)
-{
+static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, const mg_real *u, mg_lorentz *q) {
   mg_real size_x, size_u, g = 1;
   mg_lorentz_rows(s, contact, cone, s->y, q, q->x);
   size_x = mg_lorentz_size(q->k, q->x);
@@ -64,8 +60,7 @@ static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, c
 }
 
 /* out = W a (sign 1) or W^-1 a (sign -1) */
-static void mg_lorentz_scale(const mg_lorentz *q, int sign, const mg_real *a, mg_real *out)
-{
+static void mg_lorentz_scale(const mg_lorentz *q, int sign, const mg_real *a, mg_real *out) {
   const mg_real tail = mg_lorentz_tail(q->k, q->w, a), factor = sign > 0 ? q->eta : 1 / q->eta, head = a[0];
   const mg_real along = (mg_real)sign * head + tail / (1 + q->w[0]);
   out[0] = factor * (q->w[0] * head + (mg_real)sign * tail);
@@ -73,8 +68,7 @@ static void mg_lorentz_scale(const mg_lorentz *q, int sign, const mg_real *a, mg
 }
 
 /* The longest step from x along d within the cone. */
-static mg_real mg_lorentz_reach(int k, const mg_real *x, const mg_real *d)
-{
+static mg_real mg_lorentz_reach(int k, const mg_real *x, const mg_real *d) {
   const mg_real size = mg_lorentz_size(k, x);
   const mg_real t = (x[0] * d[0] - mg_lorentz_tail(k, x, d)) / (size * size);
   const mg_real along = (t + d[0] / size) / (x[0] / size + 1);
@@ -88,8 +82,7 @@ static mg_real mg_lorentz_reach(int k, const mg_real *x, const mg_real *d)
 }
 
 /* residual = sum of u over the cones - v - shift, and the mean of x.u */
-static void mg_interior_measure(mg_interior *n)
-{
+static void mg_interior_measure(mg_interior *n) {
   mg_scaled_friction *s = n->s;
   const mg_real *u = n->u;
   int count = 0;
@@ -110,8 +103,7 @@ static void mg_interior_measure(mg_interior *n)
 }
 
 /* K = S + sum of W^-2 = (2 (J w)(J w)' - J) / eta^2, J = diag(1, -1, ..) */
-static int mg_interior_factor(mg_interior *n)
-{
+static int mg_interior_factor(mg_interior *n) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
   const mg_real *u = n->u;
@@ -132,8 +124,7 @@ static int mg_interior_factor(mg_interior *n)
 }
 
 /* out = W^-1 (lambda \ (centre e - lambda o lambda - guess)) of one cone, lambda = W^-1 x */
-static void mg_interior_pull(const mg_lorentz *q, mg_real centre, const mg_real *guess, mg_real *out)
-{
+static void mg_interior_pull(const mg_lorentz *q, mg_real centre, const mg_real *guess, mg_real *out) {
   mg_real lambda[MG_TRIPLE], r[MG_TRIPLE], p[MG_TRIPLE], size;
   mg_lorentz_scale(q, -1, q->x, lambda);
   size = mg_lorentz_size(q->k, lambda);
@@ -145,16 +136,15 @@ static void mg_interior_pull(const mg_lorentz *q, mg_real centre, const mg_real 
 }
 
 /* du = pull - W^-2 dx of one cone; dx comes scaled out as W^-1 dx. */
-static void mg_interior_dual(const mg_lorentz *q, const mg_real *pull, const mg_real *dx, mg_real *scaled, mg_real *du)
-{
+static void mg_interior_dual(const mg_lorentz *q, const mg_real *pull, const mg_real *dx, mg_real *scaled,
+                             mg_real *du) {
   mg_lorentz_scale(q, -1, dx, scaled);
   mg_lorentz_scale(q, -1, scaled, du);
   for (int i = 0; i <= q->k; ++i) du[i] = pull[i] - du[i];
 }
 
 /* Steps dy, du towards the centre, and how far they may go. `guess` takes part if `corrected`, else is set. */
-static mg_real mg_interior_direct(mg_interior *n, mg_real centre, int corrected)
-{
+static mg_real mg_interior_direct(mg_interior *n, mg_real centre, int corrected) {
   const mg_scaled_friction *s = n->s;
   mg_real reach = MG_MAX;
   mg_lorentz q;
@@ -186,8 +176,7 @@ static mg_real mg_interior_direct(mg_interior *n, mg_real centre, int corrected)
   return reach;
 }
 
-static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_real *shift)
-{
+static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_real *shift) {
   const int m = s->m;
   n->s = s;
   n->shift = shift;
@@ -204,8 +193,7 @@ static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_rea
 }
 
 /* y of the program's optimum, roughly: complementary to `gap` per cone, or the last point that can be told. */
-MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap)
-{
+MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap) {
   mg_interior n;
   mg_interior_open(&n, s, shift);
   for (int step = 0; step < MG_INTERIOR_STEPS; ++step) {

@@ -5,21 +5,19 @@
 enum { MG_EVEN_HALVINGS = 8 };
 
 /* Adds the entry of row i, in the units of N, to column k; e_i / e_n is the coefficient of friction. */
-static void mg_even_set(const mg_scaled_friction *s, int contact, int i, mg_real value, mg_real *column, mg_real *square)
-{
+static void mg_even_set(const mg_scaled_friction *s, int contact, int i, mg_real value, mg_real *column,
+                        mg_real *square) {
   const mg_real mu = s->e[i] / s->e[s->normal[contact]];
   column[i] = value;
   *square += value * mu * value * mu;
 }
 
-static void mg_even_unit(int m, mg_real square, mg_real *column)
-{
+static void mg_even_unit(int m, mg_real square, mg_real *column) {
   for (int i = 0; i < m; ++i) column[i] /= (mg_real)sqrt(square);
 }
 
 /* Columns of D: how the forces may change at the same w. A force of slip grows with N, one that sticks on its own. */
-static int mg_even_directions(const mg_scaled_friction *s, const int *marks, mg_real *D)
-{
+static int mg_even_directions(const mg_scaled_friction *s, const int *marks, mg_real *D) {
   const int m = s->m;
   int k = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -47,8 +45,7 @@ static int mg_even_directions(const mg_scaled_friction *s, const int *marks, mg_
 }
 
 /* No force at the edge of its cone, but for those that slip. */
-static int mg_even_strict(const mg_scaled_friction *s, const int *marks)
-{
+static int mg_even_strict(const mg_scaled_friction *s, const int *marks) {
   const mg_real small = (mg_real)sqrt(MG_EPS);
   for (int c = 0; c < s->n; ++c) {
     const mg_real force = s->y[s->normal[c]];
@@ -64,8 +61,7 @@ static int mg_even_strict(const mg_scaled_friction *s, const int *marks)
 
 /* G = D'S D and g = D'(c - v), k by k; the diagonal past the end is 0, so that k >= 3. */
 static void mg_even_assemble(const mg_scaled_friction *s, int k, int size, const mg_real *D, mg_real *G, mg_real *g,
-                             mg_real *image)
-{
+                             mg_real *image) {
   const int m = s->m;
   for (int i = 0; i < size * size; ++i) G[i] = 0;
   for (int j = 0; j < size; ++j) g[j] = 0;
@@ -80,9 +76,9 @@ static void mg_even_assemble(const mg_scaled_friction *s, int k, int size, const
 }
 
 /* Goes from y towards the least norm as far as the cones allow. */
-static void mg_even_move(mg_scaled_friction *s, int k, const mg_real *D, const mg_real *a, mg_real *target)
-{
-  const mg_real limit = s->residual > mg_friction_tolerance(s, s->best) ? s->residual : mg_friction_tolerance(s, s->best);
+static void mg_even_move(mg_scaled_friction *s, int k, const mg_real *D, const mg_real *a, mg_real *target) {
+  const mg_real limit =
+      s->residual > mg_friction_tolerance(s, s->best) ? s->residual : mg_friction_tolerance(s, s->best);
   mg_real part = 1;
   for (int i = 0; i < s->m; ++i) {
     target[i] = 0;
@@ -98,9 +94,9 @@ static void mg_even_move(mg_scaled_friction *s, int k, const mg_real *D, const m
   }
 }
 
-/* Reports rank and active, and evens `best` out. Returns whether no force was at the edge of what its contact allows. */
-MG_INTERNAL int mg_friction_even(mg_scaled_friction *s, const int *marks, mg_friction_report *report)
-{
+/* Reports rank and active, and evens `best` out. Returns whether no force was at the edge of what its contact allows.
+ */
+MG_INTERNAL int mg_friction_even(mg_scaled_friction *s, const int *marks, mg_friction_report *report) {
   const int m = s->m, room = m + 3;
   mg_real *D = s->work, *G = D + m * m, *g = G + room * room, *image = g + room, *a = image + room, *rest = a + room;
   int k, strict, size;

@@ -6,18 +6,15 @@
 
 enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
 
-MG_API int mg_friction_work_size(int n, int n_contact)
-{
+MG_API int mg_friction_work_size(int n, int n_contact) {
   return MG_FRICTION_SQUARES * n * n + MG_FRICTION_VECTORS * (n + 1) + 3 * n_contact + mg_lcp_work_size(n);
 }
 
-MG_API int mg_friction_iwork_size(int n, int n_contact)
-{
+MG_API int mg_friction_iwork_size(int n, int n_contact) {
   return MG_FRICTION_INTS * (n + n_contact + 1) + mg_lcp_iwork_size(n);
 }
 
-static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwork)
-{
+static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwork) {
   const int n = s->given->n, k = s->given->n_contact, square = n * n;
   mg_real **vectors[] = {&s->e, &s->c, &s->y, &s->v, &s->best, &s->e_b};
   int **ints[] = {&s->row, &s->bilateral, &s->order};
@@ -38,14 +35,12 @@ static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwo
   s->iwork = s->part_mark + 3 * k;
 }
 
-MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact)
-{
+MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact) {
   return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
 }
 
 /* A disc over the rows row.. of the problem with a positive coefficient; e holds the coefficients for now. */
-static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, const mg_real *mu, int mark)
-{
+static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, const mg_real *mu, int mark) {
   const int part = s->n_part;
   s->part_row[part] = s->m;
   s->part_mark[part] = mark;
@@ -58,8 +53,7 @@ static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, cons
   s->n_part += s->part_dim[part] > 0;
 }
 
-static void mg_friction_add_contact(mg_scaled_friction *s, int contact)
-{
+static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   const int row = s->given->first[contact], rows = s->given->rows[contact];
   const mg_real *cone = s->given->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
   s->normal[contact] = s->m;
@@ -72,8 +66,8 @@ static void mg_friction_add_contact(mg_scaled_friction *s, int contact)
 }
 
 /* Returns 0 if the data are not finite, or a coefficient is negative. */
-MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work, int *iwork)
-{
+MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
+                                   int *iwork) {
   const int n = problem->n;
   int *owned = iwork + MG_FRICTION_INTS * (n + problem->n_contact) - n;
   s->given = problem;
@@ -99,14 +93,12 @@ MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_prob
 
 static mg_real mg_friction_entry(const mg_scaled_friction *s, int i, int j) { return s->given->A[i + j * s->given->n]; }
 
-static mg_real mg_friction_diagonal(const mg_scaled_friction *s, int i)
-{
+static mg_real mg_friction_diagonal(const mg_scaled_friction *s, int i) {
   return mg_diagonal_scale((mg_real)fabs(mg_friction_entry(s, i, i)));
 }
 
 /* x becomes (L L')^-1 x on the pivoted rows. */
-static void mg_friction_back(const mg_scaled_friction *s, mg_real *x)
-{
+static void mg_friction_back(const mg_scaled_friction *s, mg_real *x) {
   const int k = s->n_bilateral, r = s->rank;
   for (int j = 0; j < r; ++j) {
     x[j] /= s->L[j + j * k];
@@ -119,8 +111,7 @@ static void mg_friction_back(const mg_scaled_friction *s, mg_real *x)
 }
 
 /* Of dependent bilateral rows those pivoted first stand for all. */
-static void mg_friction_factor(mg_scaled_friction *s)
-{
+static void mg_friction_factor(mg_scaled_friction *s) {
   const int k = s->n_bilateral;
   for (int i = 0; i < k; ++i) s->e_b[i] = 1 / mg_friction_diagonal(s, s->bilateral[i]);
   for (int j = 0; j < k; ++j)
@@ -130,14 +121,12 @@ static void mg_friction_factor(mg_scaled_friction *s)
 }
 
 /* What is left of row and column i is rounding: the bilateral rows hold it. */
-static void mg_friction_clear(mg_scaled_friction *s, int i)
-{
+static void mg_friction_clear(mg_scaled_friction *s, int i) {
   for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
 }
 
 /* S and c less what the bilateral rows take: S_cc - S_cb S_bb^-1 S_bc. */
-static void mg_friction_eliminate(mg_scaled_friction *s)
-{
+static void mg_friction_eliminate(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->y;
   for (int i = 0; i < m; ++i) before[i] = (mg_real)fabs(s->S[i + i * m]);
@@ -159,8 +148,7 @@ static void mg_friction_eliminate(mg_scaled_friction *s)
     if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear(s, i);
 }
 
-static void mg_friction_means(mg_scaled_friction *s)
-{
+static void mg_friction_means(mg_scaled_friction *s) {
   for (int p = 0; p < s->n_part; ++p) {
     mg_real sum = 0;
     for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) sum += (mg_real)fabs(s->S[i + i * s->m]);
@@ -169,8 +157,7 @@ static void mg_friction_means(mg_scaled_friction *s)
 }
 
 /* The largest motion without contact forces, in the units of the certificate. */
-static mg_real mg_friction_size(const mg_scaled_friction *s)
-{
+static mg_real mg_friction_size(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int c = 0; c < s->n; ++c)
     if (fabs(s->c[s->normal[c]]) > largest) largest = (mg_real)fabs(s->c[s->normal[c]]);
@@ -182,8 +169,7 @@ static mg_real mg_friction_size(const mg_scaled_friction *s)
 }
 
 /* Brings S_nn to 1: before the bilateral rows are eliminated, and after. */
-static void mg_friction_normalise(mg_scaled_friction *s)
-{
+static void mg_friction_normalise(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *factor = s->y;
   for (int c = 0; c < s->n; ++c) {
@@ -200,8 +186,7 @@ static void mg_friction_normalise(mg_scaled_friction *s)
 }
 
 /* Returns 0 when the scaled data leave the range of the reals. */
-MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s)
-{
+MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   const int m = s->m;
   for (int c = 0; c < s->n; ++c) {
     const mg_real e = 1 / mg_friction_diagonal(s, s->row[s->normal[c]]);
@@ -223,14 +208,12 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s)
   return 1;
 }
 
-MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z)
-{
+MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z) {
   for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
 /* z of the whole problem; the bilateral forces are of minimum norm. */
-MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z)
-{
+MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;
   mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k;

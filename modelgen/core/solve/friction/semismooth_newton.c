@@ -8,16 +8,15 @@ enum { MG_BLOCK = 6, MG_HALVINGS = 10, MG_MEMORY = 4 };
 
 typedef struct {
   mg_scaled_friction *s;
-  int k, augmented;        /* rows in play; the radius of slip is y_n - slack instead of y_n */
+  int k, augmented;          /* rows in play; the radius of slip is y_n - slack instead of y_n */
   int *index, *swap, *place; /* rows in play; pivots; per row its place among them or -1 */
-  mg_real *J, *normal;     /* k by k; J'J + damping */
+  mg_real *J, *normal;       /* k by k; J'J + damping */
   mg_real *phi, *right, *step, *image, *y, *v;
   mg_real gy[MG_BLOCK * MG_BLOCK], gv[MG_BLOCK * MG_BLOCK]; /* of one contact, row by row */
   mg_real before[MG_MEMORY];
 } mg_semismooth;
 
-static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s)
-{
+static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
   const int m = s->m;
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
   n->s = s;
@@ -30,8 +29,7 @@ static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s)
 }
 
 /* phi of one part that presses, and its rows of gy and gv. */
-static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius)
-{
+static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius) {
   const mg_scaled_friction *s = n->s;
   const int k = s->part_dim[part], row = s->part_row[part], at = row - s->normal[contact];
   const mg_real rho = s->rho[part], root = (mg_real)sqrt(rho);
@@ -60,8 +58,7 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
 }
 
 /* phi of a contact; gy and gv if it presses (returns 1), else nothing. Row 0 of gv is the change of the slack. */
-static int mg_semismooth_contact(mg_semismooth *n, int contact)
-{
+static int mg_semismooth_contact(mg_semismooth *n, int contact) {
   const mg_scaled_friction *s = n->s;
   const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
   const mg_real slack = mg_friction_slack(s, contact), force = s->y[from];
@@ -77,16 +74,14 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact)
   n->gv[0] = 1;
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p) {
     const mg_real *v = s->v + s->part_row[p], size = mg_friction_norm(s->part_dim[p], v);
-    for (int i = 0; i < s->part_dim[p]; ++i)
-      n->gv[s->part_row[p] - from + i] = size > 0 ? -s->theta * v[i] / size : 0;
+    for (int i = 0; i < s->part_dim[p]; ++i) n->gv[s->part_row[p] - from + i] = size > 0 ? -s->theta * v[i] / size : 0;
   }
   for (int p = s->part[contact]; p < s->part[contact + 1]; ++p)
     mg_semismooth_part(n, contact, p, n->augmented ? force - slack : force > 0 ? force : 0);
   return 1;
 }
 
-static mg_real mg_semismooth_merit(mg_semismooth *n)
-{
+static mg_real mg_semismooth_merit(mg_semismooth *n) {
   mg_real sum = 0;
   for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
   for (int i = 0; i < n->s->m; ++i) sum += n->phi[i] * n->phi[i];
@@ -94,8 +89,7 @@ static mg_real mg_semismooth_merit(mg_semismooth *n)
 }
 
 /* The contact's rows of J, and of the right-hand side what the rows out of play add by going to zero. */
-static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift)
-{
+static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m, from = s->normal[contact], width = mg_friction_end_of(s, contact) - from;
   for (int i = 0; i < width; ++i) {
@@ -113,8 +107,7 @@ static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift)
   }
 }
 
-static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift)
-{
+static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   n->k = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -129,8 +122,7 @@ static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift)
 }
 
 /* The step of all rows from that of the rows in play. */
-static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x)
-{
+static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
   for (int i = 0; i < m; ++i) {
@@ -142,8 +134,7 @@ static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x)
 }
 
 /* Least squares: (J'J + damping) x = J' right. */
-static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x)
-{
+static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x) {
   const int k = n->k;
   for (int j = 0; j < k; ++j) {
     x[j] = 0;
@@ -158,8 +149,7 @@ static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x)
   mg_cholesky_solve(k, n->normal, x);
 }
 
-static int mg_semismooth_straight(mg_semismooth *n, mg_real *x)
-{
+static int mg_semismooth_straight(mg_semismooth *n, mg_real *x) {
   const int k = n->k;
   for (int i = 0; i < k * k; ++i) n->normal[i] = n->J[i];
   if (!(mg_lu(k, n->normal, n->swap) > 0)) return 0;
@@ -169,8 +159,7 @@ static int mg_semismooth_straight(mg_semismooth *n, mg_real *x)
 }
 
 /* Goes along the step until the merit falls below the worst of the last few. Returns 0 if it does not. */
-static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings)
-{
+static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings) {
   mg_scaled_friction *s = n->s;
   mg_real worst = 0, length = 1;
   for (int i = 0; i < MG_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
@@ -191,8 +180,7 @@ static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings)
   return 0;
 }
 
-static int mg_semismooth_step(mg_semismooth *n, int iteration)
-{
+static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   mg_real *x = n->y;
   mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   if (mg_semismooth_straight(n, x)) {
@@ -210,8 +198,7 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration)
 }
 
 /* From s->y for at most `limit` steps. Returns whether a solution was found. */
-MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented)
-{
+MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
   mg_semismooth_open(&n, s);
   n.augmented = augmented;

@@ -1,6 +1,6 @@
 /* What the solvers of cone friction problems share. They work on y = z / (e scale) and v = S y + c, bilateral rows
-   eliminated, with e_n = 1 / sqrt(A_nn), e_t = mu e_n, so that every cone is |y_t| <= y_n and S_nn = 1. A part of a contact
-   is a disc of forces: slip (2 rows), spin (1), rolling (2); rows with mu = 0 carry no force and are left out.
+   eliminated, with e_n = 1 / sqrt(A_nn), e_t = mu e_n, so that every cone is |y_t| <= y_n and S_nn = 1. A part of a
+   contact is a disc of forces: slip (2 rows), spin (1), rolling (2); rows with mu = 0 carry no force and are left out.
    May use: base, solve/lcp. */
 #ifndef MG_SOLVE_FRICTION_SOLVERS_H
 #define MG_SOLVE_FRICTION_SOLVERS_H
@@ -10,20 +10,20 @@
 
 typedef struct {
   const mg_friction_problem *given;
-  int n, m, n_part;        /* contacts, rows kept, parts */
-  int n_bilateral, rank;   /* of the bilateral rows */
-  int *row;                /* per kept row: the row of the problem */
-  int *normal, *part;      /* per contact: kept row of N; first part (n + 1) */
+  int n, m, n_part;      /* contacts, rows kept, parts */
+  int n_bilateral, rank; /* of the bilateral rows */
+  int *row;              /* per kept row: the row of the problem */
+  int *normal, *part;    /* per contact: kept row of N; first part (n + 1) */
   int *part_row, *part_dim, *part_mark;
-  int *bilateral, *order;  /* rows of the problem; how they were pivoted */
+  int *bilateral, *order; /* rows of the problem; how they were pivoted */
   int *iwork;
-  mg_real *e, *rho;        /* per kept row; per part: mean of S_tt */
+  mg_real *e, *rho; /* per kept row; per part: mean of S_tt */
   mg_real *S, *c;
-  mg_real *y, *v, *best;   /* the candidate and its v; the best so far */
-  mg_real *e_b, *L, *X;    /* bilateral rows: scale, Cholesky factor, A_bb^-1 (A_bc, b_b) */
-  mg_real *spare, *work;   /* rows of a start, 5 m; scratch of one step */
-  mg_real scale, theta;    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb, 1 relaxed */
-  mg_real residual;        /* of best */
+  mg_real *y, *v, *best; /* the candidate and its v; the best so far */
+  mg_real *e_b, *L, *X;  /* bilateral rows: scale, Cholesky factor, A_bb^-1 (A_bc, b_b) */
+  mg_real *spare, *work; /* rows of a start, 5 m; scratch of one step */
+  mg_real scale, theta;  /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb, 1 relaxed */
+  mg_real residual;      /* of best */
   int sweeps, newton;
 } mg_scaled_friction;
 
@@ -42,7 +42,8 @@ MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction
 
 /* scaled_problem.c */
 MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact);
-MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work, int *iwork);
+MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
+                                   int *iwork);
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
 MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z);
 MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z);

@@ -7,14 +7,12 @@ MG_API int mg_lcp_work_size(int n) { return 8 * n * n + 24 * n + 16; }
 
 MG_API int mg_lcp_iwork_size(int n) { return 8 * n + 8; }
 
-static int mg_active_one(mg_real a, mg_real b, mg_real *z)
-{
+static int mg_active_one(mg_real a, mg_real b, mg_real *z) {
   *z = a > 0 ? -b / a : (mg_real)0;
   return a > 0;
 }
 
-static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z)
-{
+static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
   mg_real d0 = (mg_real)sqrt(A[0]), d1 = (mg_real)sqrt(A[3]), c[2];
   int rank;
   c[0] = b[0] / d0;
@@ -26,8 +24,7 @@ static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z)
 }
 
 static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
-                            mg_real *z, mg_real *work, int *order)
-{
+                            mg_real *z, mg_real *work, int *order) {
   mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;
   int rank;
   for (int i = 0; i < k; ++i) {
@@ -45,8 +42,7 @@ static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int
 }
 
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
-                           mg_real *work, int *iwork)
-{
+                                mg_real *work, int *iwork) {
   int k = 0;
   if (n == 1 && active[0]) return mg_active_one(A[0], b[0], z);
   if (n == 2 && active[0] && active[1] && A[0] > 0 && A[3] > 0) return mg_active_two(A, b, z);
@@ -59,8 +55,7 @@ MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const
   return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n);
 }
 
-MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
-                           mg_real *work, int *iwork)
-{
+MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z, mg_real *work,
+                           int *iwork) {
   return mg_active_above(n, A, b, active, 0, z, work, iwork);
 }

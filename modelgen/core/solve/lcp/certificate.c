@@ -8,15 +8,13 @@ MG_INTERNAL mg_real mg_diagonal_scale(mg_real a) { return a > 0 ? (mg_real)sqrt(
 
 /* residual <= min(MG_LCP_CAP, 1e3 n eps max(1, growth)), growth = max|D z| / max|D^-1 b|: the rounding of
    A z cannot be had below eps * growth. */
-MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth)
-{
+MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth) {
   mg_real rounding = (mg_real)1e3 * (mg_real)n * MG_EPS * (growth > 1 ? growth : 1);
   return rounding < MG_LCP_CAP ? rounding : MG_LCP_CAP;
 }
 
 /* Scaled natural map; *growth = max|D z| / max|D^-1 b|. Rows go in blocks, so that A is read by columns. */
-static mg_real mg_natural_map(int n, const mg_real *A, const mg_real *b, const mg_real *z, mg_real *growth)
-{
+static mg_real mg_natural_map(int n, const mg_real *A, const mg_real *b, const mg_real *z, mg_real *growth) {
   mg_real worst = 0, c = 0, y = 0, w[MG_LCP_BLOCK];
   for (int first = 0; first < n; first += MG_LCP_BLOCK) {
     int rows = n - first < MG_LCP_BLOCK ? n - first : MG_LCP_BLOCK;
@@ -37,15 +35,13 @@ static mg_real mg_natural_map(int n, const mg_real *A, const mg_real *b, const m
   return c > 0 ? worst / c : worst;
 }
 
-MG_API mg_real mg_lcp_residual(int n, const mg_real *A, const mg_real *b, const mg_real *z)
-{
+MG_API mg_real mg_lcp_residual(int n, const mg_real *A, const mg_real *b, const mg_real *z) {
   mg_real growth;
   return mg_natural_map(n, A, b, z, &growth);
 }
 
 /* Clears the report and z. Returns nonzero when the answer is already known: z = 0, or data not finite. */
-MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report)
-{
+MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report) {
   int nonnegative = 1;
   report->outcome = MG_LCP_SOLVED;
   report->iterations = 0;
@@ -66,8 +62,7 @@ MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real 
 
 /* Keeps the candidate in z if its residual is the least so far; returns whether it is a solution. */
 MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
-                          mg_lcp_report *report)
-{
+                               mg_lcp_report *report) {
   mg_real growth = 0, residual = mg_natural_map(n, A, b, candidate, &growth);
   if (!(residual < report->residual)) return 0;
   report->residual = residual;
@@ -79,8 +74,7 @@ MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const 
 
 /* The outcome without a solution; z is the best candidate met, with its residual. */
 MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
-                          mg_lcp_report *report)
-{
+                               mg_lcp_report *report) {
   report->residual = mg_lcp_residual(n, A, b, z);
   return report->outcome = outcome;
 }

@@ -15,17 +15,15 @@ typedef struct {
   mg_real *G, *h, *x, *remainder; /* normal equations of a cone, and the nearest point */
   mg_real *work;
   int *active, *support, *iwork;
-  mg_real distance;               /* a cone is out when -c is farther from it than this */
+  mg_real distance; /* a cone is out when -c is farther from it than this */
 } mg_cones;
 
-static mg_real mg_cone_entry(const mg_cones *e, int i, int j)
-{
+static mg_real mg_cone_entry(const mg_cones *e, int i, int j) {
   if (e->active[j]) return e->S[i + j * e->n];
   return i == j ? (mg_real)-1 : (mg_real)0;
 }
 
-static void mg_cone_normal_equations(mg_cones *e)
-{
+static void mg_cone_normal_equations(mg_cones *e) {
   int n = e->n;
   for (int j = 0; j < n; ++j) {
     e->h[j] = 0;
@@ -38,8 +36,7 @@ static void mg_cone_normal_equations(mg_cones *e)
   }
 }
 
-static int mg_singular_cone(mg_cones *e)
-{
+static int mg_singular_cone(mg_cones *e) {
   int n = e->n;
   mg_lcp_report nearest;
   mg_real distance;
@@ -58,8 +55,7 @@ static int mg_singular_cone(mg_cones *e)
 }
 
 /* Leaves the candidate in x, z scaled, nonnegative. */
-static int mg_cone(mg_cones *e)
-{
+static int mg_cone(mg_cones *e) {
   int n = e->n;
   mg_real pivot = mg_basis_solve(n, e->S, e->c, e->active, e->x, e->work, e->iwork), y;
   if (pivot <= (mg_real)sqrt(MG_EPS)) return mg_singular_cone(e);
@@ -73,8 +69,7 @@ static int mg_cone(mg_cones *e)
   return MG_CONE_IN;
 }
 
-static void mg_cones_begin(mg_cones *e, int n, const mg_real *A, const mg_real *b, mg_real *work, int *iwork)
-{
+static void mg_cones_begin(mg_cones *e, int n, const mg_real *A, const mg_real *b, mg_real *work, int *iwork) {
   e->n = n;
   e->S = work;
   e->G = e->S + n * n;
@@ -93,9 +88,8 @@ static void mg_cones_begin(mg_cones *e, int n, const mg_real *A, const mg_real *
   mg_equilibrate(n, e->S, e->c, e->remainder, e->column);
 }
 
-MG_API int mg_enumerate(int n, const mg_real *A, const mg_real *b, mg_real *z,
-                        mg_lcp_report *report, mg_real *work, int *iwork)
-{
+MG_API int mg_enumerate(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report, mg_real *work,
+                        int *iwork) {
   mg_cones e;
   int doubt = 0;
   if (mg_lcp_start(n, A, b, z, report)) return report->outcome;

@@ -7,20 +7,18 @@
 enum { MG_LEMKE_COVERS = 3, MG_LEMKE_SHORT = 20 };
 
 typedef struct {
-  int n, width;   /* columns: w (n), z (n), z0, right-hand side */
-  mg_real *T;     /* n rows of `width` */
-  int *basis;     /* the column that is basic in each row */
+  int n, width; /* columns: w (n), z (n), z0, right-hand side */
+  mg_real *T;   /* n rows of `width` */
+  int *basis;   /* the column that is basic in each row */
 } mg_tableau;
 
-static mg_real mg_cover(int cover, int n, int i)
-{
+static mg_real mg_cover(int cover, int n, int i) {
   mg_real place = (mg_real)(i + 1) / (mg_real)n;
   if (cover == 0) return 1;
   return cover == 1 ? 1 + place : 2 - place * place;
 }
 
-static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, int cover)
-{
+static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, int cover) {
   int n = t->n;
   for (int i = 0; i < n; ++i) {
     mg_real *row = t->T + i * t->width;
@@ -34,8 +32,7 @@ static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, i
   }
 }
 
-static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering)
-{
+static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering) {
   mg_real *pivot_row = t->T + leaving * t->width, reciprocal = 1 / pivot_row[entering];
   for (int j = 0; j < t->width; ++j) pivot_row[j] *= reciprocal;
   for (int i = 0; i < t->n; ++i) {
@@ -48,8 +45,7 @@ static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering)
 }
 
 /* The row of least b_i / h_i, the last of equals: every other row is then lexicographically positive. */
-static int mg_first_row(const mg_tableau *t)
-{
+static int mg_first_row(const mg_tableau *t) {
   int n = t->n, best = 0;
   for (int i = 1; i < n; ++i) {
     const mg_real *row = t->T + i * t->width, *least = t->T + best * t->width;
@@ -59,8 +55,7 @@ static int mg_first_row(const mg_tableau *t)
 }
 
 /* Negative, 0 or positive as the ratio of row a is below, equal to or above that of row b in `column`. */
-static int mg_compare_ratios(const mg_tableau *t, int a, int b, int entering, int column)
-{
+static int mg_compare_ratios(const mg_tableau *t, int a, int b, int entering, int column) {
   const mg_real *p = t->T + a * t->width, *q = t->T + b * t->width;
   mg_real x = p[column] / p[entering], y = q[column] / q[entering];
   mg_real size = (mg_real)fabs(x) + (mg_real)fabs(y);
@@ -68,8 +63,7 @@ static int mg_compare_ratios(const mg_tableau *t, int a, int b, int entering, in
   return x < y ? -1 : 1;
 }
 
-static int mg_lexicographic(const mg_tableau *t, int a, int b, int entering)
-{
+static int mg_lexicographic(const mg_tableau *t, int a, int b, int entering) {
   int order = mg_compare_ratios(t, a, b, entering, 2 * t->n + 1);
   if (order == 0 && t->basis[a] == 2 * t->n) return -1;
   if (order == 0 && t->basis[b] == 2 * t->n) return 1;
@@ -78,8 +72,7 @@ static int mg_lexicographic(const mg_tableau *t, int a, int b, int entering)
 }
 
 /* The leaving row; -1: a ray. */
-static int mg_ratio_test(const mg_tableau *t, int entering)
-{
+static int mg_ratio_test(const mg_tableau *t, int entering) {
   int best = -1;
   for (int i = 0; i < t->n; ++i) {
     if (!(t->T[i * t->width + entering] > MG_LCP_RANK(1))) continue;
@@ -88,8 +81,7 @@ static int mg_ratio_test(const mg_tableau *t, int entering)
   return best;
 }
 
-static int mg_lemke_path(mg_tableau *t, int limit, int *pivots)
-{
+static int mg_lemke_path(mg_tableau *t, int limit, int *pivots) {
   int n = t->n, row = mg_first_row(t), entering, leaving = t->basis[row];
   mg_tableau_pivot(t, row, 2 * n);
   for (*pivots = 1; leaving != 2 * n; ++*pivots) {
@@ -105,8 +97,7 @@ static int mg_lemke_path(mg_tableau *t, int limit, int *pivots)
 
 /* The candidate of the last basis: from the data where that is regular, else from the tableau. */
 static void mg_lemke_candidate(const mg_tableau *t, const mg_real *A, const mg_real *b, const mg_real *column,
-                               mg_real *candidate, mg_real *work, int *iwork)
-{
+                               mg_real *candidate, mg_real *work, int *iwork) {
   int n = t->n, *active = iwork;
   for (int i = 0; i < n; ++i) active[i] = 0;
   for (int i = 0; i < n; ++i)
@@ -117,9 +108,8 @@ static void mg_lemke_candidate(const mg_tableau *t, const mg_real *A, const mg_r
   for (int i = 0; i < n; ++i) candidate[i] = candidate[i] > 0 ? candidate[i] * column[i] : 0;
 }
 
-MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z,
-                    mg_lcp_report *report, mg_real *work, int *iwork)
-{
+MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z, mg_lcp_report *report,
+                    mg_real *work, int *iwork) {
   mg_real *S = work, *c = S + n * n, *row = c + n, *column = row + n, *candidate = column + n;
   mg_tableau t = {n, 2 * n + 2, candidate + n, iwork};
   int brief = MG_LEMKE_SHORT * n < max_iterations ? MG_LEMKE_SHORT * n : max_iterations;

@@ -10,8 +10,7 @@
 
 enum { MG_QP_ROUNDS = 20 };
 
-static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report)
-{
+static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report) {
   report->iterations = 1;
   if (a > 0) {
     *z = -b / a;
@@ -31,8 +30,7 @@ static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_repor
 
 /* Returns nonzero if it decided: both diagonals positive and the pair well apart from parallel, where the
    solution is unique. */
-static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report)
-{
+static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report) {
   mg_real d[2], c[2], y[2], s;
   d[0] = mg_diagonal_scale(A[0]);
   d[1] = mg_diagonal_scale(A[3]);
@@ -43,12 +41,9 @@ static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active
   report->rank = 1;
   y[0] = c[0] < 0 ? -c[0] : 0;
   y[1] = c[1] < 0 ? -c[1] : 0;
-  if (y[0] > 0 && s * y[0] + c[1] >= 0)
-    y[1] = 0;
-  else if (y[1] > 0 && s * y[1] + c[0] >= 0)
-    y[0] = 0;
-  else
-    report->rank = mg_minimum_norm_two(s, c, y);
+  if (y[0] > 0 && s * y[0] + c[1] >= 0) y[1] = 0;
+  else if (y[1] > 0 && s * y[1] + c[0] >= 0) y[0] = 0;
+  else report->rank = mg_minimum_norm_two(s, c, y);
   for (int i = 0; i < 2; ++i) {
     active[i] = y[i] > 0;
     y[i] = active[i] ? y[i] / d[i] : 0;
@@ -57,8 +52,7 @@ static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active
 }
 
 /* y_B += (S_BB + tikhonov I)^-1 (-c - S y)_B: each pass divides the error by pivot / tikhonov. */
-static void mg_refine_regular(mg_qp_state *s)
-{
+static void mg_refine_regular(mg_qp_state *s) {
   int n = s->n, k = s->k;
   mg_real *residual = s->gathered;
   for (int pass = 0; pass < 3; ++pass) {
@@ -74,8 +68,7 @@ static void mg_refine_regular(mg_qp_state *s)
   }
 }
 
-static int mg_refine_deficient(mg_qp_state *s)
-{
+static int mg_refine_deficient(mg_qp_state *s) {
   int n = s->n, k = s->k, rank;
   mg_real *S = s->work, *c = S + k * k;
   for (int j = 0; j < k; ++j) {
@@ -89,8 +82,7 @@ static int mg_refine_deficient(mg_qp_state *s)
 }
 
 /* trial = the minimum-norm solution of S_BB y_B = -c_B, 0 off B; returns the rank of S_BB. */
-static int mg_qp_refine(mg_qp_state *s)
-{
+static int mg_qp_refine(mg_qp_state *s) {
   for (int i = 0; i < s->n; ++i) s->trial[i] = s->y[i];
   if (s->k == 0) return 0;
   if (!(s->pivot > MG_LCP_REGULAR)) return mg_refine_deficient(s);
@@ -100,8 +92,7 @@ static int mg_qp_refine(mg_qp_state *s)
 
 /* u = (y - previous)+ is a proof that there is no solution: w, y >= 0 and w = S y + c give
    (S u)'y >= -c'u, so |y|_1 >= -c'u / max|S u|, here beyond 1 / sqrt(eps), c being 1 at most. */
-static int mg_qp_unbounded(const mg_qp_state *s)
-{
+static int mg_qp_unbounded(const mg_qp_state *s) {
   int n = s->n;
   mg_real *u = s->trial, *image = s->work, cu = 0, size = 0, bound;
   for (int i = 0; i < n; ++i) {
@@ -117,8 +108,7 @@ static int mg_qp_unbounded(const mg_qp_state *s)
 }
 
 /* y_B = -(S_BB + tikhonov I)^-1 c_B and w = S y + c off B. */
-static void mg_regularised_solve(mg_qp_state *s, const int *active)
-{
+static void mg_regularised_solve(mg_qp_state *s, const int *active) {
   int n = s->n, k = 0;
   for (int i = 0; i < n; ++i) {
     s->y[i] = 0;
@@ -143,8 +133,7 @@ static void mg_regularised_solve(mg_qp_state *s, const int *active)
 }
 
 /* Marks y_i < 0 on B and w_i < 0 off B; returns how many, and the least of them. */
-static int mg_violations(const mg_qp_state *s, const int *active, int *least)
-{
+static int mg_violations(const mg_qp_state *s, const int *active, int *least) {
   mg_real largest = mg_max_abs(s->n, s->y);
   mg_real tolerance = (mg_real)s->n * MG_EPS * (largest > 1 ? largest : 1);
   int count = 0;
@@ -157,8 +146,7 @@ static int mg_violations(const mg_qp_state *s, const int *active, int *least)
 }
 
 /* Returns the number of sets tried, at most `limit`; y, w, L, index, k belong to the last one. */
-static int mg_block_pivot(mg_qp_state *s, int *active, int limit)
-{
+static int mg_block_pivot(mg_qp_state *s, int *active, int limit) {
   int fewest = s->n + 1, patience = 3, least = 0;
   for (int iteration = 1;; ++iteration) {
     int count, single = 0;
@@ -172,15 +160,13 @@ static int mg_block_pivot(mg_qp_state *s, int *active, int limit)
       single = patience == 0;
       patience -= !single;
     }
-    if (single)
-      active[least] = !active[least];
+    if (single) active[least] = !active[least];
     else
       for (int i = 0; i < s->n; ++i) active[i] ^= s->flip[i];
   }
 }
 
-static void mg_qp_partition(mg_qp_state *s, int n, mg_real *work, int *iwork)
-{
+static void mg_qp_partition(mg_qp_state *s, int n, mg_real *work, int *iwork) {
   s->n = n;
   s->k = 0;
   s->pivot = 1;
@@ -201,8 +187,7 @@ static void mg_qp_partition(mg_qp_state *s, int n, mg_real *work, int *iwork)
 }
 
 /* Returns 0 when the scaled data leave the range of the reals. */
-static int mg_qp_scale(mg_qp_state *s, const mg_real *A, const mg_real *b)
-{
+static int mg_qp_scale(mg_qp_state *s, const mg_real *A, const mg_real *b) {
   int n = s->n;
   mg_real *reciprocal = s->y;
   for (int i = 0; i < n; ++i) {
@@ -223,8 +208,7 @@ static int mg_qp_scale(mg_qp_state *s, const mg_real *A, const mg_real *b)
 
 /* Certifies max(y, 0) in the units of z; overwrites y with it. */
 static int mg_qp_certify(mg_qp_state *s, const mg_real *A, const mg_real *b, mg_real *y, mg_real *z,
-                         mg_lcp_report *report)
-{
+                         mg_lcp_report *report) {
   mg_real *candidate = s->gathered;
   for (int i = 0; i < s->n; ++i) candidate[i] = y[i] > 0 ? y[i] / s->d[i] * s->scale : 0;
   return mg_lcp_certify(s->n, A, b, candidate, z, report);
@@ -232,8 +216,7 @@ static int mg_qp_certify(mg_qp_state *s, const mg_real *A, const mg_real *b, mg_
 
 /* One proximal round; returns nonzero when the outcome is decided. */
 static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int limit, mg_real *z, int *active,
-                       mg_lcp_report *report)
-{
+                       mg_lcp_report *report) {
   for (int i = 0; i < s->n; ++i) s->shifted[i] = s->c[i] - MG_LCP_TIKHONOV * s->previous[i];
   report->iterations += mg_block_pivot(s, active, limit - report->iterations);
   report->rank = mg_qp_refine(s);
@@ -248,8 +231,7 @@ static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int l
 }
 
 static int mg_qp_general(int n, const mg_real *A, const mg_real *b, int limit, mg_real *z, int *active,
-                         mg_lcp_report *report, mg_real *work, int *iwork)
-{
+                         mg_lcp_report *report, mg_real *work, int *iwork) {
   mg_qp_state s;
   mg_qp_partition(&s, n, work, iwork);
   if (!mg_qp_scale(&s, A, b)) return report->outcome = MG_LCP_NOT_FINITE;
@@ -262,8 +244,7 @@ static int mg_qp_general(int n, const mg_real *A, const mg_real *b, int limit, m
 }
 
 MG_API int mg_qp(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z, int *active,
-                 mg_lcp_report *report, mg_real *work, int *iwork)
-{
+                 mg_lcp_report *report, mg_real *work, int *iwork) {
   if (mg_lcp_start(n, A, b, z, report)) {
     for (int i = 0; i < n; ++i) active[i] = 0;
     return report->outcome;

@@ -8,14 +8,14 @@
 
 typedef struct {
   int n, k;
-  mg_real scale;            /* max_i |b_i| / d_i; c is divided by it */
-  mg_real *S, *c, *d;       /* the scaled problem */
-  mg_real *L, *y, *w;       /* factor of S_BB + tikhonov, the regularised y and its w */
-  mg_real *shifted;         /* c - tikhonov * previous */
+  mg_real scale;      /* max_i |b_i| / d_i; c is divided by it */
+  mg_real *S, *c, *d; /* the scaled problem */
+  mg_real *L, *y, *w; /* factor of S_BB + tikhonov, the regularised y and its w */
+  mg_real *shifted;   /* c - tikhonov * previous */
   mg_real *previous, *trial, *gathered;
   mg_real *work;
   int *index, *flip, *order;
-  mg_real pivot;            /* the smallest of the factor */
+  mg_real pivot; /* the smallest of the factor */
 } mg_qp_state;
 
 /* certificate.c */
@@ -28,7 +28,7 @@ MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const 
                                mg_lcp_report *report);
 
 /* active_set.c */
-MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor,
-                                mg_real *z, mg_real *work, int *iwork);
+MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
+                                mg_real *work, int *iwork);
 
 #endif
