@@ -29,7 +29,7 @@ enum {
   MG_WING = 3,
   MG_DIRECTION = 4,
   MG_TILT = 5
-};                                      /* conditions: holds at >= 0 */
+}; /* conditions: holds at >= 0 */
 enum { MG_ENDS = -1, MG_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
 enum {
   MG_SEARCH_NEVER = 0,

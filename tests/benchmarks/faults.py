@@ -182,8 +182,8 @@ FAULTS = (
     Fault(
         "impacts",
         "Poisson's restitution of a frictional blow is squared",
-        r"b->impulse - \(1 \+ e\) \* turn->impulse",
-        "b->impulse - (1 + e * e) * turn->impulse",
+        r"b->impulse - \(1 \+ e\) \* compression_end->impulse",
+        "b->impulse - (1 + e * e) * compression_end->impulse",
         BLOWS,
     ),
     Fault(

@@ -43,8 +43,8 @@ MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
 MG_INTERNAL int mg_normalise3(mg_real *n);
 MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
-MG_INTERNAL void mg_to_local(const mg_real *pose, const mg_real *world, mg_real *local);
-MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out);
+MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *world, mg_real *local);
+MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out);
 
 /* memory.c */
 MG_INTERNAL long mg_count_reals(long n, size_t size);

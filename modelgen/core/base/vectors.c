@@ -1,4 +1,4 @@
-/* base/vectors */
+/* Small vectors: products, norms, frames, and tests for finite numbers. May use: nothing of the core. */
 #include "base/base.h"
 
 MG_INTERNAL int mg_all_finite(int count, const mg_real *x) {
@@ -46,12 +46,13 @@ MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point
     out[k] = (mg_real)is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
 
-/* A point of the world in the axes of a pose. */
-MG_INTERNAL void mg_to_local(const mg_real *pose, const mg_real *world, mg_real *local) {
+/* Transform a point from world axes to the axes of a pose. */
+MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *world, mg_real *local) {
   const mg_real arm[3] = {world[0] - pose[0], world[1] - pose[1], world[2] - pose[2]};
   mg_rotate_back(pose + 3, arm, local);
 }
 
-MG_INTERNAL void mg_cross(const mg_real *a, const mg_real *b, mg_real *out) {
+/* Cross product of two vectors. */
+MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }

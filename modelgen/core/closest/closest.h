@@ -43,9 +43,9 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
 
 /* singularities.c */
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c);
-MG_INTERNAL int mg_is_about_to_leave_link(mg_context *c, const mg_minimum *found);
-MG_INTERNAL int mg_is_curved_crossing(const mg_context *c, int link);
-MG_INTERNAL mg_real mg_end_margin(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_singular(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_minimum_leaving_link(mg_context *c, const mg_minimum *found);
+MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int link);
+MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact);
 
 #endif

@@ -105,7 +105,7 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
 static int mg_was_left(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
-    if (left->link == found->link && mg_is_same_minimum(c, left, found) && mg_is_about_to_leave_link(c, found))
+    if (left->link == found->link && mg_is_same_minimum(c, left, found) && mg_is_minimum_leaving_link(c, found))
       return 1;
   }
   return 0;

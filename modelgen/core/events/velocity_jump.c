@@ -1,67 +1,69 @@
-/* Driven bodies whose velocity jumps, as at the kink of max(0, t - 1): what they touch is struck, or let go. */
+/* Velocity jumps of driven bodies, as at the kink of max(0, t - 1): contacts with the body are struck or
+   released. A jump is a change of velocity that the acceleration does not explain, found by bisection. Writes
+   time, velocities (by impacts), modes and events of the run. */
 #include "events/events.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-enum { MG_MOST_JERKS = 4096 }; /* parts of a step in which one is looked for */
+enum { MG_JUMP_PARTS_MAX = 4096 }; /* parts of a step in which one is looked for */
 
 typedef struct {
   mg_real t, twist[6], accel[6];
-} mg_swing; /* a driven body at a time */
+} mg_driven_state; /* a driven body at a time */
 
-static mg_swing mg_swing_at(const mg_context *c, int body, mg_real t) {
+/* Velocity and acceleration of a driven body at a time. */
+static mg_driven_state mg_driven_state_at(const mg_context *c, int body, mg_real t) {
   const mg_system *s = c->system;
-  mg_swing swing = {t, {0}, {0}};
+  mg_driven_state swing = {t, {0}, {0}};
   mg_real pose[12];
   c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist,
                         swing.accel);
   return swing;
 }
 
-/* By how much the velocity changes from one time to the other beyond what the acceleration tells, m/s; 0 where that
-   tells most of it. */
-static mg_real mg_jump(const mg_context *c, const mg_swing *from, const mg_swing *to) {
-  mg_real untold = 0, whole = 0;
+/* Change of velocity in m/s between two times that the accelerations do not explain; 0 where they explain most of
+   it. */
+static mg_real mg_velocity_jump(const mg_context *c, const mg_driven_state *from, const mg_driven_state *to) {
+  mg_real unexplained = 0, total = 0;
   for (int k = 0; k < 6; k++) {
     const mg_real arm = k < 3 ? 1 : c->system->length, change = to->twist[k] - from->twist[k];
-    whole = fmax(whole, arm * fabs(change));
-    untold = fmax(untold, arm * fabs(change - (to->t - from->t) / 2 * (from->accel[k] + to->accel[k])));
+    total = fmax(total, arm * fabs(change));
+    unexplained = fmax(unexplained, arm * fabs(change - (to->t - from->t) / 2 * (from->accel[k] + to->accel[k])));
   }
-  return untold > whole / 2 ? untold : 0;
+  return unexplained > total / 2 ? unexplained : 0;
 }
 
-/* A time so short that nothing else happens in it: at a kink itself its functions have the mean of both slopes. */
-MG_INTERNAL mg_real mg_negligible_time(const mg_context *c) {
+/* Time in s that counts as one instant of a velocity jump. */
+MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c) {
   const mg_real close = c->settings->event * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
 }
 
-/* Halves the time in which the velocity of a body seems to jump, until it does so at once, or goes over smoothly (0).
- */
-static int mg_pin_down(const mg_context *c, int body, mg_swing *from, mg_swing *to) {
+/* Bisect the interval of a velocity jump until it is one instant; returns 0 where the velocity is smooth. */
+static int mg_bisect_velocity_jump(const mg_context *c, int body, mg_driven_state *from, mg_driven_state *to) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  mg_real jump = mg_jump(c, from, to);
+  mg_real jump = mg_velocity_jump(c, from, to);
   while (jump > rest && to->t - from->t > c->settings->event * c->system->time) {
-    const mg_swing middle = mg_swing_at(c, body, from->t + (to->t - from->t) / 2);
+    const mg_driven_state middle = mg_driven_state_at(c, body, from->t + (to->t - from->t) / 2);
     if (!(middle.t > from->t)) break;
-    const mg_real first = mg_jump(c, from, &middle), second = mg_jump(c, &middle, to);
+    const mg_real first = mg_velocity_jump(c, from, &middle), second = mg_velocity_jump(c, &middle, to);
     *(second > first ? from : to) = middle;
     jump = fmax(first, second);
   }
-  *to = mg_swing_at(c, body, to->t + mg_negligible_time(c));
+  *to = mg_driven_state_at(c, body, to->t + mg_velocity_jump_duration(c));
   return jump > rest;
 }
 
-/* The first jump of a body's velocity within a step h from now: the times before and after it. */
-static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
-  const mg_real parts = h / (c->settings->look * c->system->time);
-  const int n = parts < MG_MOST_JERKS ? (int)parts + 1 : MG_MOST_JERKS;
-  mg_swing at = mg_swing_at(c, body, c->run->t - mg_negligible_time(c) / 4);
+/* Find the first velocity jump of one driven body within a step h, and the times before and after it. */
+static int mg_find_body_velocity_jump(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
+  const mg_real part_count = h / (c->settings->look * c->system->time);
+  const int n = part_count < MG_JUMP_PARTS_MAX ? (int)part_count + 1 : MG_JUMP_PARTS_MAX;
+  mg_driven_state at = mg_driven_state_at(c, body, c->run->t - mg_velocity_jump_duration(c) / 4);
   for (int k = 1; k <= n; k++) {
-    const mg_swing next = mg_swing_at(c, body, c->run->t + k * h / n);
-    mg_swing from = at, to = next;
-    if (mg_pin_down(c, body, &from, &to)) {
+    const mg_driven_state next = mg_driven_state_at(c, body, c->run->t + k * h / n);
+    mg_driven_state from = at, to = next;
+    if (mg_bisect_velocity_jump(c, body, &from, &to)) {
       *before = from.t, *after = to.t;
       return 1;
     }
@@ -70,21 +72,23 @@ static int mg_find_jerk_of(const mg_context *c, int body, mg_real h, mg_real *be
   return 0;
 }
 
-/* The first within a step h from now, of all driven bodies. */
+/* Find the first velocity jump of all driven bodies within a step h. */
 MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
   for (int b = 0; b < c->system->n_body && c->n_driven; b++)
-    if (mg_is_driven(c->system, b) && mg_find_jerk_of(c, b, found ? *before - c->run->t : h, before, after)) found = 1;
+    if (mg_is_driven_body(c->system, b) &&
+        mg_find_body_velocity_jump(c, b, found ? *before - c->run->t : h, before, after))
+      found = 1;
   return found;
 }
 
-/* Over a jump that is at hand, to the time after it. */
-MG_INTERNAL int mg_pass_velocity_jump(mg_context *c, mg_real after, mg_events *events) {
+/* Advance the run over a velocity jump and choose the contact modes after it. */
+MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *events) {
   mg_advance_time(c->run, after - c->run->t);
-  mg_update_rows_and_forces(c);
-  mg_clear_triggered(c);
-  if (c->system->n_grip) mg_clear_slip(c);
-  mg_open_distant(c, events);
+  mg_evaluate_run_state(c);
+  mg_clear_triggered_events(c);
+  if (c->system->n_grip) mg_reset_friction_modes(c);
+  mg_open_separated_contacts(c, events);
   const int outcome = mg_change_mode(c, events);
   mg_update_diagnostics(c);
   return outcome;

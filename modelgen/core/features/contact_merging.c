@@ -1,13 +1,13 @@
-/* Points of one pair that meet, or part from each other: contacts that become one, that become several, that give way.
- */
+/* Contact points of one pair that merge, split or replace each other. Writes links, closed set and event list of
+   the run. */
 #include "features/features.h"
 #include "model/model.h"
 #include "closest/closest.h"
 
-/* Minima about eta that are too near to it for a search: Newton's method from both sides of it, as far off as two
-   points are that have this margin. */
-MG_INTERNAL void mg_search_near_bifurcation(mg_context *c, int contact, const mg_real *eta, mg_real margin,
-                                            mg_minima *kept) {
+/* Search minima too near to eta for a sampled search: Newton's method from both sides, at distances of the order
+   of the square root of the margin. */
+MG_INTERNAL void mg_search_near_contact_point(mg_context *c, int contact, const mg_real *eta, mg_real margin,
+                                              mg_minima *kept) {
   const int link = c->run->link[contact], n = c->n_eta[contact];
   mg_real scale[6], to[6];
   mg_minimum found;
@@ -20,7 +20,7 @@ MG_INTERNAL void mg_search_near_bifurcation(mg_context *c, int contact, const mg
   }
 }
 
-/* Points of a pair that have become one are one contact, closed if one of them is. */
+/* Merge contacts of a pair whose points have become one; the result is closed if one of them is. */
 MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
   mg_minimum found;
   mg_real next[6];
@@ -32,37 +32,37 @@ MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
       mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
       found.link = c->run->link[i];
       mg_record_minimum(c, &found);
-      if (mg_is_already_contact(c, pair, i, &found)) mg_leave_link(c, events, i);
+      if (mg_is_minimum_tracked(c, pair, i, &found)) mg_release_contact(c, events, i);
     }
 }
 
-/* One point of a pair that has become several touches at all of them; the others are marked in c->events.triggered. */
+/* Add contacts where one point of a pair has become several that all touch, and mark them as just closed. */
 MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   const mg_real touching = c->settings->gap * c->system->length;
   mg_minima found = {0};
   if (!c->n_eta[contact] || c->system->pair_search[pair] == MG_SEARCH_NEVER) return;
-  mg_search_near_bifurcation(c, contact, mg_contact_eta(c, c->run->x, contact), c->events.passage.margin, &found);
+  mg_search_near_contact_point(c, contact, mg_contact_eta(c, c->run->x, contact), c->events.passage.margin, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
-    if (each->undecided || fabs(each->d) > touching || mg_is_already_contact(c, pair, -1, each)) continue;
-    const int slot = mg_free_contact_for(c, pair, each);
+    if (each->undecided || fabs(each->d) > touching || mg_is_minimum_tracked(c, pair, -1, each)) continue;
+    const int slot = mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d, c->run->margin[slot] = each->margin, c->events.triggered[slot] = 1;
-    mg_apply_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
+    mg_apply_contact_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
   }
 }
 
-/* A contact that ends because other points of its pair have come to touch, or lie below, gives way to them. */
-MG_INTERNAL int mg_is_replaced_by_others(mg_context *c, mg_events *events, int contact) {
+/* Release a singular contact where other points of its pair touch or penetrate; returns 1 if it was released. */
+MG_INTERNAL int mg_replace_singular_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   if (c->system->pair_search[pair] == MG_SEARCH_NEVER) return 0;
-  mg_search_pair(c, events, pair);
+  mg_search_pair_contacts(c, events, pair);
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
-    if (i == contact || !mg_is_on_link(c, i) || mg_is_singular(c, i)) continue;
+    if (i == contact || !mg_is_on_link(c, i) || mg_is_contact_singular(c, i)) continue;
     if (c->d[i] > c->settings->gap * c->system->length) continue;
-    mg_leave_link(c, events, contact);
+    mg_release_contact(c, events, contact);
     return 1;
   }
   return 0;

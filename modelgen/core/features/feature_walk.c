@@ -1,6 +1,10 @@
-/* Contacts on the move: from link to link where a condition ends, onto a link where one appears. */
-/* Touching contacts that come to the end of an edge: there a vertex is on an edge or on another vertex, and no normal
-   is told. What follows is told a moment later. */
+/* Feature changes of contacts: from link to adjacent link where a condition is broken, release where none
+   continues, and new contacts where a search finds them. Writes links, eta and search requests of the run, and
+   the event list.
+
+   Feature changes at vertices: a touching contact reaches the end of an edge, where a vertex is on an edge or a
+   vertex and no normal is defined. The link that follows is the one whose conditions hold a short time later.
+   Writes no mode of the run; it restores the poses that it extrapolates. */
 #include "features/features.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -8,8 +12,8 @@
 
 #define MG_FEATURE_CHANGES_MAX 8 /* links passed in one walk: around a vertex, several */
 
-/* The coordinates of a shape nearest to a point in its axes. */
-static void mg_nearest(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
+/* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
+static void mg_nearest_shape_coordinates(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
   mg_real window[4];
   mg_sample_window(c, link, side, mg_search_radius(c, link), window);
   for (int level = 0; level < 4; level++) {
@@ -24,33 +28,34 @@ static void mg_nearest(mg_context *c, int link, int side, const mg_real *local, 
   }
 }
 
-/* eta of a link from points of the world near its own. */
-static void mg_eta_near(mg_context *c, int link, const mg_real *point_o, const mg_real *point_f, mg_real *eta) {
+/* Eta of a link from world points of both bodies near its own. */
+static void mg_eta_from_points(mg_context *c, int link, const mg_real *point_o, const mg_real *point_f, mg_real *eta) {
   mg_sample at[2];
   for (int side = 0; side < 2; side++) {
     const int carrier = mg_parametrisation(c, link, side);
     mg_point_in_shape_axes(c, link, side, side ? point_f : point_o, at[side].local);
     if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
-      mg_nearest(c, link, side, at[side].local, at[side].uv);
+      mg_nearest_shape_coordinates(c, link, side, at[side].local, at[side].uv);
   }
   mg_start_eta(c, link, at, at + 1, eta);
 }
 
-/* From one link to another with the points and the normal kept as near as can be. Returns the worst condition
-   there, -MG_MAX where no extremum is found. */
-static mg_real mg_step_over(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
-  const int turned = mg_side_body(c, from, 0) != mg_side_body(c, to, 0), spare = mg_use_spare_contact(c, to);
+/* Transfer a contact point from one link to another, with points and normal kept as near as possible; returns the
+   worst condition there, -MG_MAX where no extremum is found. */
+static mg_real mg_transfer_to_link(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
+  const int sides_swapped = mg_side_body(c, from, 0) != mg_side_body(c, to, 0),
+            probe_contact = mg_use_spare_contact(c, to);
   mg_real next[6];
   *which = -1;
-  mg_eta_near(c, to, at + (turned ? 11 : 8), at + (turned ? 8 : 11), eta);
-  if (mg_newton_on_link(c, spare, eta) < 0 || !(mg_placement_margin(c) > c->settings->lost)) return -MG_MAX;
-  if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != turned)
-    mg_reverse_normal(c, to, eta), mg_place_contact(c, spare, eta, next);
+  mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
+  if (mg_newton_on_link(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->lost)) return -MG_MAX;
+  if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
+    mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
   return mg_most_violated_condition(c, to, eta, which);
 }
 
-/* True if a contact of the pair other than this one is there already, or will be once its eta has settled. */
-MG_INTERNAL int mg_is_already_contact(mg_context *c, int pair, int contact, const mg_minimum *found) {
+/* True if another contact of the pair is at this minimum, or converges to it. */
+MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
   mg_minimum other;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -64,24 +69,25 @@ MG_INTERNAL int mg_is_already_contact(mg_context *c, int pair, int contact, cons
   return 0;
 }
 
-/* The contacts of the pair that are there keep steps short enough for those that are not: each link has its own, and
-   one ends where the next begins. */
-static int mg_is_led(const mg_context *c, int pair) {
+/* True if the present contacts of the pair limit the step enough for the others: each link has its own contact,
+   and one ends where the next begins. */
+static int mg_has_guiding_contacts(const mg_context *c, int pair) {
   return mg_has_own_links(c, pair) && c->system->pair_search[pair] != MG_SEARCH_AHEAD;
 }
 
-/* It only keeps steps short enough for what it is to touch later. */
-static int mg_only_leads(const mg_context *c, int link, mg_real d) {
-  return d > c->settings->reach * c->system->length && mg_is_led(c, c->system->link_pair[link]) &&
-         !mg_is_flat_link(c, link);
+/* True if a contact on this link at this gap only limits the step for what is touched later. */
+static int mg_is_guiding_contact_only(const mg_context *c, int link, mg_real d) {
+  return d > c->settings->reach * c->system->length && mg_has_guiding_contacts(c, c->system->link_pair[link]) &&
+         !mg_is_link_for_flat_faces(c, link);
 }
 
-/* Its coming and going is not told. */
-static int mg_is_untold(const mg_context *c, int link, mg_real d) {
-  return mg_is_flat_link(c, link) || mg_only_leads(c, link, d);
+/* True if contacts on this link begin and end without an event. */
+static int mg_is_link_unreported(const mg_context *c, int link, mg_real d) {
+  return mg_is_link_for_flat_faces(c, link) || mg_is_guiding_contact_only(c, link, d);
 }
 
-MG_INTERNAL void mg_leave_link(mg_context *c, mg_events *events, int contact) {
+/* Take a contact off its link, remember its point for the search, and report that it vanishes. */
+MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
   if (c->search.abandoned.count < MG_MINIMA) {
@@ -90,26 +96,27 @@ MG_INTERNAL void mg_leave_link(mg_context *c, mg_events *events, int contact) {
     left->link = c->run->link[contact];
     mg_record_minimum(c, left);
   }
-  const int untold = mg_is_untold(c, c->run->link[contact], c->d[contact]);
+  const int unreported = mg_is_link_unreported(c, c->run->link[contact], c->d[contact]);
   mg_set_link(c, contact, -1, none);
   c->run->moved[c->system->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
-  if (!untold) mg_apply_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
+  if (!unreported) mg_apply_contact_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
-static int mg_is_pointed(const mg_context *c, int link) {
+/* True if the link is of a vertex on an edge or on a vertex, where no normal is defined. */
+static int mg_is_vertex_link(const mg_context *c, int link) {
   return mg_side_dimension(c, link, 0) + mg_side_dimension(c, link, 1) < 2;
 }
 
-/* Around a vertex that is on an edge: the link with the least gap of those whose conditions will hold in a moment, or
-   -1. `at` is where the contact is. */
-static int mg_link_around(mg_context *c, int from, int corner, const mg_real *at) {
+/* Link around a vertex with the least gap of those whose conditions will hold after a short time, or -1. */
+static int mg_find_link_around_vertex(mg_context *c, int from, int corner, const mg_real *at) {
   mg_real least = c->settings->apart * c->system->length, eta[6];
   int best = -1, which;
   mg_extrapolate_poses(c);
   for (int k = c->system->link_condition[corner]; k < c->system->link_condition[corner + 1]; k++) {
     const int to = c->system->condition_next[k];
-    if (to < 0 || to == from || mg_is_pointed(c, to) || mg_is_covered(c, to)) continue;
-    if (mg_step_over(c, from, to, at, eta, &which) < -c->settings->border || !(fabs(c->search.placement[0]) < least))
+    if (to < 0 || to == from || mg_is_vertex_link(c, to) || mg_is_link_covered(c, to)) continue;
+    if (mg_transfer_to_link(c, from, to, at, eta, &which) < -c->settings->border ||
+        !(fabs(c->search.placement[0]) < least))
       continue;
     least = fabs(c->search.placement[0]), best = to;
   }
@@ -117,33 +124,34 @@ static int mg_link_around(mg_context *c, int from, int corner, const mg_real *at
   return best;
 }
 
-/* From a link over a corner, where they touch, to another; returns 0 where there is none. */
-static int mg_pass_corner(mg_context *c, int from, int corner, const mg_real *at, mg_minimum *found) {
+/* Transfer a touching contact over a vertex to another link; returns 0 where there is none. */
+static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg_real *at, mg_minimum *found) {
   int which;
-  const int to = mg_link_around(c, from, corner, at);
-  if (to < 0 || mg_step_over(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;
+  const int to = mg_find_link_around_vertex(c, from, corner, at);
+  if (to < 0 || mg_transfer_to_link(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;
   found->link = to;
   mg_record_minimum(c, found);
   return 1;
 }
 
-/* Needs the poses at run->x and c->events.broken_condition of the contact; hops until the conditions of a link hold. */
-static void mg_walk(mg_context *c, mg_events *events, int contact) {
+/* Move a contact whose link condition is broken to the adjacent link whose conditions hold, or release it. Needs
+   the poses at the run's state. */
+static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
   mg_real eta[6] = {0}, at[14], best = -MG_MAX;
   mg_minimum found = {0};
-  int link = c->run->link[contact], way = c->events.broken_condition[contact];
+  int link = c->run->link[contact], condition = c->events.broken_condition[contact];
   mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), eta);
   for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
   found.link = -1;
-  for (int hop = 0; hop < MG_FEATURE_CHANGES_MAX && way >= 0; hop++) {
-    const int to = c->system->condition_next[way];
-    if (to < 0 || mg_is_covered(c, to)) break;
-    if (mg_is_pointed(c, to) && fabs(at[0]) < c->settings->apart * c->system->length &&
-        mg_pass_corner(c, link, to, at, &found)) {
+  for (int hop = 0; hop < MG_FEATURE_CHANGES_MAX && condition >= 0; hop++) {
+    const int to = c->system->condition_next[condition];
+    if (to < 0 || mg_is_link_covered(c, to)) break;
+    if (mg_is_vertex_link(c, to) && fabs(at[0]) < c->settings->apart * c->system->length &&
+        mg_transfer_over_vertex(c, link, to, at, &found)) {
       best = 0;
       break;
     }
-    const mg_real worst = mg_step_over(c, link, to, at, eta, &way);
+    const mg_real worst = mg_transfer_to_link(c, link, to, at, eta, &condition);
     if (worst == -MG_MAX) break;
     if (worst > best && to != c->run->link[contact]) {
       best = worst, found.link = to;
@@ -154,24 +162,24 @@ static void mg_walk(mg_context *c, mg_events *events, int contact) {
     for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
     link = to;
   }
-  const int nowhere = found.link < 0 || best < -100 * c->settings->border;
-  if (nowhere || mg_is_already_contact(c, c->system->contact_pair[contact], contact, &found)) {
-    mg_leave_link(c, events, contact);
+  const int not_found = found.link < 0 || best < -100 * c->settings->border;
+  if (not_found || mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
+    mg_release_contact(c, events, contact);
     return;
   }
   mg_set_link(c, contact, found.link, found.eta);
-  mg_apply_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
+  mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
-/* Walks for all contacts marked MG_LEAVES_FEATURE in c->events.triggered, and sees to the marks MG_PASSES_BORDER.
- * Returns how many changed. */
-MG_INTERNAL int mg_change_features(mg_context *c, mg_events *events) {
+/* Change the feature of all contacts marked to leave theirs, and request a search for those that pass a border;
+   returns how many changed. */
+MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     const int cause = c->events.triggered[i];
     if (cause != MG_LEAVES_FEATURE && cause != MG_PASSES_BORDER) continue;
     c->events.triggered[i] = 0;
-    if (cause == MG_LEAVES_FEATURE) mg_walk(c, events, i);
+    if (cause == MG_LEAVES_FEATURE) mg_change_contact_feature(c, events, i);
     else
       c->events.within_border[i] = MG_PASSES_BORDER,
       c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
@@ -181,8 +189,8 @@ MG_INTERNAL int mg_change_features(mg_context *c, mg_events *events) {
 }
 
 /* ---- contacts that end and appear ---- */
-/* Far points of a rim that is no longer flat are not followed. */
-static void mg_leave_far(mg_context *c) {
+/* Release distant contacts on links for flat faces whose faces are no longer flat. */
+static void mg_release_distant_rim_points(mg_context *c) {
   const mg_real none[6] = {0};
   mg_real next[6];
   int which;
@@ -195,8 +203,9 @@ static void mg_leave_far(mg_context *c) {
   }
 }
 
-/* A contact of the pair that is free for what was found: its own, an empty one, or the open one farthest off. */
-MG_INTERNAL int mg_free_contact_for(const mg_context *c, int pair, const mg_minimum *found) {
+/* Contact of the pair to use for a minimum: its own, an empty one or the open one farthest away; -1 if there is
+   none. */
+MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found) {
   int slot = -1;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     if (c->system->contact_link[i] == found->link) return mg_is_on_link(c, i) ? -1 : i;
@@ -206,26 +215,26 @@ MG_INTERNAL int mg_free_contact_for(const mg_context *c, int pair, const mg_mini
   return slot;
 }
 
-/* What a search during a run takes up: within reach unless it is to keep steps short, not below the depth, not about to
-   end. */
-MG_INTERNAL int mg_is_within_search(const mg_context *c, const mg_minimum *found) {
+/* True if a search during a run takes up the minimum: within reach unless it limits the step, not too deep, not
+   about to end. */
+MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_links(c, c->system->link_pair[found->link]);
-  const int far = found->d > c->settings->reach * length && !mg_only_leads(c, found->link, found->d);
+  const int far = found->d > c->settings->reach * length && !mg_is_guiding_contact_only(c, found->link, found->d);
   if (found->undecided || far || found->d < -c->settings->depth * length) return 0;
-  const int flat = mg_is_tilted_link(c, found->link); /* its margin is small near flat, not near a fold */
+  const int flat = mg_is_link_for_tilted_faces(c, found->link); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->margin_appear);
 }
 
-/* The link has a contact of its own, which is on it. */
-static int mg_is_taken(const mg_context *c, int pair, int link) {
+/* True if the link has a contact of its own that is on it. */
+static int mg_is_link_contact_present(const mg_context *c, int pair, int link) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->system->contact_link[i] == link) return mg_is_on_link(c, i);
   return 0;
 }
 
-/* Its point of one of the bodies touches the other already: that it is below another face there is no matter. */
-static int mg_touches_there(mg_context *c, const mg_minimum *found) {
+/* True if a point of the minimum coincides with that of a closed contact. */
+static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
   const mg_real near = c->settings->apart * c->system->length;
   const int pair = c->system->link_pair[found->link];
   mg_real eta[6];
@@ -246,76 +255,78 @@ static int mg_touches_there(mg_context *c, const mg_minimum *found) {
   return 0;
 }
 
-/* What was found touches there already, and as itself is below zero, or ends in a moment. */
-static int mg_is_idle(mg_context *c, const mg_minimum *found) {
-  if (found->d > c->settings->start_gap * c->system->length || !mg_touches_there(c, found)) return 0;
-  return found->d < -c->settings->start_gap * c->system->length || mg_is_about_to_leave_link(c, found);
+/* True if the minimum touches at a point of a closed contact and itself penetrates or is about to end. */
+static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
+  if (found->d > c->settings->start_gap * c->system->length || !mg_is_minimum_touched(c, found)) return 0;
+  return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_link(c, found);
 }
 
-MG_INTERNAL int mg_search_pair(mg_context *c, mg_events *events, int pair) {
+/* Search the links of a pair for new contacts and report them; returns how many were found. */
+MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->reach * s->length) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found;
   int count = found.count = 0;
   for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_taken(c, pair, link) && !mg_is_covered(c, link) && !mg_is_out_of_reach(c, link))
+    if (!mg_is_link_contact_present(c, pair, link) && !mg_is_link_covered(c, link) && !mg_is_out_of_reach(c, link))
       mg_search_link(c, link, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_within_search(c, each) || mg_is_idle(c, each)) continue;
-    const int slot = mg_is_already_contact(c, pair, -1, each) ? -1 : mg_free_contact_for(c, pair, each);
+    if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each)) continue;
+    const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
-    if (!mg_is_untold(c, each->link, each->d)) mg_apply_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
+    if (!mg_is_link_unreported(c, each->link, each->d))
+      mg_apply_contact_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
     count++;
   }
   return count;
 }
 
-/* No contact of the pair is on a link: nothing else keeps steps from passing through. */
-static int mg_is_unwatched(const mg_context *c, int pair) {
+/* True if no contact or held patch of the pair limits the step. */
+static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (mg_is_on_link(c, i)) return 0;
   return !mg_has_held_patch(c, pair);
 }
 
-/* What the last search of a pair has seen all of, less what the pair has moved since. */
-static mg_real mg_still_seen(const mg_context *c, int pair) {
+/* Gap in m up to which the last search of a pair is still valid after its movement since. */
+static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real length = c->system->length, most = c->settings->search * length, moved = c->run->moved[pair];
   return c->settings->reach * length - (moved < most ? moved : most);
 }
 
-/* The longest step in which no pair moves past what its next search can still see; where each link has a contact of
-   its own and one ends where the next begins, those that are there do for the others. */
+/* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
-  mg_real sight = MG_MAX;
+  mg_real longest_step = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    const int unwatched = mg_is_unwatched(c, pair);
-    if (!unwatched && mg_is_led(c, pair)) continue;
-    const mg_real way = mg_still_seen(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
+    const int unwatched = mg_is_pair_without_contacts(c, pair);
+    if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
+    const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
     const mg_motion_bound motion = mg_pair_motion(c, pair);
     const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
-    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * way)) / 2;
-    if (mean * sight > way) sight = way / mean;
+    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * travel)) / 2;
+    if (mean * longest_step > travel) longest_step = travel / mean;
   }
-  return sight;
+  return longest_step;
 }
 
-/* After an accepted step of length h: leaves contacts that end, looks for such as appear. Returns how many. */
-MG_INTERNAL int mg_search_moved_pairs(mg_context *c, mg_events *events, mg_real h) {
+/* After an accepted step of length h, release contacts that end and search the pairs for new ones; returns how
+   many changed. */
+MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->system;
-  int count = mg_leave_bifurcations(c, events);
-  mg_leave_far(c);
+  int count = mg_release_folded_contacts(c, events);
+  mg_release_distant_rim_points(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved[pair] += h * mg_pair_motion(c, pair).speed;
     if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->settings->search * s->length) continue;
-    c->run->moved[pair] = mg_is_pair_unfolding(c, pair) ? MG_MAX / 2 : 0;
-    count += mg_search_pair(c, events, pair);
+    c->run->moved[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
+    count += mg_search_pair_contacts(c, events, pair);
   }
   return count;
 }

@@ -1,43 +1,47 @@
-/* forces/contact_modes */
+/* The active set of closed contacts without friction: which of them carry force, by a complementarity problem in the
+   gap accelerations. Writes run->active, forces and slopes. */
 #include "forces/forces.h"
 #include "solve/lcp/solvers.h"
 
-MG_INTERNAL mg_real mg_rest_acceleration(const mg_context *c) {
+/* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
+MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
   return c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
 }
 
-/* The pads of patches that are held carry force; the rates of their rows under the accelerations last computed. */
+/* Mark the closed support contacts of patches as active and write the accelerations of their rows; returns their
+   number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c) {
   int count = 0;
   for (int i = c->support_begin; i < c->system->n_contact; i++) {
     if (!c->run->closed[i]) continue;
-    c->run->active[i] = 1, c->row_rate[i] = mg_gap_acceleration(c, i);
+    c->run->active[i] = 1, c->row_rate[i] = mg_row_acceleration(c, i);
     count++;
   }
   return count;
 }
 
-/* Solves for the active set among the closed contacts that are not skipped. */
+/* Choose the active set among the closed contacts that `skip` does not mark, from the complementarity problem of
+   accelerations; returns MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   const int m = c->system->n_contact;
-  if (c->system->n_grip) return mg_solve_patch_modes(c, skip);
+  if (c->system->n_grip) return mg_solve_patch_friction_modes(c, skip);
   mg_lcp_report report;
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
-  mg_update_rows_and_forces(c);
+  mg_evaluate_run_state(c);
   for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && !skip[i]) c->lcp.rows[n++] = i;
   const int pads = mg_activate_supports(c);
   if (n == 0) {
-    if (pads) mg_update_rows_and_forces(c);
+    if (pads) mg_evaluate_run_state(c);
     return MG_DONE;
   }
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_gap_acceleration(c, i);
-  for (int r = 0; r < n; r++) c->row_rate[c->lcp.rows[r]] = mg_gap_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
-  if (mg_solve_complementarity(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
+  for (int r = 0; r < n; r++) c->row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
+  if (mg_solve_contact_lcp(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
   if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;
   if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;
-  mg_update_rows_and_forces(c);
+  mg_evaluate_run_state(c);
   return MG_DONE;
 }

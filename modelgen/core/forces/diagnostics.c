@@ -34,19 +34,19 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   if (s->n_row) mg_monitor_joint_rank(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
-    if (!mg_is_support_point(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_support_contact(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
     mg_raise(&run->gap_max, fabs(c->d[i]));
-    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_is_curved_crossing(c, run->link[i])) continue;
+    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_is_curved_edge_crossing(c, run->link[i])) continue;
     run->margin_min = run->margin[i];
   }
 }
 
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_singular(c, i)) {
+    if (mg_is_contact_singular(c, i)) {
       c->run->failed_contact = i;
-      mg_apply_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);
+      mg_apply_contact_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);
       return MG_MARGIN;
     }
   return MG_DONE;

@@ -1,8 +1,11 @@
-/* Drift off d = 0 and d_dot = 0 is removed along M^-1 J^T: the least change in the kinetic metric. */
+/* Drift projection: deviations from zero gap, zero gap velocity and the joint rows are removed along M^-1 J^T,
+   the least change in the kinetic metric. Writes positions, orientations and velocities of the run's state, and
+   evaluates it again. */
 #include "forces/forces.h"
 #include "model/model.h"
 
-MG_INTERNAL mg_real mg_largest_drift(const mg_context *c, const mg_real *value) {
+/* Largest magnitude of a row value over closed contacts, joints and sticking friction. */
+MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
@@ -14,19 +17,21 @@ MG_INTERNAL mg_real mg_largest_drift(const mg_context *c, const mg_real *value) 
   return largest;
 }
 
-static void mg_clear(mg_context *c) {
+/* Set the corrections of all bodies to zero. */
+static void mg_clear_body_corrections(mg_context *c) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
 }
 
-/* M^-1 J^T z with A z = -value over the marked contacts and all joints, six numbers a body, in c->wrench. Returns how
-   many rows that are, in c->lcp.rows; their z are in c->impulse. */
-MG_INTERNAL int mg_projection_step(mg_context *c, const int *marked, const mg_real *value) {
+/* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
+   Returns the number of those rows, which it lists; their z are left as impulses. */
+MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value) {
   const int n = mg_hold_rows(c, marked, value, c->impulse);
-  mg_clear(c);
+  mg_clear_body_corrections(c);
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->wrench);
   return n;
 }
 
+/* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
   const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
@@ -36,7 +41,8 @@ MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-MG_INTERNAL void mg_correct_positions(mg_context *c) {
+/* Add the corrections to positions and orientations of the run's state and normalise. */
+MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
@@ -45,65 +51,68 @@ MG_INTERNAL void mg_correct_positions(mg_context *c) {
     if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
   mg_normalise_quaternions(c, c->run->x);
-  mg_clear(c);
+  mg_clear_body_corrections(c);
 }
 
-MG_INTERNAL void mg_correct_velocities(mg_context *c) {
+/* Add the corrections to the velocities of the run's state. */
+MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
-  mg_clear(c);
+  mg_clear_body_corrections(c);
 }
 
-/* Needs the rows at run->x; leaves them fresh. Returns 0 if the extremum was lost. */
+/* Project positions and velocities back onto the constraints where they have drifted beyond tolerance. Needs the
+   rows at the run's state and leaves them fresh; returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_drift(mg_context *c) {
   const mg_real drift = c->settings->drift * c->system->length;
-  if (mg_largest_drift(c, c->d) > drift) {
-    mg_projection_step(c, c->run->closed, c->d);
-    mg_correct_positions(c);
+  if (mg_largest_held_violation(c, c->d) > drift) {
+    mg_solve_row_correction(c, c->run->closed, c->d);
+    mg_apply_pose_correction(c);
     if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
-    mg_update_rows_and_forces(c);
+    mg_evaluate_run_state(c);
   }
-  if (mg_largest_drift(c, c->d_dot) > drift / c->system->time) {
-    mg_projection_step(c, c->run->closed, c->d_dot);
-    mg_correct_velocities(c);
-    mg_update_rows_and_forces(c);
+  if (mg_largest_held_violation(c, c->d_dot) > drift / c->system->time) {
+    mg_solve_row_correction(c, c->run->closed, c->d_dot);
+    mg_apply_velocity_correction(c);
+    mg_evaluate_run_state(c);
   }
   return 1;
 }
 
-/* The given start is brought onto d = 0 until the drift bound holds, at most a few corrections. */
-MG_INTERNAL int mg_project_start(mg_context *c) {
+/* Project the given start onto zero gaps and joint rows until the drift bound holds, in at most five corrections;
+   returns 0 if an extremum was lost. */
+MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    if (mg_largest_drift(c, c->d) <= c->settings->drift * c->system->length) return 1;
-    mg_projection_step(c, c->run->closed, c->d);
-    mg_correct_positions(c);
+    if (mg_largest_held_violation(c, c->d) <= c->settings->drift * c->system->length) return 1;
+    mg_solve_row_correction(c, c->run->closed, c->d);
+    mg_apply_pose_correction(c);
     for (int extra = 0; extra < 3; extra++)
       if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
-    mg_update_rows_and_forces(c);
+    mg_evaluate_run_state(c);
   }
   return 1;
 }
 
-/* Velocities that the joints forbid are removed as an impulse of the joints alone would. */
-static void mg_join_velocities(mg_context *c) {
+/* Remove velocities that the joints forbid, by an impulse of the joints alone. */
+static void mg_project_joint_velocities(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
-  mg_projection_step(c, c->events.gap_dips, c->d_dot);
-  mg_correct_velocities(c);
-  mg_update_rows_and_forces(c);
+  mg_solve_row_correction(c, c->events.gap_dips, c->d_dot);
+  mg_apply_velocity_correction(c);
+  mg_evaluate_run_state(c);
 }
 
-/* Needs the rows at run->x. Notes how well the joints fit, and brings the given start onto them; returns 0 where they
-   do not fit. */
-MG_INTERNAL int mg_project_start_joints(mg_context *c) {
+/* Record the joint errors of the given start and project it onto the joints; returns 0 where the error is beyond
+   start_joint. Needs the rows at the run's state. */
+MG_INTERNAL int mg_project_initial_joints(mg_context *c) {
   mg_run *run = c->run;
   if (!c->system->n_row) return 1;
   run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);
   if (!(run->joint_error_max <= c->settings->start_joint * c->system->length)) return 0;
   run->failed_joint = mg_worst_joint(c, c->d_dot, &run->joint_speed);
-  mg_join_velocities(c);
-  if (!mg_project_start(c)) return 0;
-  mg_join_velocities(c);
+  mg_project_joint_velocities(c);
+  if (!mg_project_initial_pose(c)) return 0;
+  mg_project_joint_velocities(c);
   return 1;
 }

@@ -1,42 +1,45 @@
-/* Complementarity problems of the contacts where joints hold as well: the forces of the joints are eliminated,
-   S = A_cc - A_cj A_jj^+ A_jc, which stays symmetric and positive semidefinite. */
-/* Which rows of the joints are independent: closed loops may hold a direction twice, and lose one at a dead centre. */
+/* Contact problems with joints: the joint forces are eliminated by the Schur complement S = A_cc - A_cj A_jj^+
+   A_jc, which stays symmetric positive semidefinite, and the complementarity problem of the contacts alone is
+   solved. Reads the listed rows and their values; writes the complementarity workspace. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-/* y = -A_jj^+ (right side) over the joints, of minimum norm; the first n entries are 0. */
-static void mg_hold_joints(mg_context *c, int size, const mg_real *right) {
+/* Solve y = -A_jj^+ right over the joint rows, of minimum norm; the first n entries of y are 0. */
+static void mg_solve_joint_forces(mg_context *c, int size, const mg_real *right) {
   mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->singular, c->lcp.reduced_z, c->lcp.work,
                   c->lcp.iwork);
 }
 
-static mg_real mg_through_joints(const mg_context *c, int row, int n, int size) {
+/* Contribution of the joint forces y to one contact row: sum over the joints of A_cj y_j. */
+static mg_real mg_joint_elimination_term(const mg_context *c, int row, int n, int size) {
   mg_real sum = 0;
   for (int k = n; k < size; k++) sum += c->lcp.A[row + size * k] * c->lcp.reduced_z[k];
   return sum;
 }
 
-static void mg_reduce(mg_context *c, int n, int size) {
+/* Form the Schur complement S = A_cc - A_cj A_jj^+ A_jc and the reduced right-hand side. */
+static void mg_eliminate_joints(mg_context *c, int n, int size) {
   for (int j = 0; j < n; j++) {
-    mg_hold_joints(c, size, c->lcp.A + (long)size * j);
-    for (int i = 0; i < n; i++) c->lcp.reduced_A[i + n * j] = c->lcp.A[i + size * j] + mg_through_joints(c, i, n, size);
+    mg_solve_joint_forces(c, size, c->lcp.A + (long)size * j);
+    for (int i = 0; i < n; i++)
+      c->lcp.reduced_A[i + n * j] = c->lcp.A[i + size * j] + mg_joint_elimination_term(c, i, n, size);
   }
-  mg_hold_joints(c, size, c->lcp.b);
-  for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_through_joints(c, i, n, size);
+  mg_solve_joint_forces(c, size, c->lcp.b);
+  for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_joint_elimination_term(c, i, n, size);
 }
 
-/* Appends the pads of all patches that are held flat and the rows of all joints; returns the length of the list. */
+/* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && !mg_is_on_edge_trial(c, i)) list[n++] = i;
+    if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;
   return mg_append_joint_rows(c, list, n);
 }
 
-/* Contacts whose gaps the pads' and the joints' rows hold already take no part: what is left of their rows is rounding.
- */
-static void mg_pass_held(mg_context *c, int n, int size) {
+/* Remove contacts from the reduced problem whose gaps the supports and joints already hold: what is left of their
+   rows is rounding. */
+static void mg_drop_redundant_contact_rows(mg_context *c, int n, int size) {
   mg_real most = 0;
   for (int r = 0; r < size; r++)
     if (fabs(c->lcp.b[r]) > most) most = fabs(c->lcp.b[r]);
@@ -48,10 +51,10 @@ static void mg_pass_held(mg_context *c, int n, int size) {
   }
 }
 
-/* 0 <= z, 0 <= A z + value, complementary, over the n contacts of c->lcp.rows with the pads' and the joints' rows held
-   at zero. Starts from the active set in c->lcp.mask and leaves that of the answer there. Appends pads and joints to
-   c->lcp.rows; z of all is in c->lcp.z. Returns the solver's outcome. */
-MG_INTERNAL int mg_solve_complementarity(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
+/* Solve 0 <= z, 0 <= A z + value, complementary, over the n listed contacts with supports and joints held. Starts
+   from the given active set, leaves that of the solution, appends supports and joints to the list; returns the
+   solver's outcome. */
+MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
   c->run->lcp_solves++;
   mg_assemble_delassus(c, c->lcp.rows, size);
@@ -60,12 +63,12 @@ MG_INTERNAL int mg_solve_complementarity(mg_context *c, int n, const mg_real *va
     mg_qp(n, c->lcp.A, c->lcp.b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
     return report->outcome;
   }
-  mg_reduce(c, n, size);
-  mg_pass_held(c, n, size);
+  mg_eliminate_joints(c, n, size);
+  mg_drop_redundant_contact_rows(c, n, size);
   mg_qp(n, c->lcp.reduced_A, c->lcp.reduced_b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
   for (int j = 0; j < n; j++)
     for (int r = n; r < size; r++) c->lcp.b[r] += c->lcp.A[r + size * j] * c->lcp.z[j];
-  mg_hold_joints(c, size, c->lcp.b);
+  mg_solve_joint_forces(c, size, c->lcp.b);
   for (int r = n; r < size; r++) c->lcp.z[r] = c->lcp.reduced_z[r];
   return report->outcome;
 }

@@ -1,21 +1,26 @@
-/* Problems of friction with patches that slip, whose columns lean: pads and what else holds both ways are eliminated
-   first, which the solver does for symmetric rows only. */
-/* Linear systems that need be neither symmetric nor regular: A P = Q R by Householder's reflections (Golub and Van
-   Loan, Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2), least norm where the rank is less than full. */
+/* Friction problems with slipping patches: the friction of a patch makes the columns of its supports unsymmetric,
+   so the bilateral rows (supports, joints) are eliminated here by a QR factorisation; the friction solver
+   eliminates symmetric rows only. Reads the assembled problem; writes its solution.
+
+   Linear systems that may be unsymmetric and singular: A P = Q R by Householder reflections with column pivoting
+   (Golub and Van Loan, Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2); least norm where the rank is not
+   full. Writes only its arguments and the complementarity workspace. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 #include "solve/friction/solvers.h"
 
-static int mg_any_rub_leans(const mg_context *c) {
+/* True if a patch with friction slips. */
+static int mg_has_slipping_patch(const mg_context *c) {
   for (int slot = 0; slot < c->system->n_slot; slot++)
     if (c->patches.friction[slot].slips) return 1;
   return 0;
 }
 
-/* What forces on the rows from m on hold them at rates y, of least norm: x with A_bb x = -y, both from c->lcp.work on.
- */
-static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y, mg_real *x) {
+/* Solve A_bb x = -y of least norm over the bilateral rows, those from m on, by a rank-revealing QR factorisation
+   in the scale of the rows. */
+static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y,
+                                      mg_real *x) {
   const int k = p->n - m;
   mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
   for (int i = 0; i < k; i++) {
@@ -24,24 +29,25 @@ static void mg_hold_both_ways(mg_context *c, const mg_friction_problem *p, int m
   }
   for (int j = 0; j < k; j++)
     for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
-  const int rank = mg_qr_pivoted(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
-  mg_qr_least_norm(k, rank, R, b, scaled, beta);
+  const int rank = mg_factor_pivoted_qr(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
+  mg_solve_least_norm_qr(k, rank, R, b, scaled, beta);
   for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
 }
 
-/* As mg_friction; needs the rows in c->lcp.rows, those of contacts first. */
-MG_INTERNAL int mg_friction_with_bilateral(mg_context *c, const mg_friction_problem *p, mg_real *z,
-                                           mg_friction_report *report) {
+/* Solve the friction problem; where patches slip, eliminate the bilateral rows first, because the friction solver
+   eliminates symmetric rows only. Needs the listed rows, those of contacts first. */
+MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
+                                                  mg_friction_report *report) {
   int m = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
-  if (!mg_any_rub_leans(c) || m == p->n)
+  if (!mg_has_slipping_patch(c) || m == p->n)
     return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   const int k = p->n - m;
   mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
   for (int j = 0; j <= m; j++) {
     const mg_real *column = j < m ? p->A + p->n * j : p->b;
     mg_real *out = j < m ? A + m * j : b;
-    mg_hold_both_ways(c, p, m, column + m, x);
+    mg_solve_bilateral_forces(c, p, m, column + m, x);
     for (int i = 0; i < m; i++) {
       out[i] = column[i];
       for (int r = 0; r < k; r++) out[i] += p->A[i + p->n * (m + r)] * x[r];
@@ -54,12 +60,13 @@ MG_INTERNAL int mg_friction_with_bilateral(mg_context *c, const mg_friction_prob
     b[r] = p->b[m + r];
     for (int j = 0; j < m; j++) b[r] += p->A[m + r + p->n * j] * z[j];
   }
-  mg_hold_both_ways(c, p, m, b, z + m);
+  mg_solve_bilateral_forces(c, p, m, b, z + m);
   return outcome;
 }
 
-/* The reflection 1 - beta (1, v)(1, v)' that takes (head, tail) to its head alone; leaves v in the tail. */
-static mg_real mg_reflector(mg_real *head, int n, mg_real *tail, int step) {
+/* Compute the reflection 1 - beta (1, v)(1, v)^T that takes (head, tail) to its head; leaves v in the tail and
+   returns beta. */
+static mg_real mg_make_householder_reflector(mg_real *head, int n, mg_real *tail, int step) {
   mg_real sum = 0;
   for (int i = 0; i < n; i++) sum += tail[i * step] * tail[i * step];
   if (sum == 0) return 0;
@@ -69,7 +76,9 @@ static mg_real mg_reflector(mg_real *head, int n, mg_real *tail, int step) {
   return -v / first;
 }
 
-static void mg_reflect(mg_real beta, int n, const mg_real *v, int step, mg_real *head, mg_real *tail, int stride) {
+/* Apply a Householder reflection to one vector (head, tail). */
+static void mg_apply_householder_reflector(mg_real beta, int n, const mg_real *v, int step, mg_real *head,
+                                           mg_real *tail, int stride) {
   mg_real sum = *head;
   for (int i = 0; i < n; i++) sum += v[i * step] * tail[i * stride];
   sum *= beta;
@@ -77,6 +86,7 @@ static void mg_reflect(mg_real beta, int n, const mg_real *v, int step, mg_real 
   for (int i = 0; i < n; i++) tail[i * stride] -= sum * v[i * step];
 }
 
+/* Swap columns a and b of A and their entries in the order. */
 static void mg_swap_columns(int n, mg_real *A, int *order, int a, int b) {
   const int kept = order[a];
   order[a] = order[b], order[b] = kept;
@@ -86,8 +96,8 @@ static void mg_swap_columns(int n, mg_real *A, int *order, int a, int b) {
   }
 }
 
-/* The column from j on that is largest below row j; its size. */
-static int mg_largest_column(int n, const mg_real *A, int j, mg_real *size) {
+/* Column from j on with the largest norm below row j, and that norm. */
+static int mg_find_pivot_column(int n, const mg_real *A, int j, mg_real *size) {
   int best = j;
   *size = -1;
   for (int k = j; k < n; k++) {
@@ -98,55 +108,60 @@ static int mg_largest_column(int n, const mg_real *A, int j, mg_real *size) {
   return best;
 }
 
-/* A becomes R in its upper triangle, y becomes Q'y, `order` holds P. Returns the rank: pivots above `floor`. */
-MG_INTERNAL int mg_qr_pivoted(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
+/* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
+   number of pivots above `floor`. */
+MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
   for (int j = 0; j < n; j++) order[j] = j;
   for (int j = 0; j < n; j++) {
     mg_real size, *pivot = A + j + n * j;
-    const int best = mg_largest_column(n, A, j, &size);
+    const int best = mg_find_pivot_column(n, A, j, &size);
     if (!(size > floor)) return j;
     mg_swap_columns(n, A, order, j, best);
     const int below = n - j - 1;
-    const mg_real beta = mg_reflector(pivot, below, pivot + 1, 1);
-    for (int k = j + 1; k < n; k++) mg_reflect(beta, below, pivot + 1, 1, A + j + n * k, A + j + 1 + n * k, 1);
-    mg_reflect(beta, below, pivot + 1, 1, y + j, y + j + 1, 1);
+    const mg_real beta = mg_make_householder_reflector(pivot, below, pivot + 1, 1);
+    for (int k = j + 1; k < n; k++)
+      mg_apply_householder_reflector(beta, below, pivot + 1, 1, A + j + n * k, A + j + 1 + n * k, 1);
+    mg_apply_householder_reflector(beta, below, pivot + 1, 1, y + j, y + j + 1, 1);
   }
   return n;
 }
 
-/* z of least norm with R z = y, R of `rank` rows; beta is scratch. */
-MG_INTERNAL void mg_qr_least_norm(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
+/* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
+MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
   const int wide = n - rank;
   mg_real *beyond = R + n * rank;
   for (int i = rank - 1; i >= 0; i--) {
-    beta[i] = mg_reflector(R + i + n * i, wide, beyond + i, n);
-    for (int k = 0; k < i; k++) mg_reflect(beta[i], wide, beyond + i, n, R + k + n * i, beyond + k, n);
+    beta[i] = mg_make_householder_reflector(R + i + n * i, wide, beyond + i, n);
+    for (int k = 0; k < i; k++)
+      mg_apply_householder_reflector(beta[i], wide, beyond + i, n, R + k + n * i, beyond + k, n);
   }
   for (int i = 0; i < n; i++) z[i] = i < rank ? y[i] : 0;
   for (int i = rank - 1; i >= 0; i--) {
     for (int k = i + 1; k < rank; k++) z[i] -= R[i + n * k] * z[k];
     z[i] /= R[i + n * i];
   }
-  for (int i = 0; i < rank; i++) mg_reflect(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
+  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
 }
 
-/* The triangle of c->lcp.A and c->lcp.b over listed rows, scaled by the roots d of J M^-1 J^T; returns the rank. */
-static int mg_scaled_triangle(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
+/* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;
+   returns the rank. */
+static int mg_factor_scaled_rows(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
   for (int i = 0; i < n; i++)
     d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) R[i + n * j] = c->lcp.A[i + n * j] * d[i] * d[j];
-  return mg_qr_pivoted(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
+  return mg_factor_pivoted_qr(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
 }
 
-MG_INTERNAL int mg_asymmetric_rank(mg_context *c, const int *list, int n) {
-  return mg_scaled_triangle(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
+/* Rank of the assembled unsymmetric matrix over listed rows. */
+MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
+  return mg_factor_scaled_rows(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
 }
 
-/* A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
-MG_INTERNAL void mg_asymmetric_solve(mg_context *c, const int *list, int n, mg_real *z) {
+/* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
+MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
   mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
-  const int rank = mg_scaled_triangle(c, list, n, R, y, d);
-  mg_qr_least_norm(n, rank, R, y, x, beta);
+  const int rank = mg_factor_scaled_rows(c, list, n, R, y, d);
+  mg_solve_least_norm_qr(n, rank, R, y, x, beta);
   for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
 }

@@ -1,5 +1,6 @@
-/* Friction of patches: a stuck one holds the slip of its first pad's point and its spin like a joint; one that slips
-   adds to the forces on its pads what Coulomb's law at every point makes of the pressure that they tell (rubbing.h). */
+/* Friction of patches: a sticking patch holds the slip of its first support and its spin like a joint; a slipping
+   one adds the friction that Coulomb's law at every point gives for the pressure between the faces (Winkler
+   foundation, see friction_wrench). Writes force ratios, forces and accelerations; does not change modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "region/region.h"
@@ -7,106 +8,113 @@
 
 #define MG_PRESSURE_ROUNDS 40
 
+/* True if the patch has a kinetic friction coefficient above zero. */
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch) {
   return c->system->patch_friction[2 * patch + 1] > 0;
 }
 
-/* The slot holds a patch with friction. */
-MG_INTERNAL int mg_is_frictional_slot(const mg_context *c, int slot) {
-  const int patch = mg_slot_patch(c, slot);
-  return patch >= 0 && mg_has_patch_friction(c, patch) && c->run->active[mg_slot_support(c, slot)];
+/* True if the slot holds an active patch with friction. */
+MG_INTERNAL int mg_is_slot_frictional(const mg_context *c, int slot) {
+  const int patch = mg_patch_of_slot(c, slot);
+  return patch >= 0 && mg_has_patch_friction(c, patch) && c->run->active[mg_first_support(c, slot)];
 }
 
-MG_INTERNAL int mg_patch_friction_row(const mg_context *c, int slot) {
-  return c->friction_row_begin + c->system->contact_below[mg_slot_support(c, slot)];
+/* First friction row of the patch in a slot: slip along t1, along t2, then spin. */
+MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot) {
+  return c->friction_row_begin + c->system->contact_below[mg_first_support(c, slot)];
 }
 
-/* The slot of a row that is a pad's of a patch that slips, or -1. */
+/* Slot of a support row whose patch slips, or -1. */
 MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row) {
   const int slot = row >= c->support_begin && row < c->system->n_contact ? (row - c->support_begin) / 3 : -1;
   return slot >= 0 && c->patches.friction[slot].slips ? slot : -1;
 }
 
-/* The distance of the pads from the middle of the face. */
-MG_INTERNAL mg_real mg_patch_radius(const mg_context *c, int slot) {
-  const mg_real *a = c->run->point + 3 * mg_slot_support(c, slot), *b = a + 3;
+/* Distance in m of the three support points from their centre; scales spin to a velocity. */
+MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot) {
+  const mg_real *a = c->run->point + 3 * mg_first_support(c, slot), *b = a + 3;
   const mg_real arm[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   return sqrt(mg_dot3(arm, arm) / 3);
 }
 
-MG_INTERNAL void mg_patch_axes(const mg_context *c, int slot, mg_patch_frame *at) {
-  const int pad = mg_slot_support(c, slot);
+/* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
+MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at) {
+  const int pad = mg_first_support(c, slot);
   mg_real world[3], local[3];
-  mg_hull_pose(c, mg_slot_patch(c, slot), at->pose);
+  mg_hull_pose(c, mg_patch_of_slot(c, slot), at->pose);
   at->sign = mg_dot3(at->pose + 9, c->normal + 3 * pad) > 0 ? 1 : -1;
   for (int i = 0; i < 3; i++) {
-    mg_support_in_hull(c, pad + i, world);
-    mg_to_local(at->pose, world, local);
+    mg_support_world_point(c, pad + i, world);
+    mg_world_to_local_point(at->pose, world, local);
     at->pad[i][0] = local[0], at->pad[i][1] = local[1];
     for (int k = 0; k < 2 && i < 2; k++) at->t[i][k] = mg_dot3(at->pose + 3 + 3 * k, c->tangents + 6 * pad + 3 * i);
   }
 }
 
-/* Slip and spin along the course of a patch. */
-MG_INTERNAL mg_real mg_patch_slip_speed(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_slot_support(c, slot);
-  const mg_real *slip = c->d_dot + mg_patch_friction_row(c, slot);
+/* Slip and spin of a patch along its stored slip direction. */
+MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot) {
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_first_support(c, slot);
+  const mg_real *slip = c->d_dot + mg_first_patch_friction_row(c, slot);
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) +
-         slip[2] * mg_patch_radius(c, slot) * course[3];
+         slip[2] * mg_support_radius(c, slot) * course[3];
 }
 
-/* The course along a twist: of the first pad's point along t1, t2, and spin about N. */
+/* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist) {
-  const mg_real *t = c->tangents + 6 * mg_slot_support(c, slot), turn = twist[2] * mg_patch_radius(c, slot);
+  const mg_real *t = c->tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
   mg_real *course = c->run->patch_slip_direction + 4 * slot;
   for (int k = 0; k < 3; k++) course[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
   course[3] = turn / size;
 }
 
-/* Two directions across a unit vector. */
-MG_INTERNAL void mg_orthogonal_pair(const mg_real *e, mg_real across[2][3]) {
+/* Two unit vectors that complete the unit vector e to an orthonormal basis. */
+MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[2][3]) {
   const int least = fabs(e[0]) < fabs(e[1]) ? (fabs(e[0]) < fabs(e[2]) ? 0 : 2) : fabs(e[1]) < fabs(e[2]) ? 1 : 2;
   for (int k = 0; k < 3; k++) across[0][k] = (k == least) - e[least] * e[k];
   const mg_real size = sqrt(mg_dot3(across[0], across[0]));
   for (int k = 0; k < 3; k++) across[0][k] /= size;
-  mg_cross(e, across[0], across[1]);
+  mg_cross_product(e, across[0], across[1]);
 }
 
-/* The course and two directions across it: along t1, t2, and spin in units of 1/radius. */
+/* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
+   radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_slot_support(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_first_support(c, slot);
   e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
-  mg_orthogonal_pair(e[0], e + 1);
+  mg_complete_orthonormal_basis(e[0], e + 1);
 }
 
-/* The twist that tells friction: the slip, taken round where it points against its course; the course, where there is
-   so little of it that rounding would turn it; as steered, where it begins. */
-static void mg_rub_twist(const mg_context *c, int slot, mg_real *twist) {
-  const mg_real *slip = c->d_dot + mg_patch_friction_row(c, slot), *steer = c->patches.friction[slot].slip_direction;
-  const mg_real radius = mg_patch_radius(c, slot), turn = slip[2] * radius;
-  const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + turn * turn);
-  const int small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
-  const mg_real sign = !small && mg_patch_slip_speed(c, slot) < 0 ? -1 : 1;
-  const int steered = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
+/* Twist from which the friction of a patch is computed: its slip, reversed where it points against the stored
+   direction; that direction where the slip is too small to tell one; the direction that is being solved for where
+   slip starts. */
+static void mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
+  const mg_real *slip = c->d_dot + mg_first_patch_friction_row(c, slot),
+                *steer = c->patches.friction[slot].slip_direction;
+  const mg_real radius = mg_support_radius(c, slot), spin_velocity = slip[2] * radius;
+  const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + spin_velocity * spin_velocity);
+  const int is_small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
+  const mg_real sign = !is_small && mg_patch_slip_along_direction(c, slot) < 0 ? -1 : 1;
+  const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3];
   for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
-  if (!small && !steered) return;
+  if (!is_small && !is_solved_for) return;
   mg_patch_slip_basis(c, slot, e);
-  for (int k = 0; k < 3; k++) twist[k] = e[0][k] + (steered ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
+  for (int k = 0; k < 3; k++) twist[k] = e[0][k] + (is_solved_for ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
   twist[2] /= radius;
 }
 
-/* The pressure in a slot, of a resultant of 1 at its centre; of all of the face while that is not known. */
-MG_INTERNAL void mg_patch_pressure(mg_context *c, int slot) {
+/* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
+   centre is not known. */
+MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
   mg_pressure *p = &c->patches.pressure;
   mg_patch_frame at;
-  mg_overlay_patch(c, mg_slot_patch(c, slot));
+  mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
   r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, r->centre);
   if (!r->centre_known || !mg_winkler_pressure(p, 1, r->centre)) {
-    mg_patch_axes(c, slot, &at);
+    mg_set_patch_frame(c, slot, &at);
     for (int k = 0; k < 2; k++) r->centre[k] = (at.pad[0][k] + at.pad[1][k] + at.pad[2][k]) / 3;
     mg_uniform_pressure(p, r->centre);
     r->force_outside = 0;
@@ -114,21 +122,21 @@ MG_INTERNAL void mg_patch_pressure(mg_context *c, int slot) {
   r->partly_unloaded = p->partly_unloaded, r->extent = p->reach;
 }
 
-/* How the friction of a slot goes with the forces on its pads. */
-static void mg_lean_rub(mg_context *c, int slot) {
-  const int patch = mg_slot_patch(c, slot), row = mg_patch_friction_row(c, slot);
+/* Set the ratios of the friction of a slipping patch, along its three rows, to the force on each support. */
+static void mg_set_patch_force_ratio(mg_context *c, int slot) {
+  const int patch = mg_patch_of_slot(c, slot), row = mg_first_patch_friction_row(c, slot);
   const mg_real mu = c->system->patch_friction[2 * patch + 1];
   mg_patch_friction *r = c->patches.friction + slot;
   mg_patch_frame at;
-  mg_real own[3], twist[3], G[3][3], level[3];
-  mg_patch_pressure(c, slot);
-  mg_patch_axes(c, slot, &at);
+  mg_real support_twist[3], twist[3], G[3][3], level[3];
+  mg_update_patch_pressure(c, slot);
+  mg_set_patch_frame(c, slot, &at);
   const mg_pressure *p = &c->patches.pressure;
-  const mg_real arm[2] = {p->centre[0] - at.pad[0][0], p->centre[1] - at.pad[0][1]};
-  mg_rub_twist(c, slot, own);
-  twist[2] = at.sign * own[2];
-  twist[0] = own[0] * at.t[0][0] + own[1] * at.t[1][0] - twist[2] * arm[1];
-  twist[1] = own[0] * at.t[0][1] + own[1] * at.t[1][1] + twist[2] * arm[0];
+  const mg_real centre_offset[2] = {p->centre[0] - at.pad[0][0], p->centre[1] - at.pad[0][1]};
+  mg_patch_slip_twist(c, slot, support_twist);
+  twist[2] = at.sign * support_twist[2];
+  twist[0] = support_twist[0] * at.t[0][0] + support_twist[1] * at.t[1][0] - twist[2] * centre_offset[1];
+  twist[1] = support_twist[0] * at.t[0][1] + support_twist[1] * at.t[1][1] + twist[2] * centre_offset[0];
   mg_friction_matrix(p, twist, G);
   for (int i = 0; i < 3; i++) {
     const mg_real moment[3] = {1, at.pad[i][0] - p->centre[0], at.pad[i][1] - p->centre[1]};
@@ -138,81 +146,82 @@ static void mg_lean_rub(mg_context *c, int slot) {
     for (int k = 0; k < 3; k++) force[k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);
     r->force_ratio[0][i] = at.t[0][0] * force[0] + at.t[0][1] * force[1];
     r->force_ratio[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
-    r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(arm, force));
+    r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(centre_offset, force));
   }
   for (int k = 0; k < MG_PATCH_ROWS; k++) mg_inverse_mass_row(c, row + k);
 }
 
-/* The leans of all slots; needs the rates of the rows. */
-MG_INTERNAL void mg_begin_patch_friction(mg_context *c) {
+/* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */
+MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
-    r->slips = mg_is_frictional_slot(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_ONSET;
+    r->slips = mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_ONSET;
     if (!r->slips) continue;
-    mg_lean_rub(c, slot);
+    mg_set_patch_force_ratio(c, slot);
     for (int k = 0; k < MG_PATCH_ROWS; k++)
-      c->friction.force_ratio[mg_patch_friction_row(c, slot) - c->friction_row_begin + k] = 1;
+      c->friction.force_ratio[mg_first_patch_friction_row(c, slot) - c->friction_row_begin + k] = 1;
   }
 }
 
-/* The lean is for this centre of pressure: both leave nothing of the face alone, or they are the same. Takes the
- * centre. */
-static int mg_rub_is_settled(mg_context *c, int slot, const mg_real *centre) {
+/* Store the new centre of pressure of a slot; true if the force ratios still hold for it: neither pressure lifts
+   off part of the face, or the centres agree. */
+static int mg_is_patch_pressure_converged(mg_context *c, int slot, const mg_real *centre) {
   mg_patch_friction *r = c->patches.friction + slot;
-  const mg_real made[2] = {r->centre[0], r->centre[1]};
+  const mg_real old_centre[2] = {r->centre[0], r->centre[1]};
   const int was_cut = r->partly_unloaded || r->force_outside;
   r->centre[0] = centre[0], r->centre[1] = centre[1], r->centre_known = 1;
   if (!was_cut) {
-    mg_patch_pressure(c, slot);
+    mg_update_patch_pressure(c, slot);
     return !r->partly_unloaded && !r->force_outside;
   }
   mg_move_inside_hull(&c->patches.hull, r->centre);
-  return mg_distance2(r->centre, made) <= sqrt(MG_EPS) * r->extent;
+  return mg_distance2(r->centre, old_centre) <= sqrt(MG_EPS) * r->extent;
 }
 
-/* After forces: 1 where leans were for another pressure, and have been made anew for this one. */
-MG_INTERNAL int mg_is_pressure_changing(mg_context *c) {
+/* After the forces: recompute the force ratios of patches whose pressure has changed; returns 1 while forces must
+   be solved again. */
+MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     mg_real world[3], pose[12], centre[3];
-    if (!c->patches.friction[slot].slips || !(mg_pressure_resultant(c, slot, c->force, world) > 0)) continue;
-    mg_hull_pose(c, mg_slot_patch(c, slot), pose);
-    mg_to_local(pose, world, centre);
-    if (mg_rub_is_settled(c, slot, centre)) continue;
-    mg_lean_rub(c, slot);
+    if (!c->patches.friction[slot].slips || !(mg_support_resultant(c, slot, c->force, world) > 0)) continue;
+    mg_hull_pose(c, mg_patch_of_slot(c, slot), pose);
+    mg_world_to_local_point(pose, world, centre);
+    if (mg_is_patch_pressure_converged(c, slot, centre)) continue;
+    mg_set_patch_force_ratio(c, slot);
     count++;
   }
   return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
 }
 
-/* Takes the leans of patches into the columns of pads among the n assembled in c->lcp.A. */
-MG_INTERNAL void mg_couple_supports(mg_context *c, const int *list, int n) {
+/* Subtract the friction of slipping patches from the columns of their supports in the assembled matrix of n rows. */
+MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int slot = mg_slipping_slot_of_row(c, list[j]), pad = (list[j] - c->support_begin) % 3;
     for (int k = 0; k < MG_PATCH_ROWS && slot >= 0; k++)
       for (int r = 0; r < n; r++)
         c->lcp.A[r + n * j] -= c->patches.friction[slot].force_ratio[k][pad] *
-                               mg_delassus_entry(c, list[r], mg_patch_friction_row(c, slot) + k);
+                               mg_delassus_entry(c, list[r], mg_first_patch_friction_row(c, slot) + k);
   }
 }
 
-/* The friction of patches that slip, from the forces on their pads, into c->force and c->accel. */
-MG_INTERNAL void mg_add_patch_friction(mg_context *c) {
+/* Compute the friction of slipping patches from the forces on their supports and add it to the accelerations. */
+MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c) {
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     const mg_patch_friction *r = c->patches.friction + slot;
-    const mg_real *N = c->force + mg_slot_support(c, slot);
+    const mg_real *N = c->force + mg_first_support(c, slot);
     for (int k = 0; k < MG_PATCH_ROWS && r->slips; k++) {
-      const int row = mg_patch_friction_row(c, slot) + k;
+      const int row = mg_first_patch_friction_row(c, slot) + k;
       c->force[row] = -(r->force_ratio[k][0] * N[0] + r->force_ratio[k][1] * N[1] + r->force_ratio[k][2] * N[2]);
       mg_add_row_response(c, row, c->force[row], c->accel);
     }
   }
 }
 
-/* Appends the rows of stuck patches to a list of n; returns its length. */
-MG_INTERNAL int mg_append_sticking_patches(const mg_context *c, int *list, int n) {
+/* Append the friction rows of sticking patches to a list of n rows; returns its length. */
+MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, int n) {
   for (int slot = 0; slot < c->system->n_slot; slot++)
-    for (int k = 0; k < MG_PATCH_ROWS && mg_is_frictional_slot(c, slot) && c->run->patch_mode[slot] == MG_STICKING; k++)
-      list[n++] = mg_patch_friction_row(c, slot) + k;
+    for (int k = 0; k < MG_PATCH_ROWS && mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] == MG_STICKING; k++)
+      list[n++] = mg_first_patch_friction_row(c, slot) + k;
   return n;
 }

@@ -1,28 +1,29 @@
-/* Planar contact (section 5): a face that rests on another is held by three pads, both ways. Where the centre of
-   pressure leaves the hull of what both faces cover, or the force between them is used up, the patch ends. */
+/* Planar contact (section 5): a face that rests on another is held by three bilateral supports. The patch ends
+   where the centre of pressure leaves the convex hull of the common area, or where the force between the faces
+   vanishes. Reads the forces; writes the hull workspace and the event margins of the slots. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "region/region.h"
 #include "model/model.h"
 
-/* Where a pad is in the world. */
-MG_INTERNAL void mg_support_in_hull(const mg_context *c, int pad, mg_real *world) {
+/* Position of a support point in world axes. */
+MG_INTERNAL void mg_support_world_point(const mg_context *c, int pad, mg_real *world) {
   mg_to_world(c->pose + 12 * c->f[pad], c->run->point + 3 * pad, 1, world);
 }
 
-/* The resultant of the amounts on a slot's pads, and their centre in the world. */
-MG_INTERNAL mg_real mg_pressure_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
-  const int pad = mg_slot_support(c, slot);
+/* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
+MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
+  const int pad = mg_first_support(c, slot);
   mg_real sum = 0, point[3];
   for (int k = 0; k < 3; k++) sum += amount[pad + k], centre[k] = 0;
   for (int i = 0; i < 3; i++) {
-    mg_support_in_hull(c, pad + i, point);
+    mg_support_world_point(c, pad + i, point);
     for (int k = 0; k < 3; k++) centre[k] += amount[pad + i] / sum * point[k];
   }
   return sum;
 }
 
-/* The most arcs that bound the regions of a patch. */
+/* Largest number of boundary arcs of a patch in the system. */
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s) {
   int most = 0;
   for (int patch = 0; patch < s->n_patch; patch++)
@@ -30,30 +31,32 @@ MG_INTERNAL int mg_max_patch_arcs(const mg_system *s) {
   return most;
 }
 
-static int mg_is_whole(const mg_context *c, int patch) {
+/* True if o's face of the patch is a whole plane, without boundary. */
+static int mg_is_whole_plane(const mg_context *c, int patch) {
   return c->system->patch_arc[patch] == c->system->patch_arc_f[patch];
 }
 
-/* The axes of a patch's hull in the world: of o's face; of f's where o's is a whole plane, so that the hull stays. */
+/* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
+   hull is then constant. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out) {
-  mg_face_pose(c, patch, mg_is_whole(c, patch), out);
+  mg_face_pose(c, patch, mg_is_whole_plane(c, patch), out);
 }
 
-/* The pose of f's face in the axes of the hull; its own exactly, where the poses of a stage are not of unit length yet.
- */
-static void mg_place_between(mg_context *c, int patch, mg_real *between) {
+/* Pose of f's face in hull axes; the exact identity where the hull is in f's axes. */
+static void mg_face_pose_in_hull(mg_context *c, int patch, mg_real *between) {
   mg_real hull[12], f[12];
-  if (mg_is_whole(c, patch)) {
+  if (mg_is_whole_plane(c, patch)) {
     for (int k = 0; k < 12; k++) between[k] = k == 3 || k == 7 || k == 11;
     return;
   }
   mg_hull_pose(c, patch, hull);
   mg_face_pose(c, patch, 1, f);
-  mg_to_local(hull, f, between);
+  mg_world_to_local_point(hull, f, between);
   for (int k = 0; k < 3; k++) mg_rotate_back(hull + 3, f + 3 + 3 * k, between + 3 + 3 * k);
 }
 
-static void mg_set_patch(mg_context *c, int patch) {
+/* Load the boundary arcs of both faces of a patch into the hull workspace. */
+static void mg_load_patch_regions(mg_context *c, int patch) {
   const mg_system *s = c->system;
   const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
   for (int i = 0; i < n; i++) {
@@ -72,101 +75,108 @@ static void mg_set_patch(mg_context *c, int patch) {
   mg_set_regions(&c->patches.hull, &c->patches.regions, c->patches.hull_memory);
 }
 
-/* Lays the faces of a patch on each other; returns the number of sides of their hull. */
-MG_INTERNAL int mg_overlay_patch(mg_context *c, int patch) {
+/* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
+   edges. */
+MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
   const int known = c->patches.hull_patch == patch;
   mg_real between[12];
-  if (known && mg_is_whole(c, patch)) return c->patches.hull.n_edge;
-  if (!known) mg_set_patch(c, patch);
-  mg_place_between(c, patch, between);
+  if (known && mg_is_whole_plane(c, patch)) return c->patches.hull.n_edge;
+  if (!known) mg_load_patch_regions(c, patch);
+  mg_face_pose_in_hull(c, patch, between);
   return mg_overlay_regions(&c->patches.hull, between);
 }
 
-/* How far inside the hull a point of the world lies; -MG_MAX where the faces have nothing in common. In a hull that
-   stays, all points as near as that are inside too. */
-MG_INTERNAL mg_real mg_patch_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink) {
+/* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
+   the faces share nothing. Remembers the deepest point found in a hull that does not change. */
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
-  mg_to_local(hull, world, x);
-  mg_overlay_patch(c, patch);
+  mg_world_to_local_point(hull, world, x);
+  mg_overlay_patch_regions(c, patch);
   const mg_real margin = mg_hull_margin(&c->patches.hull, x, brink);
-  if (mg_is_whole(c, patch) && margin > c->patches.deepest)
+  if (mg_is_whole_plane(c, patch) && margin > c->patches.deepest)
     c->patches.deepest = margin, c->patches.deepest_point[0] = x[0], c->patches.deepest_point[1] = x[1];
   return margin;
 }
 
-/* How far inside the hull a point of the world is known to lie at least, m; negative where it is not. */
-static mg_real mg_sheltered_by(const mg_context *c, int patch, const mg_real *world) {
+/* Lower bound in m of the distance by which a world point lies inside the hull, from the deepest point known;
+   negative where it tells nothing. */
+static mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world) {
   mg_real hull[12], x[3];
   if (c->patches.hull_patch != patch || !(c->patches.deepest > 0)) return -1;
   mg_hull_pose(c, patch, hull);
-  mg_to_local(hull, world, x);
+  mg_world_to_local_point(hull, world, x);
   const mg_real dx = x[0] - c->patches.deepest_point[0], dy = x[1] - c->patches.deepest_point[1];
   return (mg_real)0.99 * c->patches.deepest - sqrt(dx * dx + dy * dy);
 }
 
-MG_INTERNAL mg_real mg_patch_force_scale(const mg_context *c) { return mg_rest_acceleration(c) * c->system->mass; }
+/* Force in N that counts as zero: acceleration tolerance times the mass scale. */
+MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c) { return mg_acceleration_tolerance(c) * c->system->mass; }
 
-/* The cause for which a slot's patch ends with these amounts on its pads, or 0; how far it is from there. */
-MG_INTERNAL int mg_is_patch_ending(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin) {
+/* Cause for which a patch ends with the given amounts on its supports, or 0, and the distance of the centre of
+   pressure inside the hull. */
+MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor,
+                                        mg_real *margin) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  const mg_real N = mg_pressure_resultant(c, slot, amount, centre);
+  const mg_real N = mg_support_resultant(c, slot, amount, centre);
   *margin = -MG_MAX;
   if (!(N > floor)) return MG_FACES_SEPARATE;
-  if (mg_is_turning_on_edge(c, slot)) return mg_edge_end_cause(c, slot, amount, floor);
-  *margin = mg_patch_margin(c, mg_slot_patch(c, slot), centre, &brink);
+  if (mg_is_edge_pivot(c, slot)) return mg_find_pivot_end_cause(c, slot, amount, floor);
+  *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
   return *margin < -c->settings->border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
 }
 
-/* What is left before the events of a slot: its force, the margin of its centre of pressure, friction. */
-MG_INTERNAL mg_event_margin *mg_note_slot_margin(const mg_context *c, int slot) {
-  return mg_margins_at(c, MG_MARGIN_SAMPLES) + mg_slot_support(c, slot);
+/* Event margins of a slot: force, centre of pressure inside the hull, friction. */
+MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot) {
+  return mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES) + mg_first_support(c, slot);
 }
 
-/* The cause for which the patch in a slot ends at the state of the last right-hand side, or 0; notes what is left
-   before it does. */
-MG_INTERNAL int mg_slot_end_cause(mg_context *c, int slot) {
-  const int patch = mg_slot_patch(c, slot);
-  const mg_real floor = -mg_patch_force_scale(c), border = c->settings->border * c->system->length;
-  mg_event_margin *left = mg_note_slot_margin(c, slot);
+/* Event of the patch in a slot at the last right-hand side, or 0; stores the margins before its events. */
+MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot) {
+  const int patch = mg_patch_of_slot(c, slot);
+  const mg_real floor = -mg_force_tolerance(c), border = c->settings->border * c->system->length;
+  mg_event_margin *margins = mg_slot_event_margins(c, slot);
   mg_real margin, centre[3];
-  for (int k = 0; k < 3; k++) left[k].lower = left[k].upper = MG_MAX;
+  for (int k = 0; k < 3; k++) margins[k].lower = margins[k].upper = MG_MAX;
   if (patch < 0) return 0;
-  const mg_real N = mg_pressure_resultant(c, slot, c->force, centre);
-  const mg_real shelter = !mg_is_turning_on_edge(c, slot) && N > floor ? mg_sheltered_by(c, patch, centre) : -1;
-  const int cause = shelter > 0 ? 0 : mg_is_patch_ending(c, slot, c->force, floor, &margin);
-  left[0].lower = left[0].upper = N - floor;
-  if (shelter > 0) left[1].lower = shelter + border, left[1].upper = 2 * c->patches.deepest - shelter + border;
-  else if (!mg_is_turning_on_edge(c, slot)) left[1].lower = left[1].upper = margin + border;
-  return cause ? cause : mg_is_patch_friction_triggered(c, slot);
+  const mg_real N = mg_support_resultant(c, slot, c->force, centre);
+  const mg_real known_margin =
+      !mg_is_edge_pivot(c, slot) && N > floor ? mg_hull_margin_lower_bound(c, patch, centre) : -1;
+  const int cause = known_margin > 0 ? 0 : mg_find_patch_end_cause(c, slot, c->force, floor, &margin);
+  margins[0].lower = margins[0].upper = N - floor;
+  if (known_margin > 0)
+    margins[1].lower = known_margin + border, margins[1].upper = 2 * c->patches.deepest - known_margin + border;
+  else if (!mg_is_edge_pivot(c, slot)) margins[1].lower = margins[1].upper = margin + border;
+  return cause ? cause : mg_find_patch_friction_event(c, slot);
 }
 
-/* Marks the slots whose patches end at the state of the last right-hand side; returns how many. */
-MG_INTERNAL int mg_trigger_patches(mg_context *c) {
+/* Mark the slots whose patch events have triggered at the last right-hand side; returns their number. */
+MG_INTERNAL int mg_mark_patch_events(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_slot_support(c, slot);
+    const int pad = mg_first_support(c, slot);
     for (int k = 0; k < 3; k++) c->events.triggered[pad + k] = 0;
-    c->events.triggered[pad] = mg_slot_end_cause(c, slot);
+    c->events.triggered[pad] = mg_find_slot_event(c, slot);
     count += c->events.triggered[pad] != 0;
   }
   return count;
 }
 
-MG_INTERNAL int mg_any_patch_ends(mg_context *c) {
+/* True if an event of a patch has triggered at the last right-hand side. */
+MG_INTERNAL int mg_has_patch_event(mg_context *c) {
   for (int slot = 0; slot < c->system->n_slot; slot++)
-    if (mg_slot_end_cause(c, slot)) return 1;
+    if (mg_find_slot_event(c, slot)) return 1;
   return 0;
 }
 
-/* The function whose zero ends a patch. */
+/* Event function of a patch, for the given cause. */
 MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int pad, int cause) {
   mg_real centre[3];
   mg_nearest_boundary brink;
   const int slot = (pad - c->support_begin) / 3;
-  const mg_real N = mg_pressure_resultant(c, slot, c->force, centre);
-  if (cause >= MG_FRICTION_EXCEEDED) return mg_patch_friction_value(c, slot, cause);
-  if (cause >= MG_ROLLS_ONTO_RIM) return mg_edge_event_value(c, slot, cause);
-  return cause == MG_FACES_SEPARATE ? N : mg_patch_margin(c, mg_slot_patch(c, slot), centre, &brink);
+  const mg_real N = mg_support_resultant(c, slot, c->force, centre);
+  if (cause >= MG_FRICTION_EXCEEDED) return mg_patch_friction_event_value(c, slot, cause);
+  if (cause >= MG_ROLLS_ONTO_RIM) return mg_pivot_event_value(c, slot, cause);
+  return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
 }

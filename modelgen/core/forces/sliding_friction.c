@@ -1,41 +1,50 @@
-/* The rows of contacts below their normal ones, and the grips that bound the forces along them: friction against slip,
-   resistance against spinning and rolling. */
-/* Forces with friction within one mode: a stuck grip holds its rows like a joint; a slipping one adds to the normal
-   force N the force -N lean along its rows, lean = mu^2 s / |mu s| of the slip s, axis by axis. */
+/* Tangential rows of the contacts and the friction row groups that bound the forces along them: sliding friction
+   (two rows), spinning resistance (one row), rolling resistance (two rows). Writes Jacobian rows, Gamma2 and slip
+   velocities of the tangential rows.
+
+   Friction forces within one mode: a sticking row group holds its rows like a joint; a slipping one adds -N mu^2
+   s / |mu s| to the normal force N, s being its slip, componentwise in the principal axes of the friction
+   ellipse. The force ratios make the matrix unsymmetric. Writes force ratios, forces and accelerations; does not
+   change modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-MG_INTERNAL int mg_grip_contact(const mg_context *c, int grip) {
+/* Contact that a friction row group belongs to. */
+MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int grip) {
   int contact = 0;
   while (c->system->contact_grip[contact + 1] <= grip) contact++;
   return contact;
 }
 
-MG_INTERNAL int mg_grip_rows(const mg_context *c, int grip) { return c->system->grip_aspect[grip] == MG_SPIN ? 1 : 2; }
+/* Number of rows of a friction row group: 1 for spin, 2 for slip and rolling. */
+MG_INTERNAL int mg_friction_row_count(const mg_context *c, int grip) {
+  return c->system->grip_aspect[grip] == MG_SPIN ? 1 : 2;
+}
 
-/* Appends the rows of stuck grips to a list of n; returns its length. */
+/* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      for (int k = 0; k < mg_grip_rows(c, g) && c->run->active[i] && c->run->grip[g] == MG_STICKING; k++)
-        list[n++] = mg_grip_row(c, i, g) + k;
-  return mg_append_sticking_patches(c, list, n);
+      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->active[i] && c->run->grip[g] == MG_STICKING; k++)
+        list[n++] = mg_first_friction_row(c, i, g) + k;
+  return mg_append_sticking_patch_rows(c, list, n);
 }
 
-/* The size of the slip of a grip: m/s, of spin and rolling rad/s. */
-MG_INTERNAL mg_real mg_slip_scale(const mg_context *c, int grip) {
+/* Characteristic slip velocity of a row group: m/s; rad/s for spin and rolling. */
+MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int grip) {
   return (c->system->grip_aspect[grip] == MG_SLIP ? c->system->length : 1) / c->system->time;
 }
 
-MG_INTERNAL mg_real mg_stick_speed(const mg_context *c, int grip) {
-  return c->settings->slip_speed * mg_slip_scale(c, grip);
+/* Slip velocity below which a row group counts as sticking. */
+MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int grip) {
+  return c->settings->slip_speed * mg_slip_velocity_scale(c, grip);
 }
 
-/* The slip of a grip past its course: its components s, and returned s.course. */
-MG_INTERNAL mg_real mg_speed_along_slip(const mg_context *c, int contact, int grip, mg_real *slip) {
-  const int row = mg_grip_row(c, contact, grip);
+/* Slip components s of a row group, and as value s . e along its stored slip direction e. */
+MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int grip, mg_real *slip) {
+  const int row = mg_first_friction_row(c, contact, grip);
   const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
   slip[0] = c->d_dot[row], slip[1] = 0;
   if (c->system->grip_aspect[grip] == MG_SPIN) return slip[0] * course[0];
@@ -43,43 +52,46 @@ MG_INTERNAL mg_real mg_speed_along_slip(const mg_context *c, int contact, int gr
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course);
 }
 
-/* Along the slip, which is taken round where it points against its course, so that the force is smooth while one that
-   stays on a line passes zero; along the course where there is so little of it that rounding would turn it. */
-MG_INTERNAL void mg_update_force_ratio(mg_context *c, int contact, int grip) {
-  const int row = mg_grip_row(c, contact, grip), rows = mg_grip_rows(c, grip);
+/* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
+   points against its stored direction, so that the force stays smooth through zero slip, and is that direction
+   where rounding would turn it. */
+MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int grip) {
+  const int row = mg_first_friction_row(c, contact, grip), rows = mg_friction_row_count(c, grip);
   const mg_real *mu = c->system->grip_kinetic + 2 * grip, *course = c->run->slip_direction + 3 * grip;
   const mg_real *t = c->tangents + 6 * contact;
-  mg_real slip[2], sign = mg_speed_along_slip(c, contact, grip, slip) < 0 ? -1 : 1;
-  const mg_real least = 2 * mg_stick_speed(c, grip);
+  mg_real slip[2], sign = mg_slip_along_direction(c, contact, grip, slip) < 0 ? -1 : 1;
+  const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, grip);
   if (rows == 1) slip[0] = course[0], sign = 1;
   else if (c->friction.follows_angle && c->run->grip[grip] == MG_SLIP_ONSET)
-    mg_rotated_slip_direction(c, contact, grip, c->friction.slip_angle[grip], slip), sign = 1;
-  else if (slip[0] * slip[0] + slip[1] * slip[1] <= least * least)
+    mg_slip_direction_at_angle(c, contact, grip, c->friction.slip_angle[grip], slip), sign = 1;
+  else if (slip[0] * slip[0] + slip[1] * slip[1] <= direction_tolerance * direction_tolerance)
     slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
-  const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], size = sqrt(a * a + b * b);
-  c->friction.force_ratio[row - c->friction_row_begin] = size > 0 ? sign * mu[0] * a / size : 0;
-  if (rows == 2) c->friction.force_ratio[row + 1 - c->friction_row_begin] = size > 0 ? sign * mu[1] * b / size : 0;
+  const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], weighted_slip = sqrt(a * a + b * b);
+  c->friction.force_ratio[row - c->friction_row_begin] = weighted_slip > 0 ? sign * mu[0] * a / weighted_slip : 0;
+  if (rows == 2)
+    c->friction.force_ratio[row + 1 - c->friction_row_begin] = weighted_slip > 0 ? sign * mu[1] * b / weighted_slip : 0;
 }
 
+/* True if the row group of an active contact slips. */
 static int mg_is_slipping(const mg_context *c, int contact, int grip) {
   return c->run->active[contact] && c->run->grip[grip] >= MG_SLIP_ONSET;
 }
 
-/* The leans of all rows below, 0 of those that do not slip, with M^-1 J^T of those that do. */
-MG_INTERNAL void mg_update_force_ratios(mg_context *c) {
+/* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
+MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   const mg_system *s = c->system;
-  mg_slip_rates(c);
+  mg_update_slip_velocities(c);
   for (int i = 0; i < s->n_below; i++) c->friction.force_ratio[i] = 0;
   for (int i = 0; i < s->n_contact; i++)
     for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
-      mg_update_force_ratio(c, i, g);
-      for (int k = 0; k < mg_grip_rows(c, g); k++) mg_inverse_mass_row(c, mg_grip_row(c, i, g) + k);
+      mg_set_slip_force_ratio(c, i, g);
+      for (int k = 0; k < mg_friction_row_count(c, g); k++) mg_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
     }
-  mg_begin_patch_friction(c);
+  mg_set_patch_force_ratios(c);
 }
 
-/* J_row M^-1 J_column^T. */
+/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
@@ -91,41 +103,43 @@ MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* Of a contact; those of patches go with three normal rows. */
-MG_INTERNAL int mg_friction_row_count(const mg_context *c, int row) {
+/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
+MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row) {
   return row < c->support_begin ? c->kernels->contact_kinds[c->kind[row]].rows - 1 : 0;
 }
 
-/* Takes the leans into the columns of the normal rows among the n assembled in c->lcp.A. */
-MG_INTERNAL void mg_couple_columns(mg_context *c, const int *list, int n) {
+/* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
+   carries both; the matrix is then not symmetric. */
+MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int first =
-        c->friction_row_begin + (mg_friction_row_count(c, list[j]) ? c->system->contact_below[list[j]] : 0);
-    for (int k = first; k < first + mg_friction_row_count(c, list[j]); k++) {
+        c->friction_row_begin + (mg_tangential_row_count(c, list[j]) ? c->system->contact_below[list[j]] : 0);
+    for (int k = first; k < first + mg_tangential_row_count(c, list[j]); k++) {
       const mg_real lean = c->friction.force_ratio[k - c->friction_row_begin];
       for (int r = 0; r < n && lean != 0; r++) c->lcp.A[r + n * j] -= lean * mg_delassus_entry(c, list[r], k);
     }
   }
-  mg_couple_supports(c, list, n);
+  mg_couple_slip_to_support_columns(c, list, n);
 }
 
-static int mg_leans(const mg_context *c, const int *list, int n) {
+/* True if a listed row carries the friction of slip, so that the matrix is not symmetric. */
+static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++)
     if (mg_slipping_slot_of_row(c, list[j]) >= 0) return 1;
   for (int j = 0; j < n; j++)
-    for (int k = 0; k < mg_friction_row_count(c, list[j]); k++)
+    for (int k = 0; k < mg_tangential_row_count(c, list[j]); k++)
       if (c->friction.force_ratio[c->system->contact_below[list[j]] + k] != 0) return 1;
   return 0;
 }
 
-/* The forces of an island whose n rows are assembled in c->lcp.A, c->lcp.b: those nearest to their shares where they
-   are not unique. */
-MG_INTERNAL void mg_hold_coupled_rows(mg_context *c, int n, mg_real *amount) {
-  const int oblique = mg_leans(c, c->islands.rows, n);
-  if (oblique) mg_couple_columns(c, c->islands.rows, n);
+/* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
+   forces. */
+MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
+  const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
+  if (unsymmetric) mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
   for (int j = 0; j < n && c->run->forces_redundant; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
-  if (oblique) mg_asymmetric_solve(c, c->islands.rows, n, c->lcp.z);
+  if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
   else
     mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z,
                     c->lcp.work, c->lcp.iwork);
@@ -134,21 +148,22 @@ MG_INTERNAL void mg_hold_coupled_rows(mg_context *c, int n, mg_real *amount) {
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
 }
 
-/* The forces of slipping grips, from the normal forces, into c->force and c->accel. */
-MG_INTERNAL void mg_add_slip_forces(mg_context *c) {
+/* Compute the friction forces of slipping contacts and patches from their normal forces and add them to the
+   accelerations. */
+MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int k = 0; k < mg_friction_row_count(c, i); k++) {
+    for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
       const int row = c->friction_row_begin + c->system->contact_below[i] + k;
       const mg_real lean = c->friction.force_ratio[row - c->friction_row_begin];
       if (lean == 0) continue;
       c->force[row] = -c->force[i] * lean;
       mg_add_row_response(c, row, c->force[row], c->accel);
     }
-  mg_add_patch_friction(c);
+  mg_apply_patch_slip_forces(c);
 }
 
-/* Power of the rows below into the moving bodies; the slip of a stuck grip is an error, which is no work. */
-MG_INTERNAL mg_real mg_slipping_power(const mg_context *c) {
+/* Power in W that friction puts into the moving bodies; residual slip of sticking friction does no work. */
+MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
   for (int i = c->friction_row_begin; i < c->friction_row_end; i++) {
     if (c->force[i] == 0) continue;
@@ -158,8 +173,8 @@ MG_INTERNAL mg_real mg_slipping_power(const mg_context *c) {
   return power;
 }
 
-/* Along a direction at an angle from the course, in the coordinates of the grip's rows. */
-MG_INTERNAL void mg_rotated_slip_direction(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
+/* Direction at an angle from the stored slip direction, in the components of its rows. */
+MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
   const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
   const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;

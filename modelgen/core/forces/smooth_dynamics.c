@@ -1,66 +1,72 @@
-/* The smooth right-hand side within one mode: the active contacts hold their gap's acceleration at zero, the joints
-   that of their rows (2.6). */
-/* Rows that share moving bodies form islands; the amounts that hold them are found island by island. */
+/* Right-hand side of the equations of motion within one contact mode: the active contacts keep the second
+   derivative of their gap at zero, the joints that of their rows, equation (2.6) of Anitescu, Cremer and Potra
+   (1995). Reads the state, the active set and the friction modes of the run. Writes poses, rows, forces and
+   accelerations of the context, and counts the evaluations. It does not change modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-/* Forces on the active contacts: A force = -(J a + Gamma2), the unconstrained accelerations a in c->accel. */
-static void mg_forces(mg_context *c) {
+/* Solve the forces of the active contacts, joints and sticking friction, (J M^-1 J^T) f = -(J a + Gamma2), and
+   add M^-1 J^T f to the unconstrained accelerations in c->accel. */
+static void mg_solve_contact_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) c->row_rate[i] = mg_gap_acceleration(c, i);
-  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_gap_acceleration(c, i);
+    if (c->run->active[i]) c->row_rate[i] = mg_row_acceleration(c, i);
+  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
   c->friction.couples_normal = c->system->n_grip > 0;
-  if (c->friction.couples_normal) mg_update_force_ratios(c);
+  if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
   c->patches.pressure_rounds = 0;
   int n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
-  while (c->friction.couples_normal && mg_is_pressure_changing(c))
+  while (c->friction.couples_normal && mg_has_changed_patch_pressures(c))
     n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->force[c->lcp.rows[r]], c->accel);
-  if (c->friction.couples_normal) mg_add_slip_forces(c);
+  if (c->friction.couples_normal) mg_apply_slip_forces(c);
   c->friction.couples_normal = 0;
 }
 
-static int mg_is_somewhere(const mg_context *c, int body) {
+/* True if pose, twist and acceleration of the body are finite. */
+static int mg_is_body_state_finite(const mg_context *c, int body) {
   return mg_all_finite(12, c->pose + 12 * body) && mg_all_finite(6, c->twist + 6 * body) &&
          mg_all_finite(6, c->accel + 6 * body);
 }
 
-/* Whether a driven body is nowhere. */
-MG_INTERNAL int mg_has_nonfinite_path(const mg_context *c) {
+/* True if the prescribed path of a driven body is not finite at the present time. */
+MG_INTERNAL int mg_has_nonfinite_driven_path(const mg_context *c) {
   for (int b = 0; b < c->system->n_body && c->n_driven; b++)
-    if (mg_is_driven(c->system, b) && !mg_is_somewhere(c, b)) return 1;
+    if (mg_is_driven_body(c->system, b) && !mg_is_body_state_finite(c, b)) return 1;
   return 0;
 }
 
-/* Power that driven bodies and given motions put into the moving bodies through contacts and joints; without bounds
-   where a path is not finite, though nothing may touch it. */
-MG_INTERNAL mg_real mg_driven_power(const mg_context *c) {
+/* Power in W that driven bodies and prescribed joint motions put into the moving bodies through contacts and
+   joints; INFINITY where a prescribed path is not finite. */
+MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   mg_real power = 0;
-  if (mg_has_nonfinite_path(c)) return INFINITY;
+  if (mg_has_nonfinite_driven_path(c)) return INFINITY;
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->active[i]) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
   for (int i = c->joint_row_begin; i < c->joint_row_end; i++) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
   return power;
 }
 
-MG_INTERNAL void mg_rhs(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
+/* Evaluate x_dot = f(t, x) with the active set and the friction modes of the run; writes poses, rows, forces and
+   accelerations of the context. */
+MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
   mg_free_accelerations(c, t, x, x_dot);
   mg_contact_rows(c, x);
   mg_update_joint_rows(c, t);
-  mg_forces(c);
+  mg_solve_contact_forces(c);
   for (int b = 0; b < s->n_body; b++) mg_copy_velocity(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
   for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
-  if (c->n_driven || c->has_prescribed_joint) x_dot[c->work_state] += mg_driven_power(c);
-  if (s->n_grip) x_dot[c->work_state] += mg_slipping_power(c);
+  if (c->n_driven || c->has_prescribed_joint) x_dot[c->work_state] += mg_prescribed_motion_power(c);
+  if (s->n_grip) x_dot[c->work_state] += mg_friction_power(c);
   c->run->rhs_evals++;
 }
 
-/* d_ddot of one row under the accelerations last computed. */
-MG_INTERNAL mg_real mg_gap_acceleration(const mg_context *c, int contact) {
+/* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
+   computed. */
+MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
   return mg_row_times(c, contact, c->accel) + c->gamma[contact];
 }
 
@@ -92,7 +98,7 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
   mg_assemble_delassus(c, c->islands.rows, n);
   for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
   if (c->friction.couples_normal) {
-    mg_hold_coupled_rows(c, n, amount);
+    mg_solve_island_with_friction(c, n, amount);
     return;
   }
   mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z,
@@ -122,9 +128,10 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
   return n;
 }
 
-/* The rows at run->x with the slope in K[0]. */
-MG_INTERNAL void mg_update_rows_and_forces(mg_context *c) {
-  mg_rhs(c, c->run->t, c->run->x, c->step.slopes);
+/* Evaluate the right-hand side and the gap velocities at the state of the run; writes the slope to the first row
+   of the stage slopes, and the contact forces of the run. */
+MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
+  mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
   mg_gap_rates(c);
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];
 }

@@ -1,34 +1,36 @@
-/* Impacts with friction: Newton's restitution and Coulomb's law for impulses, at every closed contact at once (Moreau;
-   Glocker and Pfeiffer, Nonlinear Dynamics 7 (1995), 471-497, with Newton's law in place of Poisson's). */
+/* Impacts with friction: Newton's restitution and Coulomb's law for impulses at all closed contacts at once
+   (Moreau; Glocker and Pfeiffer, Nonlinear Dynamics 7 (1995), 471-497, with Newton's law in place of Poisson's).
+   Writes the impulses and the energy statistics, and resets the friction modes of the run. */
 #include "impact/impact.h"
 #include "solve/friction/solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-static void mg_put_kinetic(mg_context *c, int contact, mg_real *cone) {
+/* Fill the friction cone of a contact with its kinetic coefficients. */
+static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
   for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
-    mg_write_bound(c, g, c->system->grip_kinetic, 1, cone);
+    mg_set_cone_coefficients(c, g, c->system->grip_kinetic, 1, cone);
     c->friction.bound[g] = MG_BOUND_KINETIC;
   }
 }
 
-/* Of all closed contacts that are not hidden, of pads and of joints, with the velocities after the impact as what the
-   impulses must make right. */
-static mg_friction_problem mg_pose_impact(mg_context *c) {
+/* Assemble the friction problem of impulses: closed contacts that no patch covers, supports and joints, with the
+   required change of velocity as right-hand side. */
+static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_friction_problem p = {
       0, 0, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
   for (int i = 0; i < c->support_begin; i++) {
     if (!c->run->closed[i] || c->patches.is_covered[i]) continue;
-    mg_put_kinetic(c, i, c->friction.cone + MG_CONE * p.n_contact);
-    p.n = mg_append_contact_rows(c, i, p.n_contact++, p.n);
+    mg_set_kinetic_cone(c, i, c->friction.cone + MG_CONE * p.n_contact);
+    p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   }
   p.n = mg_append_bilateral_rows(c, c->lcp.rows, p.n);
   mg_assemble_delassus(c, c->lcp.rows, p.n);
-  mg_set_support_rebound(c);
+  mg_set_support_impact_rates(c);
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
-    c->lcp.b[r] = row < c->support_begin        ? c->d_dot[row] * (1 + mg_restitution_of(c, row))
+    c->lcp.b[r] = row < c->support_begin        ? c->d_dot[row] * (1 + mg_effective_restitution(c, row))
                   : row < c->friction_row_begin ? c->row_rate[row]
                                                 : c->d_dot[row];
     c->lcp.z[r] = 0;
@@ -36,11 +38,11 @@ static mg_friction_problem mg_pose_impact(mg_context *c) {
   return p;
 }
 
-/* As mg_find_impulses: into c->lcp.z in the order of c->lcp.rows, and of each pad into c->impulse. Returns how many of
-   the list are rows of contacts, -1 without a solution. */
-MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c) {
+/* Solve the impulses with Newton's restitution and Coulomb's law. Returns how many listed rows belong to
+   contacts, -1 without a solution. */
+MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   mg_friction_report report;
-  const mg_friction_problem p = mg_pose_impact(c);
+  const mg_friction_problem p = mg_assemble_impact_problem(c);
   int n = 0;
   c->run->lcp_solves++;
   if (mg_friction(&p, c->lcp.z, c->friction.marks, &report, c->friction.work, c->friction.iwork)) return -1;
@@ -50,9 +52,9 @@ MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c) {
   return n;
 }
 
-/* Newton's law with friction may make energy: notes the contact that makes most. The first n rows of c->lcp.rows are
-   those of contacts, c->lcp.z their impulses; needs d_dot before the impact. */
-MG_INTERNAL void mg_note_energy_gain(mg_context *c, int n) {
+/* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
+   and the velocities before the impact. */
+MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
@@ -65,9 +67,9 @@ MG_INTERNAL void mg_note_energy_gain(mg_context *c, int n) {
   }
 }
 
-/* After an impact grips are told by their slip anew. */
-MG_INTERNAL void mg_clear_slip(mg_context *c) {
+/* Reset all friction modes after an impact, so that the slip velocities decide them again. */
+MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++) c->run->grip[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
-  mg_clear_patch_friction(c);
-  mg_slip_rates(c);
+  mg_reset_patch_friction(c);
+  mg_update_slip_velocities(c);
 }

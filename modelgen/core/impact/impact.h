@@ -16,23 +16,23 @@ typedef struct {
 } mg_impact_path;
 
 /* impulse_path.c */
-MG_INTERNAL int mg_integrate_impulse(mg_impact_path *b, int law, mg_real e);
+MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e);
 
 /* newton_impact.c */
-MG_INTERNAL int mg_is_bouncing_approach(const mg_context *c, int contact);
-MG_INTERNAL mg_real mg_restitution_of(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact);
+MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact);
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
-MG_INTERNAL void mg_set_support_rebound(mg_context *c);
-MG_INTERNAL int mg_impact(mg_context *c, mg_events *events);
+MG_INTERNAL void mg_set_support_impact_rates(mg_context *c);
+MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events);
 
 /* frictional_impact.c */
-MG_INTERNAL int mg_find_impulses_with_friction(mg_context *c);
-MG_INTERNAL void mg_note_energy_gain(mg_context *c, int n);
-MG_INTERNAL void mg_clear_slip(mg_context *c);
+MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c);
+MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n);
+MG_INTERNAL void mg_reset_friction_modes(mg_context *c);
 
 /* sequential_impact.c */
-MG_INTERNAL int mg_is_sequential_impact(const mg_context *c);
-MG_INTERNAL int mg_sequential_impact(mg_context *c, mg_events *events);
+MG_INTERNAL int mg_is_impact_sequential(const mg_context *c);
+MG_INTERNAL int mg_resolve_impacts_in_sequence(mg_context *c, mg_events *events);
 
 #endif

@@ -1,32 +1,36 @@
-/* Impacts: Newton's restitution at every closed contact at once, frictionless, as a complementarity problem of
-   velocities: 0 <= P, 0 <= d_dot_after + e d_dot_before, complementary. */
+/* Impacts without friction: Newton's restitution at all closed contacts at once, as a complementarity problem of
+   velocities, 0 <= P, 0 <= v_after + e v_before, complementary. Faces that land flat are struck as one. Writes
+   the velocities and the work of the run's state, the closed set and the event list. */
 #include "impact/impact.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "patch/patch.h"
 
-MG_INTERNAL int mg_is_bouncing_approach(const mg_context *c, int contact) {
+/* True if the gap closes faster than rest_speed, so that the contact may bounce. */
+MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
 }
 
-/* Newton's law for an approach that bounces. A rebound too slow to leave is none at all. Nor is that of an approach
-   which only just counts: an open gap that begins to be pressed closes as soon as it does, and at restitution 1 would
-   for ever. */
-MG_INTERNAL mg_real mg_restitution_of(const mg_context *c, int contact) {
+/* Restitution coefficient that applies at this approach velocity; 0 where the rebound, or the approach, is too
+   slow to count. Without the margin of 5/4 on the approach a gap that is just being pressed closed would rebound
+   for ever at restitution 1. */
+MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
   const mg_real e = c->system->restitution[contact], approach = -c->d_dot[contact];
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
-  return e * approach > least && 4 * approach > 5 * least && !mg_has_unfolded(c, contact) ? e : 0;
+  return e * approach > least && 4 * approach > 5 * least && !mg_has_patch_just_opened(c, contact) ? e : 0;
 }
 
-static int mg_list_closed(mg_context *c) {
+/* List the closed contacts that no patch covers, then the supports on hull edges; returns their number. */
+static int mg_list_impact_contacts(mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && !c->patches.is_covered[i]) c->lcp.rows[n++] = i;
   return mg_append_edge_supports(c, c->lcp.rows, n);
 }
 
-/* Adds the impulses to u, and their work on the bodies that they move to the ledger. */
+/* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
+   moving bodies to its work. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   const mg_system *s = c->system;
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
@@ -42,62 +46,63 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
 }
 
-/* A contact caught at a small approach speed would have bounced on in ever shorter flights; they sum to this time.
-   Where hardly anything presses it, it does not bounce. */
+/* Total time in s of the ever shorter flights that a contact closed at small approach velocity would still have
+   made; 0 where hardly anything presses it. */
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
-  const mg_real e = c->system->restitution[contact], pull = -mg_gap_acceleration(c, contact),
+  const mg_real e = c->system->restitution[contact], closing_acceleration = -mg_row_acceleration(c, contact),
                 most = c->settings->look * c->system->time;
-  const mg_real flights = -2 * e * c->d_dot[contact];
-  return e < 1 && flights > 0 && pull > mg_rest_acceleration(c) && flights < most * pull * (1 - e)
-             ? flights / (pull * (1 - e))
+  const mg_real twice_speed_after = -2 * e * c->d_dot[contact];
+  return e < 1 && twice_speed_after > 0 && closing_acceleration > mg_acceleration_tolerance(c) &&
+                 twice_speed_after < most * closing_acceleration * (1 - e)
+             ? twice_speed_after / (closing_acceleration * (1 - e))
              : 0;
 }
 
-/* Opens the contacts that rebound, and reports every contact that was struck. */
-static void mg_after_impact(mg_context *c, mg_events *events) {
+/* Open the contacts that separate after the impact and report their events. */
+static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   for (int i = 0; i < c->support_begin; i++) {
-    const int bounces = c->run->closed[i] && mg_row_times(c, i, c->twist) > rest;
-    if (bounces && mg_is_bouncing_approach(c, i))
-      mg_apply_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->d_dot[i]);
-    else if (bounces) mg_apply_transition(c, events, i, MG_PUSHED_OPEN, c->run->t, 0);
+    const int separates = c->run->closed[i] && mg_row_times(c, i, c->twist) > rest;
+    if (separates && mg_is_approaching(c, i))
+      mg_apply_contact_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->d_dot[i]);
+    else if (separates) mg_apply_contact_transition(c, events, i, MG_PUSHED_OPEN, c->run->t, 0);
   }
 }
 
-/* The pads of a face that comes down flat rebound together. */
-MG_INTERNAL void mg_set_support_rebound(mg_context *c) {
+/* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
+   rebound with one coefficient. */
+MG_INTERNAL void mg_set_support_impact_rates(mg_context *c) {
   for (int i = c->support_begin; i < c->joint_row_end; i++) c->row_rate[i] = c->d_dot[i];
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_slot_support(c, slot);
+    const int pad = mg_first_support(c, slot);
     mg_real e = 0;
     for (int k = 0; k < 3 && c->patches.trial[slot] == 1; k++)
-      e = mg_restitution_of(c, pad + k) > e ? mg_restitution_of(c, pad + k) : e;
+      e = mg_effective_restitution(c, pad + k) > e ? mg_effective_restitution(c, pad + k) : e;
     for (int k = 0; k < 3; k++) c->row_rate[pad + k] *= 1 + e;
   }
 }
 
-/* The impulses on closed contacts that are not hidden, and on pads and joints, into c->lcp.z in the order of
-   c->lcp.rows, and of each contact into c->impulse. Returns how many of the list can only push, -1 without a solution.
- */
-static int mg_find_impulses(mg_context *c) {
-  if (c->system->n_grip) return mg_find_impulses_with_friction(c);
-  const int n = mg_list_closed(c);
+/* Solve the impulses on closed contacts, supports and joints by Newton's restitution law. Returns how many listed
+   rows can only push, -1 without a solution. */
+static int mg_solve_impulses(mg_context *c) {
+  if (c->system->n_grip) return mg_solve_frictional_impulses(c);
+  const int n = mg_list_impact_contacts(c);
   mg_lcp_report report;
-  mg_set_support_rebound(c);
+  mg_set_support_impact_rates(c);
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    c->row_rate[i] = c->d_dot[i] * (1 + mg_restitution_of(c, i)), c->lcp.mask[r] = 1;
+    c->row_rate[i] = c->d_dot[i] * (1 + mg_effective_restitution(c, i)), c->lcp.mask[r] = 1;
   }
-  if (mg_solve_complementarity(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return -1;
+  if (mg_solve_contact_lcp(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return -1;
   for (int i = c->support_begin; i < c->system->n_contact; i++) c->impulse[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++)
-    if (mg_is_support_point(c, c->lcp.rows[r])) c->impulse[c->lcp.rows[r]] = c->lcp.z[r];
+    if (mg_is_support_contact(c, c->lcp.rows[r])) c->impulse[c->lcp.rows[r]] = c->lcp.z[r];
   return n;
 }
 
-/* A closed contact approaches, or a held patch is torn. */
-static int mg_is_struck(const mg_context *c) {
+/* True if a closed contact approaches or the supports of a held patch move. */
+static int mg_has_impact(const mg_context *c) {
   const mg_real drift = c->settings->drift * c->system->length / c->system->time;
   for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] && mg_is_approaching_beyond_drift(c, i)) return 1;
@@ -106,45 +111,46 @@ static int mg_is_struck(const mg_context *c) {
   return 0;
 }
 
-/* Notes a contact at rest, of one that restores, that a blow elsewhere has pressed: at once with it, or after it, the
-   bodies part otherwise. The first n of c->lcp.rows are rows of contacts. */
-static void mg_note_chain(mg_context *c, int n) {
+/* Record a contact at rest, with restitution, that an impact elsewhere has pressed: simultaneous and sequential
+   impacts differ there. */
+static void mg_note_impact_chain(mg_context *c, int n) {
   int chain = -1, struck = 0;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
     if (i >= c->support_begin || !(c->lcp.z[r] > 0) || !(c->system->restitution[i] > 0)) continue;
-    if (mg_is_bouncing_approach(c, i)) struck = 1;
+    if (mg_is_approaching(c, i)) struck = 1;
     else chain = i;
   }
   if (struck && chain >= 0 && c->run->chain_contact < 0) c->run->chain_contact = chain, c->run->chain_t = c->run->t;
 }
 
-/* Faces that come down flat are struck as one, if the impulse presses them together within their hull; else, and where
-   an impulse tears a patch off, what they cover is struck singly. Needs the rows at run->x. */
-MG_INTERNAL int mg_impact(mg_context *c, mg_events *events) {
+/* Resolve the impacts at the run's state. Faces that land flat are struck as one if the impulse presses them
+   together within their hull; otherwise the contacts they cover are struck singly. Needs the rows at the run's
+   state. */
+MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {
   const mg_real floor = c->settings->rest_speed * c->system->mass * c->system->length / c->system->time;
   int n;
   for (int i = 0; i < c->system->n_contact; i++) c->patches.is_covered[i] = 0;
-  if (mg_replace_by_points(c)) mg_update_rows_and_forces(c);
-  if (mg_is_sequential_impact(c) && !mg_sequential_impact(c, events)) return MG_COMPLEMENTARITY;
-  if (mg_hold_flat_patches(c, c->settings->start_gap * c->system->length, 1)) mg_update_rows_and_forces(c);
-  if (!mg_is_struck(c)) {
-    mg_release_trials(c);
+  if (mg_replace_struck_patches(c)) mg_evaluate_run_state(c);
+  if (mg_is_impact_sequential(c) && !mg_resolve_impacts_in_sequence(c, events)) return MG_COMPLEMENTARITY;
+  if (mg_hold_flat_patches_on_trial(c, c->settings->start_gap * c->system->length, 1)) mg_evaluate_run_state(c);
+  if (!mg_has_impact(c)) {
+    mg_release_trial_patches(c);
     return MG_DONE;
   }
   do {
-    mg_mark_covered(c);
-    n = mg_find_impulses(c);
+    mg_mark_covered_contacts(c);
+    n = mg_solve_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
-  } while (mg_reject_trials(c, c->impulse, floor, 1) || mg_end_pulled_patches(c, c->impulse, floor) ||
+  } while (mg_reject_trial_patches(c, c->impulse, floor, 1) || mg_end_patches_by_impulse(c, c->impulse, floor) ||
            mg_exchange_edge_supports(c, n));
-  mg_note_chain(c, n);
-  if (c->system->n_grip) mg_note_energy_gain(c, n);
+  mg_note_impact_chain(c, n);
+  if (c->system->n_grip) mg_note_impact_energy_gain(c, n);
   mg_apply_impulses(c, mg_append_bilateral_rows(c, c->lcp.rows, n));
   mg_update_poses(c, c->run->t, c->run->x);
-  if (c->system->n_grip) mg_clear_slip(c);
-  mg_settle_edge_supports(c, events);
-  mg_after_impact(c, events);
-  mg_release_trials(c);
+  if (c->system->n_grip) mg_reset_friction_modes(c);
+  mg_finish_edge_impacts(c, events);
+  mg_open_rebounding_contacts(c, events);
+  mg_release_trial_patches(c);
   return MG_DONE;
 }

@@ -1,136 +1,144 @@
-/* Blows in turn: of the contacts that approach, the fastest is struck, alone, until none does any more. */
+/* Sequential impacts: of the contacts that approach, the fastest is struck alone, until none approaches fast
+   enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed
+   set and events. */
 #include "impact/impact.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-enum { MG_BLOWS = 1000 };
+enum { MG_SINGLE_IMPACTS_MAX = 1000 };
 
-/* Whether contacts are struck one after another: where that is asked for, or one follows a law for a single contact. */
-MG_INTERNAL int mg_is_sequential_impact(const mg_context *c) {
+/* True if contacts are struck one after another: by setting, or because one follows a single-contact law
+   (Poisson, Stronge). */
+MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;
   for (int i = 0; i < c->support_begin; i++) singly |= c->run->closed[i] && c->system->impact_law[i] != MG_NEWTON;
   return singly;
 }
 
-static int mg_fastest(const mg_context *c) {
+/* Closed or touching contact that approaches fastest, or -1. */
+static int mg_fastest_approaching_contact(const mg_context *c) {
   const mg_real touching = c->settings->gap * c->system->length;
   int fastest = -1;
   for (int i = 0; i < c->support_begin; i++) {
-    if (!mg_is_on_link(c, i) || !(c->run->closed[i] || fabs(c->d[i]) <= touching) || !mg_is_bouncing_approach(c, i))
-      continue;
+    if (!mg_is_on_link(c, i) || !(c->run->closed[i] || fabs(c->d[i]) <= touching) || !mg_is_approaching(c, i)) continue;
     if (fastest < 0 || c->d_dot[i] < c->d_dot[fastest]) fastest = i;
   }
   return fastest;
 }
 
-/* The rows of the contact that slip, then those of the joints, assembled; returns how many, of the contact in *own. */
-static int mg_list_blow(mg_context *c, int contact, int *own, mg_impact_path *b) {
+/* List and assemble the slip rows of the struck contact and the joint rows; returns their number. */
+static int mg_assemble_single_impact(mg_context *c, int contact, int *contact_rows, mg_impact_path *b) {
   int n = 0;
   c->lcp.rows[n++] = contact, b->mu[0] = b->mu[1] = 0;
   for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1] && c->system->n_grip; g++) {
     if (c->system->grip_aspect[g] != MG_SLIP) continue;
     for (int k = 0; k < 2; k++)
-      c->lcp.rows[n++] = mg_grip_row(c, contact, g) + k, b->mu[k] = c->system->grip_kinetic[2 * g + k];
+      c->lcp.rows[n++] = mg_first_friction_row(c, contact, g) + k, b->mu[k] = c->system->grip_kinetic[2 * g + k];
   }
-  *own = n;
+  *contact_rows = n;
   n = mg_append_joint_rows(c, c->lcp.rows, n);
   mg_assemble_delassus(c, c->lcp.rows, n);
   return n;
 }
 
-/* What the joints answer to the impulses in c->lcp.z of the first `own` rows, into c->lcp.z of theirs. */
-static void mg_answer(mg_context *c, int n, int own) {
+/* Solve the joint impulses that balance the given impulses of the contact. */
+static void mg_solve_joint_reactions(mg_context *c, int n, int contact_rows) {
   for (int r = 0; r < n; r++) {
-    c->lcp.b[r] = 0, c->lcp.mask[r] = r >= own;
-    for (int j = 0; j < own; j++) c->lcp.b[r] += c->lcp.A[r + (long)n * j] * c->lcp.z[j];
+    c->lcp.b[r] = 0, c->lcp.mask[r] = r >= contact_rows;
+    for (int j = 0; j < contact_rows; j++) c->lcp.b[r] += c->lcp.A[r + (long)n * j] * c->lcp.z[j];
   }
-  mg_real *answer = c->row_rate;
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->settings->singular, answer, c->lcp.work, c->lcp.iwork);
-  for (int r = own; r < n; r++) c->lcp.z[r] = answer[r];
+  mg_real *reactions = c->row_rate;
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->settings->singular, reactions, c->lcp.work, c->lcp.iwork);
+  for (int r = contact_rows; r < n; r++) c->lcp.z[r] = reactions[r];
 }
 
-/* G with the joints held. */
-static void mg_reduce_blow(mg_context *c, int n, int own, mg_impact_path *b) {
+/* Compute G = J M^-1 J^T of the struck contact with the joints held. */
+static void mg_reduce_impact_matrix(mg_context *c, int n, int contact_rows, mg_impact_path *b) {
   for (int k = 0; k < 9; k++) b->G[k] = k % 4 == 0;
-  for (int j = 0; j < own; j++) {
-    for (int r = 0; r < own; r++) c->lcp.z[r] = r == j;
-    if (n > own) mg_answer(c, n, own);
-    for (int r = 0; r < own; r++) {
+  for (int j = 0; j < contact_rows; j++) {
+    for (int r = 0; r < contact_rows; r++) c->lcp.z[r] = r == j;
+    if (n > contact_rows) mg_solve_joint_reactions(c, n, contact_rows);
+    for (int r = 0; r < contact_rows; r++) {
       b->G[3 * r + j] = c->lcp.A[r + (long)n * j];
-      for (int k = own; k < n; k++) b->G[3 * r + j] += c->lcp.A[r + (long)n * k] * c->lcp.z[k];
+      for (int k = contact_rows; k < n; k++) b->G[3 * r + j] += c->lcp.A[r + (long)n * k] * c->lcp.z[k];
     }
   }
 }
 
-/* Turns t1, t2 to where the blow yields most and least, and takes out what joints lock: whatever acts along it, nothing
-   slips. `free`: G_tt's trace without the joints. Returns the angle. */
-static mg_real mg_lock(const mg_context *c, mg_real free, mg_impact_path *b) {
+/* Rotate t1, t2 to the principal axes of the tangential compliance and remove directions that the joints lock;
+   returns the angle. */
+static mg_real mg_remove_locked_tangent(const mg_context *c, mg_real free_trace, mg_impact_path *b) {
   mg_real *G = b->G;
   const mg_real angle = atan2(2 * G[5], G[4] - G[8]) / 2, x = cos(angle), y = sin(angle);
-  const mg_real most = x * x * G[4] + y * y * G[8] + 2 * x * y * G[5], least = G[4] + G[8] - most,
-                locked = c->settings->singular * free;
-  if (least > locked) return 0;
-  const mg_real along = most > locked ? x * b->velocity[1] + y * b->velocity[2] : 0,
-                normal = most > locked ? x * G[1] + y * G[2] : 0;
+  const mg_real largest = x * x * G[4] + y * y * G[8] + 2 * x * y * G[5], smallest = G[4] + G[8] - largest,
+                lock_limit = c->settings->singular * free_trace;
+  if (smallest > lock_limit) return 0;
+  const mg_real along = largest > lock_limit ? x * b->velocity[1] + y * b->velocity[2] : 0,
+                normal = largest > lock_limit ? x * G[1] + y * G[2] : 0;
   const mg_real mu = sqrt(b->mu[0] * b->mu[0] * x * x + b->mu[1] * b->mu[1] * y * y);
-  G[1] = G[3] = normal, G[2] = G[6] = G[5] = G[7] = 0, G[4] = G[8] = most > locked ? most : free;
+  G[1] = G[3] = normal, G[2] = G[6] = G[5] = G[7] = 0, G[4] = G[8] = largest > lock_limit ? largest : free_trace;
   b->velocity[1] = along, b->velocity[2] = 0, b->mu[0] = b->mu[1] = mu;
   return angle;
 }
 
-/* What befalls a contact that was struck with the rate `before`. */
-static void mg_tell_blow(mg_context *c, mg_events *events, int contact, mg_real before, mg_real over) {
+/* Apply and report the transition of a contact that was struck with the velocity `before`. */
+static void mg_report_single_impact(mg_context *c, mg_events *events, int contact, mg_real before,
+                                    mg_real closing_time) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   if (c->d_dot[contact] > rest) {
-    mg_apply_transition(c, events, contact, MG_IMPACT_REBOUND, c->run->t, -before);
+    mg_apply_contact_transition(c, events, contact, MG_IMPACT_REBOUND, c->run->t, -before);
   } else if (c->events.triggered[contact] || !c->run->closed[contact]) {
-    mg_apply_transition(c, events, contact, MG_TOUCHES_DOWN, over, -before);
+    mg_apply_contact_transition(c, events, contact, MG_TOUCHES_DOWN, closing_time, -before);
     c->events.triggered[contact] = 0;
   }
 }
 
-/* Strikes one contact. Returns 0 where its law has no end. */
-static int mg_frictional_impact(mg_context *c, mg_events *events, int contact) {
-  const mg_real before = c->d_dot[contact], e = mg_restitution_of(c, contact);
+/* Resolve the impact of one contact; returns 0 where its law has no end. */
+static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contact) {
+  const mg_real before = c->d_dot[contact], e = mg_effective_restitution(c, contact);
   mg_impact_path b;
-  int own;
-  const int n = mg_list_blow(c, contact, &own, &b);
-  const mg_real over = c->run->t + (e > 0 ? 0 : mg_remaining_bounce_time(c, contact));
-  const mg_real free = own > 1 ? c->lcp.A[1 + (long)n] + c->lcp.A[2 + 2 * (long)n] : 0;
-  mg_reduce_blow(c, n, own, &b);
-  for (int k = 0; k < 3; k++) b.velocity[k] = k < own ? c->d_dot[c->lcp.rows[k]] : 0;
-  const mg_real angle = own > 1 && n > own ? mg_lock(c, free, &b) : 0;
-  if (!mg_integrate_impulse(&b, c->system->impact_law[contact], e)) return 0;
+  int contact_rows;
+  const int n = mg_assemble_single_impact(c, contact, &contact_rows, &b);
+  const mg_real closing_time = c->run->t + (e > 0 ? 0 : mg_remaining_bounce_time(c, contact));
+  const mg_real free_trace = contact_rows > 1 ? c->lcp.A[1 + (long)n] + c->lcp.A[2 + 2 * (long)n] : 0;
+  mg_reduce_impact_matrix(c, n, contact_rows, &b);
+  for (int k = 0; k < 3; k++) b.velocity[k] = k < contact_rows ? c->d_dot[c->lcp.rows[k]] : 0;
+  const mg_real angle = contact_rows > 1 && n > contact_rows ? mg_remove_locked_tangent(c, free_trace, &b) : 0;
+  if (!mg_integrate_impact_path(&b, c->system->impact_law[contact], e)) return 0;
   mg_rotate_pair(cos(angle), -sin(angle), b.velocity + 3, b.velocity + 4);
-  for (int k = 0; k < own; k++) c->lcp.z[k] = k ? b.velocity[2 + k] : b.impulse;
-  if (n > own) mg_answer(c, n, own);
-  if (own > 1) c->friction.cone_contact[0] = contact, c->friction.cone_rows[0] = own, mg_note_energy_gain(c, own);
+  for (int k = 0; k < contact_rows; k++) c->lcp.z[k] = k ? b.velocity[2 + k] : b.impulse;
+  if (n > contact_rows) mg_solve_joint_reactions(c, n, contact_rows);
+  if (contact_rows > 1)
+    c->friction.cone_contact[0] = contact, c->friction.cone_rows[0] = contact_rows,
+    mg_note_impact_energy_gain(c, contact_rows);
   mg_apply_impulses(c, n);
   mg_update_poses(c, c->run->t, c->run->x);
   mg_gap_rates(c);
-  mg_tell_blow(c, events, contact, before, over);
+  mg_report_single_impact(c, events, contact, before, closing_time);
   return 1;
 }
 
-/* Contacts part that blows elsewhere have pushed off; those that had only just met, without a word. */
-static void mg_part_after_blows(mg_context *c, mg_events *events) {
+/* Open the contacts that impacts elsewhere have pushed apart; those that had just closed are not reported. */
+static void mg_open_pushed_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   for (int i = 0; i < c->support_begin; i++) {
     if (!c->run->closed[i] || !(c->d_dot[i] > rest)) continue;
-    mg_apply_transition(c, events, i, c->events.triggered[i] ? MG_IMPACT_AVOIDED : MG_PUSHED_OPEN, c->run->t, 0);
+    mg_apply_contact_transition(c, events, i, c->events.triggered[i] ? MG_IMPACT_AVOIDED : MG_PUSHED_OPEN, c->run->t,
+                                0);
     c->events.triggered[i] = 0;
   }
 }
 
-/* Leaves approaches that are too slow to rebound. Returns 0 where a blow has no end. */
-MG_INTERNAL int mg_sequential_impact(mg_context *c, mg_events *events) {
-  for (int turn = 0; turn < MG_BLOWS; turn++) {
-    const int contact = mg_fastest(c);
+/* Strike the fastest approaching contact until none approaches fast enough to rebound; returns 0 where an impact
+   has no end. */
+MG_INTERNAL int mg_resolve_impacts_in_sequence(mg_context *c, mg_events *events) {
+  for (int turn = 0; turn < MG_SINGLE_IMPACTS_MAX; turn++) {
+    const int contact = mg_fastest_approaching_contact(c);
     if (contact < 0) {
-      mg_part_after_blows(c, events);
+      mg_open_pushed_contacts(c, events);
       return 1;
     }
-    if (!mg_frictional_impact(c, events, contact)) return 0;
+    if (!mg_resolve_single_impact(c, events, contact)) return 0;
   }
   return 1;
 }

@@ -28,7 +28,7 @@ static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, 
   const mg_real time = t + mg_dop_time[stage] * h;
   mg_dop_combine(c, stage, x, h, c->step.stage);
   if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
-  mg_rhs(c, time, c->step.stage, c->step.slopes + stage * c->n_states);
+  mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->n_states);
 }
 
 /* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
@@ -53,7 +53,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
     mg_dop_stage(c, stage, t, x, h);
-    if (stage > 2) mg_watch_stage(c), mg_sample_stage_margins(c, stage);
+    if (stage > 2) mg_watch_stage(c), mg_sample_margins_at_stage(c, stage);
   }
   mg_dop_combine(c, 12, x, h, c->step.end);
   return mg_dop_error(c, x, h);

@@ -27,30 +27,31 @@ MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
-MG_INTERNAL int mg_is_tilt_lost(const mg_context *c, mg_real tilt);
-MG_INTERNAL int mg_init_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h);
-MG_INTERNAL mg_contact_tilt mg_tilt_at(const mg_context *c, int contact, mg_real azimuth);
+MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt);
+MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h);
+MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth);
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage);
-MG_INTERNAL void mg_stage_tilt(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
-MG_INTERNAL void mg_apply_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt, mg_real *x);
-MG_INTERNAL mg_real mg_tilt_defect(const mg_contact_tilt *at, mg_real tilt);
-MG_INTERNAL void mg_tilt_rate_at(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
-                                 mg_real rate, mg_real *x);
-MG_INTERNAL mg_real mg_relative_spin_accel(const mg_context *c, int contact, const mg_real *slope,
-                                           const mg_real *direction);
-MG_INTERNAL int mg_tilted_contact_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
+MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
+                                   mg_real *x);
+MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real tilt);
+MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
+                                     mg_real rate, mg_real *x);
+MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int contact, const mg_real *slope,
+                                                     const mg_real *direction);
+MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
 /* rolling_start.c */
-MG_INTERNAL int mg_starts_rolling(const mg_context *c);
-MG_INTERNAL int mg_settle_fully(mg_context *c, int contact, mg_real *eta);
-MG_INTERNAL void mg_end_rolling_start(mg_context *c);
-MG_INTERNAL mg_real mg_differs_at_half_step(mg_context *c, const mg_real *x, const mg_real *half);
-MG_INTERNAL mg_real mg_start_rolling(mg_context *c, mg_real t, mg_real *x, mg_real h);
+MG_INTERNAL int mg_has_rolling_start(const mg_context *c);
+MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
+MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
+MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half);
+MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
 /* slip_start.c */
-MG_INTERNAL int mg_starts_slipping(const mg_context *c);
-MG_INTERNAL void mg_end_slip_start(mg_context *c);
-MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+MG_INTERNAL int mg_has_slip_onset(const mg_context *c);
+MG_INTERNAL void mg_finish_slip_onsets(mg_context *c);
+MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* step.c */
 MG_INTERNAL int mg_is_collocated(const mg_context *c);
@@ -71,10 +72,10 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_dependence.c */
-MG_INTERNAL int mg_count_timed(const mg_system *s);
-MG_INTERNAL int mg_count_state_loads(const mg_system *s, int timed);
-MG_INTERNAL long mg_time_sample_memory(const mg_system *s);
-MG_INTERNAL mg_real mg_time_step_limit(mg_context *c, mg_real h);
-MG_INTERNAL int mg_has_hidden_load(mg_context *c, mg_real h);
+MG_INTERNAL int mg_time_function_count(const mg_system *s);
+MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed);
+MG_INTERNAL long mg_time_sample_size(const mg_system *s);
+MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h);
+MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h);
 
 #endif

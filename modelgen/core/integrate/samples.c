@@ -55,20 +55,21 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
 
 /* The friction of a slot's patch at a place of the world, and how f slips past o there. */
 static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
-  const int pad = mg_slot_support(c, slot);
+  const int pad = mg_first_support(c, slot);
   const mg_real *t = c->tangents + 6 * pad, *N = c->normal + 3 * pad;
   mg_real point[3], turn[3], moment[3];
   for (int k = 0; k < 8; k++) out[k] = 0;
-  if (mg_slot_patch(c, slot) < 0 || !mg_has_patch_friction(c, mg_slot_patch(c, slot))) return;
-  const mg_real *force = c->force + mg_patch_friction_row(c, slot), *slip = c->d_dot + mg_patch_friction_row(c, slot);
-  mg_support_in_hull(c, pad, point);
+  if (mg_patch_of_slot(c, slot) < 0 || !mg_has_patch_friction(c, mg_patch_of_slot(c, slot))) return;
+  const mg_real *force = c->force + mg_first_patch_friction_row(c, slot),
+                *slip = c->d_dot + mg_first_patch_friction_row(c, slot);
+  mg_support_world_point(c, pad, point);
   for (int k = 0; k < 3; k++) {
     out[k] = force[0] * t[k] + force[1] * t[3 + k], out[4 + k] = slip[0] * t[k] + slip[1] * t[3 + k];
     turn[k] = slip[2] * N[k], point[k] = at[k] - point[k];
   }
-  mg_cross(point, out, moment);
+  mg_cross_product(point, out, moment);
   out[3] = force[2] - mg_dot3(moment, N), out[7] = slip[2];
-  mg_cross(turn, point, moment);
+  mg_cross_product(turn, point, moment);
   for (int k = 0; k < 3; k++) out[4 + k] += moment[k];
 }
 
@@ -76,9 +77,9 @@ static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_r
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
   const long k = (long)row * c->system->n_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
-  record->patch[k] = mg_slot_patch(c, slot);
+  record->patch[k] = mg_patch_of_slot(c, slot);
   for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
-  if (record->patch[k] >= 0) pressure[0] = mg_pressure_resultant(c, slot, c->force, pressure + 1);
+  if (record->patch[k] >= 0) pressure[0] = mg_support_resultant(c, slot, c->force, pressure + 1);
   mg_record_rub(c, slot, pressure + 1, record->rub + 8 * k);
 }
 
@@ -120,7 +121,7 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
     mg_normalise_quaternions(c, c->step.stage);
-    mg_rhs(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
+    mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
     mg_record_row(c, record, c->step.stage);
   }
 }

@@ -1,11 +1,10 @@
-/* The first step of slip that begins where friction has reached its bound, static no more than kinetic.
-
-   At the time tau after, the slip is of the order of tau^2, and friction draws it towards one direction at a rate of
-   the order of 1/tau^2: the equations are irregular singular at tau = 0, and stiff for a while. Of all their solutions
-   one is smooth there. Collocation at Radau's points finds it, with the directions at the stages as unknowns: given
-   these, the right-hand side is smooth and converges by substitution; and that the slip at each stage lies along its
-   direction is a well-conditioned linear system of seven rows a grip. The slip and spin of a patch have a direction of
-   two unknowns, its parts along two axes across the course by that along it. */
+/* First step of slip that starts at the friction bound with equal static and kinetic coefficients. At the time
+   tau the slip is of the order of tau^2, and friction draws it towards one direction at a rate of the order of
+   1/tau^2: the equations are irregular singular at tau = 0 and stiff for a while. One solution is smooth there;
+   Radau collocation finds it, with the slip directions at the stages as unknowns: for given directions the
+   right-hand side is smooth and converges by substitution; that the slip lies along its direction is a
+   well-conditioned linear system of seven rows a friction row group. A patch has two unknowns, the components of
+   its direction across the stored one. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -27,7 +26,8 @@ typedef struct {
                    [MG_SLIP_ONSET_UNKNOWNS]; /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
 
-MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
+/* True if slip starts at a friction bound in the next step. */
+MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
     if (c->run->grip[g] == MG_SLIP_ONSET) return 1;
   for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
@@ -35,104 +35,107 @@ MG_INTERNAL int mg_starts_slipping(const mg_context *c) {
   return 0;
 }
 
-/* After the step, or where it is left to small ones. */
-MG_INTERNAL void mg_end_slip_start(mg_context *c) {
+/* Continue every slip onset as ordinary slip. */
+MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
     if (c->run->grip[g] == MG_SLIP_ONSET) c->run->grip[g] = MG_SLIP_STARTING;
   for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
     if (c->run->patch_mode[slot] == MG_SLIP_ONSET) c->run->patch_mode[slot] = MG_SLIP_STARTING;
 }
 
-static int mg_list_onsets(const mg_context *c, mg_slip_onset *o) {
+/* List the unknown directions of all slip onsets; returns 0 where there are none or too many. */
+static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
   for (int g = 0; g < c->system->n_grip; g++) {
     if (c->run->grip[g] != MG_SLIP_ONSET) continue;
     if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
-    o->contact[o->count] = mg_grip_contact(c, g), o->grip[o->count++] = g;
+    o->contact[o->count] = mg_contact_of_friction(c, g), o->grip[o->count++] = g;
   }
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     if (c->run->patch_mode[slot] != MG_SLIP_ONSET) continue;
     if (o->count + 2 > MG_SLIP_ONSET_UNKNOWNS) return 0;
     for (int axis = 1; axis <= 2; axis++)
-      o->contact[o->count] = mg_slot_support(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
+      o->contact[o->count] = mg_first_support(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
   }
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int k = 0; k < o->count; k++) o->angle[stage][k] = 0;
   return o->count > 0;
 }
 
-/* The slope at a stage with friction along the given directions. */
-static void mg_slope_steered(mg_context *c, const mg_slip_onset *o, mg_real t, const mg_real *x, const mg_real *angle,
-                             mg_real *slope) {
+/* Evaluate the right-hand side at a stage with friction along the given directions. */
+static void mg_slope_with_slip_directions(mg_context *c, const mg_slip_onset *o, mg_real t, const mg_real *x,
+                                          const mg_real *angle, mg_real *slope) {
   for (int k = 0; k < o->count; k++)
     if (o->grip[k] >= 0) c->friction.slip_angle[o->grip[k]] = angle[k];
     else c->patches.friction[(o->contact[k] - c->support_begin) / 3].slip_direction[o->axis[k] - 1] = angle[k];
   c->friction.follows_angle = 1;
-  mg_rhs(c, t, x, slope);
+  mg_right_hand_side(c, t, x, slope);
   c->friction.follows_angle = 0;
 }
 
-/* Of the slip, or of its accelerations, what is along the direction of an unknown and what is across. */
-static void mg_split_slip(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle, int accelerations,
-                          mg_real *along, mg_real *across) {
-  const int slot = (o->contact[k] - c->support_begin) / 3, rubs = o->grip[k] < 0;
-  const int row = rubs ? mg_patch_friction_row(c, slot) : mg_grip_row(c, o->contact[k], o->grip[k]);
+/* Components of slip, or of its acceleration, along and across the direction of an unknown. */
+static void mg_resolve_slip_components(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle,
+                                       int accelerations, mg_real *along, mg_real *across) {
+  const int slot = (o->contact[k] - c->support_begin) / 3, is_patch = o->grip[k] < 0;
+  const int row = is_patch ? mg_first_patch_friction_row(c, slot) : mg_first_friction_row(c, o->contact[k], o->grip[k]);
   mg_real e[3][3], value[3];
-  for (int i = 0; i < 2 + rubs; i++) value[i] = accelerations ? mg_gap_acceleration(c, row + i) : c->d_dot[row + i];
-  if (rubs) {
-    value[2] *= mg_patch_radius(c, slot);
+  for (int i = 0; i < 2 + is_patch; i++) value[i] = accelerations ? mg_row_acceleration(c, row + i) : c->d_dot[row + i];
+  if (is_patch) {
+    value[2] *= mg_support_radius(c, slot);
     mg_patch_slip_basis(c, slot, e);
     *along = mg_dot3(value, e[0]), *across = mg_dot3(value, e[o->axis[k]]) - angle * *along;
     return;
   }
-  mg_rotated_slip_direction(c, o->contact[k], o->grip[k], angle, e[0]);
+  mg_slip_direction_at_angle(c, o->contact[k], o->grip[k], angle, e[0]);
   *along = value[0] * e[0][0] + value[1] * e[0][1], *across = value[1] * e[0][0] - value[0] * e[0][1];
 }
 
-static mg_real mg_scale_of_onset(const mg_context *c, const mg_slip_onset *o, int k) {
-  return o->grip[k] < 0 ? c->system->length / c->system->time : mg_slip_scale(c, o->grip[k]);
+/* Characteristic slip velocity of an unknown. */
+static mg_real mg_slip_onset_velocity_scale(const mg_context *c, const mg_slip_onset *o, int k) {
+  return o->grip[k] < 0 ? c->system->length / c->system->time : mg_slip_velocity_scale(c, o->grip[k]);
 }
 
-/* Once round: slopes and slip at the stages. */
-static int mg_look_round(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
+/* Evaluate slopes and slip at all stages; returns 0 where one is not finite. */
+static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
   c->step.sign_changed = 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
-    mg_slope_steered(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                     mg_stage_slope(c, stage));
+    mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
+                                  mg_stage_slope(c, stage));
     mg_watch_stage(c);
     for (int k = 0; k < o->count; k++)
-      mg_split_slip(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
+      mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_all_finite(c->n_states, mg_stage_slope(c, stage))) return 0;
   }
   return 1;
 }
 
-static mg_real mg_go_round(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_look_round(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->n_states) : (mg_real)NAN;
+/* One substitution: slopes at all stages, then states; returns the relative change or NAN. */
+static mg_real mg_iterate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
+  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->n_states) : (mg_real)NAN;
 }
 
-/* What the angles do to the accelerations across, by differences. */
-static void mg_find_slip_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
+/* Derivatives of the accelerations across slip by the angles, at all stages, by central differences. */
+static void mg_find_slip_angle_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
   const mg_real turned = (mg_real)1 / 1024;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int j = 0; j < o->count; j++)
       for (int sign = -1; sign <= 1; sign += 2) {
         const mg_real kept = o->angle[stage][j];
         o->angle[stage][j] += sign * turned;
-        mg_slope_steered(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                         c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states);
+        mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
+                                      c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states);
         o->angle[stage][j] = kept;
         for (int k = 0; k < o->count; k++) {
           mg_real along, across;
-          mg_split_slip(c, o, k, o->angle[stage][k], 1, &along, &across);
+          mg_resolve_slip_components(c, o, k, o->angle[stage][k], 1, &along, &across);
           across *= sign / (2 * turned);
           o->stiffness[stage][k][j] = sign < 0 ? across : o->stiffness[stage][k][j] + across;
         }
       }
 }
 
-/* Newton's step for the angles; returns what it changes of the velocities, against their scale. */
-static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
+/* Newton step for the angles; returns its relative effect on the velocities. */
+static mg_real mg_newton_slip_angle_step(mg_context *c, mg_slip_onset *o, mg_real h) {
   const int m = o->count, n = m * MG_RADAU_STAGES;
   mg_real A[MG_UNKNOWNS * MG_UNKNOWNS], b[MG_UNKNOWNS], y[MG_UNKNOWNS], scratch[MG_UNKNOWNS], most = 0;
   int order[MG_UNKNOWNS];
@@ -142,59 +145,60 @@ static mg_real mg_steer_slip(mg_context *c, mg_slip_onset *o, mg_real h) {
       A[i + n * j] = h * mg_collocation_weight(i / m, j / m) * o->stiffness[j / m][i % m][j % m];
     A[i + n * i] -= o->along[i / m][i % m];
   }
-  if (mg_qr_pivoted(n, A, b, order, 0) < n) return MG_MAX;
-  mg_qr_least_norm(n, n, A, b, y, scratch);
+  if (mg_factor_pivoted_qr(n, A, b, order, 0) < n) return MG_MAX;
+  mg_solve_least_norm_qr(n, n, A, b, y, scratch);
   for (int i = 0; i < n; i++) {
     const int stage = order[i] / m, k = order[i] % m;
-    const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_scale_of_onset(c, o, k);
+    const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_slip_onset_velocity_scale(c, o, k);
     o->angle[stage][k] += y[i];
     if (!(effect <= most)) most = effect;
   }
   return most;
 }
 
-/* The stages of a step h, as near as rounding lets them come; 0 where they are not found. */
-static int mg_find_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
+/* Iterate the stages of a step h to convergence; returns 0 where it fails. */
+static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
   const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
-  mg_real before = MG_MAX;
+  mg_real previous_change = MG_MAX;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int i = 0; i < c->n_states; i++)
       mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < 4; round++)
-    if (!(mg_go_round(c, o, t, x, h) <= MG_MAX)) return 0;
-  mg_find_slip_stiffness(c, o, t, h);
+    if (!(mg_iterate_slip_stages(c, o, t, x, h) <= MG_MAX)) return 0;
+  mg_find_slip_angle_stiffness(c, o, t, h);
   for (int round = 0; round < 40; round++) {
-    if (!mg_look_round(c, o, t, h)) return 0;
-    const mg_real steered = mg_steer_slip(c, o, h);
-    mg_go_round(c, o, t, x, h);
-    const mg_real change = mg_go_round(c, o, t, x, h), most = steered > change ? steered : change;
-    if (!(steered <= MG_MAX) || !(change <= MG_MAX)) return 0;
-    if (most <= goal || (round > 3 && most >= before / 2 && most <= noise)) return 1;
-    before = most;
+    if (!mg_evaluate_slip_stages(c, o, t, h)) return 0;
+    const mg_real angle_effect = mg_newton_slip_angle_step(c, o, h);
+    mg_iterate_slip_stages(c, o, t, x, h);
+    const mg_real change = mg_iterate_slip_stages(c, o, t, x, h),
+                  last_change = angle_effect > change ? angle_effect : change;
+    if (!(angle_effect <= MG_MAX) || !(change <= MG_MAX)) return 0;
+    if (last_change <= goal || (round > 3 && last_change >= previous_change / 2 && last_change <= noise)) return 1;
+    previous_change = last_change;
   }
   return 0;
 }
 
-/* Slip runs along its course at every stage, and what an explicit step can follow afterwards. */
-static int mg_is_under_way(mg_context *c, const mg_slip_onset *o) {
+/* True if slip points along its direction at every stage; sets the longest explicit step that can follow. */
+static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
   c->step.slip_limit = MG_MAX;
   for (int k = 0; k < o->count; k++) {
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
       if (!(o->along[stage][k] > 0)) return 0;
-    const mg_real each = 2 * o->along[MG_RADAU_STAGES - 1][k] / fabs(o->stiffness[MG_RADAU_STAGES - 1][k][k]);
-    if (each < c->step.slip_limit) c->step.slip_limit = each;
+    const mg_real step_limit = 2 * o->along[MG_RADAU_STAGES - 1][k] / fabs(o->stiffness[MG_RADAU_STAGES - 1][k][k]);
+    if (step_limit < c->step.slip_limit) c->step.slip_limit = step_limit;
   }
   return 1;
 }
 
-/* From K[0] to c->step.end and the interpolant. Returns the error relative to the tolerance; MG_MAX where there is no
-   solution. */
-MG_INTERNAL mg_real mg_start_slipping(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
+   to the tolerance, MG_MAX where there is no solution. */
+MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
   for (int i = 0; i < c->n_states; i++) c->step.end[i] = x[i];
-  if (!mg_list_onsets(c, &onset) || !mg_find_stages(c, &onset, t, x, h / 2)) return MG_MAX;
+  if (!mg_list_slip_onsets(c, &onset) || !mg_solve_slip_stages(c, &onset, t, x, h / 2)) return MG_MAX;
   for (int i = 0; i < c->n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
-  if (!mg_find_stages(c, &onset, t, x, h) || !mg_is_under_way(c, &onset)) return MG_MAX;
+  if (!mg_solve_slip_stages(c, &onset, t, x, h) || !mg_is_slip_established(c, &onset)) return MG_MAX;
   mg_collocated(c, x);
-  return c->settings->method == MG_RK4 ? 0 : mg_differs_at_half_step(c, x, c->step.settled);
+  return c->settings->method == MG_RK4 ? 0 : mg_half_step_difference(c, x, c->step.settled);
 }

@@ -6,15 +6,15 @@
 static int mg_end_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
 
 /* Steps from this state are by collocation, whatever the method. */
-MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_starts_rolling(c) || mg_starts_slipping(c); }
+MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_has_rolling_start(c) || mg_has_slip_onset(c); }
 
 /* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  if (mg_starts_rolling(c)) return mg_start_rolling(c, t, c->run->x, h);
-  if (c->system->n_grip && mg_starts_slipping(c)) {
-    const mg_real error = mg_start_slipping(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
+  if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
+  if (c->system->n_grip && mg_has_slip_onset(c)) {
+    const mg_real error = mg_take_slip_onset_step(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
     if (error <= MG_MAX / 2 || (c->settings->method == MG_DOP853 && h > least)) return error;
-    mg_end_slip_start(c);
+    mg_finish_slip_onsets(c);
   }
   if (c->settings->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
@@ -30,7 +30,7 @@ MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_r
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_normalise_quaternions(c, c->step.end);
-  mg_rhs(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->n_states);
+  mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->n_states);
   mg_gap_rates(c);
 }
 
@@ -65,10 +65,10 @@ MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real t
 MG_INTERNAL void mg_watch_stage(mg_context *c) {
   if (c->step.sign_changed) return;
   const mg_real deep = -c->settings->gap * c->system->length;
-  if (mg_any_patch_ends(c)) c->step.sign_changed = 1;
+  if (mg_has_patch_event(c)) c->step.sign_changed = 1;
   for (int i = 0; i < c->support_begin; i++)
     if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->step.sign_changed = 1;
-  if (c->system->n_grip && mg_is_friction_event_near(c)) c->step.sign_changed = 1;
+  if (c->system->n_grip && mg_has_any_friction_event(c)) c->step.sign_changed = 1;
 }
 
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {

@@ -85,10 +85,12 @@ MG_INTERNAL int mg_moving_side(const mg_context *c, int contact) {
   return mg_moves(c, o) ? o : c->f[contact];
 }
 
-MG_INTERNAL int mg_is_free(const mg_context *c, int body) {
+/* True if the body moves freely in six degrees of freedom. */
+MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) {
   return c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_FREE;
 }
 
-MG_INTERNAL int mg_is_driven(const mg_system *s, int body) {
+/* True if the motion of the body is prescribed. */
+MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {
   return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;
 }

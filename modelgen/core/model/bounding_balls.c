@@ -53,7 +53,7 @@ static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_
   for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
   mg_to_world(pose, a + 3, 0, own), mg_to_world(pose, da + 3, 0, down), mg_to_world(of, b + 3, 0, w),
       mg_to_world(of, db + 3, 0, dw);
-  mg_cross(own, arm, swept), mg_cross(down, arm, swung), mg_cross(own, v, turned);
+  mg_cross_product(own, arm, swept), mg_cross_product(down, arm, swung), mg_cross_product(own, v, turned);
   for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
   const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
   const mg_motion_bound motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};

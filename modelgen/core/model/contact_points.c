@@ -23,7 +23,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   for (int i = 0; i < s->n_contact; i++) {
     mg_real *eta = mg_contact_eta(c, x, i), *next = c->search.placement + 32;
     if (!mg_is_on_link(c, i)) continue;
-    const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_rounding(c, i);
+    const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_flat_limit(c, i);
     c->d[i] = c->search.placement[0];
     c->run->margin[i] = mg_placement_margin(c);
     for (int k = 0; k < n && !flat; k++) {
@@ -52,7 +52,7 @@ MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta) {
   return -1;
 }
 
-/* A fresh contact whose lean is not clear of rounding. */
-MG_INTERNAL int mg_is_tilt_below_rounding(const mg_context *c, int contact) {
-  return c->run->fresh[contact] == MG_START_FLAT && mg_flat_patch_of_contact(c, contact, c->settings->flat) >= 0;
+/* True for a contact starting from flat whose tilt is still below the angle `flat`. */
+MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact) {
+  return c->run->fresh[contact] == MG_START_FLAT && mg_find_flat_patch_of_contact(c, contact, c->settings->flat) >= 0;
 }

@@ -2,9 +2,10 @@
 #include "model/model.h"
 #include "base/base.h"
 
-/* Turns t1, t2 to the axes of a grip that is not alike in all directions. Where its direction is along N, they stay. */
-static void mg_turn_to_axes(mg_context *c, int contact, int grip) {
-  const int row = mg_grip_row(c, contact, grip);
+/* Rotate t1, t2 and their rows to the principal axes of anisotropic friction; they stay where the axis is along
+   N. */
+static void mg_align_tangents_to_friction(mg_context *c, int contact, int grip) {
+  const int row = mg_first_friction_row(c, contact, grip);
   mg_real along[3], *t = c->tangents + 6 * contact;
   mg_to_world(c->pose + 12 * c->system->grip_body[grip], c->system->grip_direction + 3 * grip, 0, along);
   const mg_real x = mg_dot3(t, along), y = mg_dot3(t + 3, along), size = sqrt(x * x + y * y);
@@ -32,7 +33,7 @@ static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *
   for (int k = 3; k < 6 && turned && c->tangents; k++) c->tangents[6 * contact + k] *= -1;
   if (!c->tangents) return;
   for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
-    if (c->system->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
+    if (c->system->grip_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
 /* The link of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
@@ -50,7 +51,7 @@ static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const mg_real lost = c->settings->flat * c->settings->flat;
-  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_flat_patch_of_contact(c, contact, lost) : -1;
+  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_find_flat_patch_of_contact(c, contact, lost) : -1;
   const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
   if (link < 0) return 0;
   const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link],
@@ -58,7 +59,7 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++) c->point_parameters[k] = s->parameters[s->link_parameters[link] + k];
   mg_to_world(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
-  mg_to_local(c->pose + 12 * f, world, c->point_parameters + n - 3);
+  mg_world_to_local_point(c->pose + 12 * f, world, c->point_parameters + n - 3);
   c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0,
                             c->point_parameters, c->d + contact, block, block + 36, block + 72, none,
                             c->normal + 3 * contact, c->tangents ? c->tangents + 6 * contact : 0);
@@ -66,8 +67,8 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
   return 1;
 }
 
-/* Puts the rows of c->kernel_rows where the loops over rows look. */
-static void mg_scatter(mg_context *c, int contact) {
+/* Copy the rows that the kernel of a contact gave into the row arrays of all contacts. */
+static void mg_scatter_contact_rows(mg_context *c, int contact) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
   for (int i = 0; i < kind->rows; i++) {
     const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
@@ -76,7 +77,7 @@ static void mg_scatter(mg_context *c, int contact) {
     c->gamma[row] = c->settings->use_gamma ? c->kernel_rows[72 + i] : 0;
   }
   for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
-    if (c->system->grip_body[g] >= 0) mg_turn_to_axes(c, contact, g);
+    if (c->system->grip_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
 MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
@@ -89,7 +90,7 @@ MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
                               below ? c->kernel_rows : c->J + 12 * i, below ? c->kernel_rows + 36 : c->J + 12 * i + 6,
                               below ? c->kernel_rows + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i],
                               c->normal + 3 * i, below ? c->tangents + 6 * i : 0);
-    if (below) mg_scatter(c, i);
+    if (below) mg_scatter_contact_rows(c, i);
     if (!c->settings->use_gamma) c->gamma[i] = 0;
   }
 }
@@ -173,30 +174,31 @@ MG_INTERNAL void mg_gap_rates(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
   for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
     c->d_dot[i] = mg_row_times(c, i, c->twist) + c->time_rate[i];
-  if (c->system->n_grip) mg_slip_rates(c);
+  if (c->system->n_grip) mg_update_slip_velocities(c);
 }
 
-/* The first row of a grip of a contact. */
-MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip) {
+/* First row of a friction row group of a contact. */
+MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int grip) {
   return c->friction_row_begin + c->system->contact_below[contact] + c->system->grip_row[grip];
 }
 
-/* The rows below stand on the bodies of the contact's link. */
-MG_INTERNAL void mg_take_friction_rows(mg_context *c, int contact) {
-  const int *room = c->system->contact_below + contact, first = c->friction_row_begin + room[0];
-  for (int i = 0; i < room[1] - room[0]; i++) {
+/* Attach the tangential rows of a contact to the bodies of its link and clear them. */
+MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
+  const int *row_range = c->system->contact_below + contact, first = c->friction_row_begin + row_range[0];
+  for (int i = 0; i < row_range[1] - row_range[0]; i++) {
     c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->lcp.column[first + i] = -1;
     for (int k = 0; k < 12; k++) c->J[12 * (first + i) + k] = c->MJ[12 * (first + i) + k] = 0;
     c->gamma[first + i] = c->d_dot[first + i] = c->force[first + i] = 0;
   }
 }
 
+/* Rotate a pair of components by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;
 }
 
-/* Slip, spin and rolling of all contacts, into c->d_dot. */
-MG_INTERNAL void mg_slip_rates(mg_context *c) {
+/* Compute slip, spin and rolling velocity of all friction rows. */
+MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
   for (int i = c->friction_row_begin; i < c->friction_row_end; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
 }

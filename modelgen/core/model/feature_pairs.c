@@ -17,7 +17,7 @@ MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact
 /* The parameters of a contact's kind; the point of a pad is the run's. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
   const mg_real *held = c->system->parameters + c->parameters[contact];
-  if (!mg_is_support_point(c, contact)) return held;
+  if (!mg_is_support_contact(c, contact)) return held;
   const int n = c->kernels->contact_kinds[c->kind[contact]].n_parameters;
   for (int k = 0; k < n - 3; k++) c->point_parameters[k] = held[k];
   for (int k = 0; k < 3; k++) c->point_parameters[n - 3 + k] = c->run->point[3 * contact + k];
@@ -67,7 +67,7 @@ MG_INTERNAL void mg_read_link(mg_context *c, int contact) {
   for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
   c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;
-  if (s->n_grip) mg_take_friction_rows(c, contact);
+  if (s->n_grip) mg_reset_friction_rows(c, contact);
   if (held < 0) c->d[contact] = MG_MAX, c->run->margin[contact] = 1;
 }
 

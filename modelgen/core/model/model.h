@@ -36,8 +36,8 @@ MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_rea
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
 MG_INTERNAL int mg_moving_side(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_free(const mg_context *c, int body);
-MG_INTERNAL int mg_is_driven(const mg_system *s, int body);
+MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
+MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
 /* feature_pairs.c */
 MG_INTERNAL int mg_is_on_link(const mg_context *c, int contact);
@@ -69,10 +69,10 @@ MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount,
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 MG_INTERNAL void mg_gap_rates(mg_context *c);
-MG_INTERNAL int mg_grip_row(const mg_context *c, int contact, int grip);
-MG_INTERNAL void mg_take_friction_rows(mg_context *c, int contact);
+MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int grip);
+MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
-MG_INTERNAL void mg_slip_rates(mg_context *c);
+MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* joint_rows.c */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c);
@@ -86,7 +86,7 @@ MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta,
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
 MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta);
-MG_INTERNAL int mg_is_tilt_below_rounding(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int link);
@@ -94,41 +94,41 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
 
 /* planar_contacts.c */
-MG_INTERNAL int mg_is_support_point(const mg_context *c, int contact);
-MG_INTERNAL int mg_slot_support(const mg_context *c, int slot);
-MG_INTERNAL int mg_slot_patch(const mg_context *c, int slot);
-MG_INTERNAL int mg_patch_slot(const mg_context *c, int patch);
-MG_INTERNAL int mg_free_slot(const mg_context *c, int patch);
-MG_INTERNAL int mg_patch_covers(const mg_context *c, int patch, int link);
-MG_INTERNAL int mg_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
-MG_INTERNAL int mg_is_flat_link(const mg_context *c, int link);
-MG_INTERNAL int mg_is_tilted_link(const mg_context *c, int link);
+MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);
+MG_INTERNAL int mg_first_support(const mg_context *c, int slot);
+MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot);
+MG_INTERNAL int mg_slot_of_patch(const mg_context *c, int patch);
+MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch);
+MG_INTERNAL int mg_is_link_in_patch(const mg_context *c, int patch, int link);
+MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
+MG_INTERNAL int mg_is_link_for_flat_faces(const mg_context *c, int link);
+MG_INTERNAL int mg_is_link_for_tilted_faces(const mg_context *c, int link);
 MG_INTERNAL int mg_is_distant_flat_link(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_patch_starting_to_roll(const mg_context *c, int patch);
-MG_INTERNAL int mg_is_pair_unfolding(const mg_context *c, int pair);
-MG_INTERNAL mg_real mg_unfolding_step_limit(const mg_context *c);
-MG_INTERNAL int mg_has_unfolded(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_covered(const mg_context *c, int link);
-MG_INTERNAL int mg_patch_involves_pair(const mg_context *c, int patch, int pair);
+MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
+MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);
+MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c);
+MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_link_covered(const mg_context *c, int link);
+MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair);
 MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair);
-MG_INTERNAL void mg_request_patch_search(mg_context *c, int patch);
+MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch);
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
-MG_INTERNAL const mg_real *mg_link_support_point(const mg_context *c, int link);
-MG_INTERNAL void mg_hold_patch(mg_context *c, int slot, int patch);
+MG_INTERNAL const mg_real *mg_support_point_of_link(const mg_context *c, int link);
+MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch);
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot);
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
-MG_INTERNAL int mg_is_on_edge_trial(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_turning_on_edge(const mg_context *c, int slot);
-MG_INTERNAL int mg_is_on_straight_edge(const mg_context *c, int slot);
-MG_INTERNAL int mg_edge_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
-MG_INTERNAL mg_real mg_edge_event_value(const mg_context *c, int slot, int cause);
+MG_INTERNAL int mg_is_support_on_edge(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_edge_pivot(const mg_context *c, int slot);
+MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot);
+MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int cause);
 
 /* transitions.c */
-MG_INTERNAL void mg_report_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
+MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed);
-MG_INTERNAL void mg_apply_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
-                                     mg_real speed);
-MG_INTERNAL void mg_clear_triggered(mg_context *c);
+MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
+                                             mg_real speed);
+MG_INTERNAL void mg_clear_triggered_events(mg_context *c);
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h);
 
 #endif

@@ -1,5 +1,6 @@
-/* The modes of a contact, on no link, open, closed, and what leads from one to the next. Which closed contacts carry
-   force is decided by a complementarity problem (modes.c). */
+/* Transition table of a contact: for each cause the state after it (closed, open or unchanged) and the event that
+   is reported. Writes the closed and active sets of the run and the event list. Which closed contacts carry force
+   is decided by the complementarity problem of accelerations. */
 #include "model/model.h"
 
 enum { MG_MODE_UNCHANGED = -1, MG_NO_EVENT = -1 };
@@ -22,7 +23,8 @@ static const struct {
     [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
-MG_INTERNAL void mg_report_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
+/* Append one event to the event list, if there is room. */
+MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed) {
   if (events->count >= events->capacity) return;
   const int k = events->count++;
@@ -30,15 +32,18 @@ MG_INTERNAL void mg_report_event(const mg_context *c, mg_events *events, mg_real
   events->link[k] = c->run->link[contact];
 }
 
-MG_INTERNAL void mg_apply_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
-                                     mg_real speed) {
+/* Apply one row of the transition table to a contact: set it closed or open and report the event of the
+   transition. */
+MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
+                                             mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_MODE_UNCHANGED && closed != c->run->closed[contact])
     c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;
-  if (event != MG_NO_EVENT) mg_report_event(c, events, t, event, contact, speed);
+  if (event != MG_NO_EVENT) mg_append_event(c, events, t, event, contact, speed);
 }
 
-MG_INTERNAL void mg_clear_triggered(mg_context *c) {
+/* Clear the event marks of all contacts. */
+MG_INTERNAL void mg_clear_triggered_events(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.triggered[i] = 0;
 }
 

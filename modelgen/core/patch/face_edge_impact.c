@@ -1,43 +1,46 @@
-/* Blows that would press a flat face outside its hull, where the hull is curved: the face is struck at points of its
-   edge. Newton's law holds for every point of the edge, but two or three alone are struck. They are sought by exchange
-   (Remez): the pads of the slot stand, pushing, on points of the edge; where the others leave one that approaches, a
-   pad moves there. */
+/* Impacts that would press a flat face outside its curved hull: the face is struck at points of the hull edge.
+   Newton's law holds at every point of the edge, but only two or three points carry an impulse; they are found by
+   an exchange method (Remez) that moves a support to the point where the law is violated most. Writes supports
+   and modes of the slots. */
 #include "patch/patch.h"
 #include "base/base.h"
 #include "region/region.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Of velocities, 6 numbers a body: that of f's face along N against o's at the origin of the hull, and its slopes
- * there. */
-static void mg_field(const mg_context *c, int patch, const mg_real *per_body, mg_real *field) {
-  mg_real hull[12], o[12], at[3];
+/* Affine field of the relative normal velocity of two faces in hull axes: value at the origin and its two slopes. */
+static void mg_normal_velocity_field(const mg_context *c, int patch, const mg_real *per_body, mg_real *field) {
+  mg_real hull[12], o[12], world_point[3];
   mg_hull_pose(c, patch, hull);
   mg_face_pose(c, patch, 0, o);
   for (int k = 0; k < 3; k++) {
-    for (int i = 0; i < 3; i++) at[i] = hull[i] + (k ? hull[3 * k + i] : 0);
-    field[k] = mg_speed_along(c, per_body, mg_patch_body(c, patch, 1), at, o + 9) -
-               mg_speed_along(c, per_body, mg_patch_body(c, patch, 0), at, o + 9);
+    for (int i = 0; i < 3; i++) world_point[i] = hull[i] + (k ? hull[3 * k + i] : 0);
+    field[k] = mg_point_speed_along_normal(c, per_body, mg_patch_body(c, patch, 1), world_point, o + 9) -
+               mg_point_speed_along_normal(c, per_body, mg_patch_body(c, patch, 0), world_point, o + 9);
   }
   field[1] -= field[0], field[2] -= field[0];
 }
 
-static mg_real mg_in_field(const mg_real *field, const mg_real *point) { return field[0] + mg_dot2(field + 1, point); }
+/* Value of an affine field at a point. */
+static mg_real mg_field_value_at(const mg_real *field, const mg_real *point) {
+  return field[0] + mg_dot2(field + 1, point);
+}
 
-static int mg_has_curve(const mg_hull *h) {
+/* True if the hull has a curved edge. */
+static int mg_has_curved_hull_edge(const mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++)
     if (h->edges[i].direction) return 1;
   return 0;
 }
 
-/* The least of a field over the hull of a patch, and the extreme point where it is. */
-static mg_real mg_lowest(mg_context *c, int patch, const mg_real *field, mg_support_point *at) {
+/* Least value of a field over the hull of a patch, and the extreme point there. */
+static mg_real mg_least_field_over_hull(mg_context *c, int patch, const mg_real *field, mg_support_point *at) {
   mg_real least = MG_MAX;
-  mg_overlay_patch(c, patch);
+  mg_overlay_patch_regions(c, patch);
   const mg_hull *h = &c->patches.hull;
   for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
-    const mg_real here = mg_in_field(field, h->vertices[e->u].point);
+    const mg_real here = mg_field_value_at(field, h->vertices[e->u].point);
     if (here < least) least = here, mg_read_support_point(h, e->u, at);
     if (!e->direction) continue;
     const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->u : e->v), *b = h->vertices + a->next;
@@ -45,107 +48,107 @@ static mg_real mg_lowest(mg_context *c, int patch, const mg_real *field, mg_supp
     mg_real p[2], T[2];
     const mg_real t = mg_zero_on_arc(h->arcs + a->track, MG_ZERO_SUPPORT, field + 1, a->t, a->t_end);
     mg_arc_point(h->arcs + a->track, t, p, T);
-    if (!(mg_in_field(field, p) < least)) continue;
-    least = mg_in_field(field, p);
+    if (!(mg_field_value_at(field, p) < least)) continue;
+    least = mg_field_value_at(field, p);
     const mg_support_point found = {h->arcs[a->track].side, a->track, -1, t, 0, {p[0], p[1]}};
     *at = found;
   }
   return least;
 }
 
-/* A pad that does not push takes a place on the edge; returns 0 where all push. */
-static int mg_stand_on_edge(mg_context *c, int slot, const mg_support_point *at) {
-  const int first = mg_slot_support(c, slot), patch = mg_slot_patch(c, slot);
+/* Put a free support of the slot at a hull point; returns 0 where all three are in use. */
+static int mg_place_support_on_edge(mg_context *c, int slot, const mg_support_point *at) {
+  const int first = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real hull[12], world[3];
   int pad = first;
   while (pad < first + 3 && c->run->closed[pad]) pad++;
   if (pad == first + 3) return 0;
   mg_hull_pose(c, patch, hull);
-  mg_hull_point_in_world(hull, at, world);
-  mg_to_local(c->pose + 12 * c->f[pad], world, c->run->point + 3 * pad);
+  mg_hull_point_to_world(hull, at, world);
+  mg_world_to_local_point(c->pose + 12 * c->f[pad], world, c->run->point + 3 * pad);
   c->run->closed[pad] = 1;
   return 1;
 }
 
-/* Puts the slot's pads on the edge, one where the face approaches fastest. Returns 0 where the hull has no curve, the
-   face rolls on it already, or it approaches so slowly that it would be flat again before it leans by as much as stands
-   on three points. */
-MG_INTERNAL int mg_move_supports_to_edge(mg_context *c, int slot) {
-  const int pad = mg_slot_support(c, slot), patch = mg_slot_patch(c, slot);
+/* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
+   returns 0 where the hull is polygonal, the face already rolls, or the approach is too slow to tilt it. */
+MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
+  const int pad = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real before[3];
   mg_support_point at;
-  if (c->system->n_grip || mg_is_turning_on_edge(c, slot) || mg_is_patch_starting_to_roll(c, patch)) return 0;
-  if (mg_overlay_patch(c, patch) < 3 || !mg_has_curve(&c->patches.hull)) return 0;
-  mg_field(c, patch, c->twist, before);
-  const mg_real fastest = mg_lowest(c, patch, before, &at) * c->system->time / c->system->length;
+  if (c->system->n_grip || mg_is_edge_pivot(c, slot) || mg_is_patch_rolling_start(c, patch)) return 0;
+  if (mg_overlay_patch_regions(c, patch) < 3 || !mg_has_curved_hull_edge(&c->patches.hull)) return 0;
+  mg_normal_velocity_field(c, patch, c->twist, before);
+  const mg_real fastest = mg_least_field_over_hull(c, patch, before, &at) * c->system->time / c->system->length;
   if (c->patches.trial[slot] && fastest < -c->settings->rest_speed && fastest * fastest < c->settings->flat) return 0;
   for (int k = 0; k < 3; k++) c->run->closed[pad + k] = c->run->active[pad + k] = 0;
   c->patches.trial[slot] = c->patches.trial[slot] ? MG_TRIAL_ON_EDGE : MG_TRIAL_TORN_OFF;
-  mg_stand_on_edge(c, slot, &at);
-  mg_update_rows_and_forces(c);
+  mg_place_support_on_edge(c, slot, &at);
+  mg_evaluate_run_state(c);
   return 1;
 }
 
-/* What the impulses in c->lcp.z of the rows in c->lcp.rows change of the velocities, into c->wrench. */
-static void mg_change_by(mg_context *c, int size) {
+/* Compute the velocity changes of all bodies by the listed impulses. */
+static void mg_apply_impulse_velocity_change(mg_context *c, int size) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
 }
 
-/* The point of the edge at which Newton's law is missed most, and by how much. The law: what approached rebounds,
-   nothing approaches. */
-static mg_real mg_most_missed(mg_context *c, int slot, mg_support_point *at) {
-  const int patch = mg_slot_patch(c, slot);
-  const mg_real e = c->system->restitution[mg_slot_support(c, slot)],
+/* Largest violation of Newton's restitution law along the hull edge, and its point. */
+static mg_real mg_worst_restitution_violation(mg_context *c, int slot, mg_support_point *at) {
+  const int patch = mg_patch_of_slot(c, slot);
+  const mg_real e = c->system->restitution[mg_first_support(c, slot)],
                 rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real before[3], after[3], rebound[3];
   mg_support_point other;
-  mg_field(c, patch, c->twist, before);
-  mg_field(c, patch, c->wrench, after);
+  mg_normal_velocity_field(c, patch, c->twist, before);
+  mg_normal_velocity_field(c, patch, c->wrench, after);
   for (int k = 0; k < 3; k++) after[k] += before[k], rebound[k] = after[k] + e * before[k];
-  const mg_real least = mg_lowest(c, patch, after, at), bounced = mg_lowest(c, patch, rebound, &other);
-  if (!(bounced < least) || !(-e * mg_in_field(before, other.point) > rest)) return least;
+  const mg_real least = mg_least_field_over_hull(c, patch, after, at),
+                rebound_least = mg_least_field_over_hull(c, patch, rebound, &other);
+  if (!(rebound_least < least) || !(-e * mg_field_value_at(before, other.point) > rest)) return least;
   *at = other;
-  return bounced;
+  return rebound_least;
 }
 
-/* After the impulses in c->lcp.z, of which the first n of c->lcp.rows are rows that push: pads that do not push are
-   free, and one of each slot on an edge moves to where the law is missed. Returns how many did. */
+/* One step of the exchange: free the supports that do not push and put one at the worst violation; returns how
+   many moved. */
 MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
   const mg_real missed = -c->settings->border * c->system->length / c->system->time;
   int count = 0;
-  mg_change_by(c, mg_append_bilateral_rows(c, c->lcp.rows, n));
+  mg_apply_impulse_velocity_change(c, mg_append_bilateral_rows(c, c->lcp.rows, n));
   for (int r = 0; r < n; r++)
-    if (mg_is_on_edge_trial(c, c->lcp.rows[r]) && !(c->lcp.z[r] > 0)) c->run->closed[c->lcp.rows[r]] = 0;
+    if (mg_is_support_on_edge(c, c->lcp.rows[r]) && !(c->lcp.z[r] > 0)) c->run->closed[c->lcp.rows[r]] = 0;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
     mg_support_point at;
-    if (c->patches.trial[slot] >= MG_TRIAL_ON_EDGE && mg_most_missed(c, slot, &at) < missed)
-      count += mg_stand_on_edge(c, slot, &at);
+    if (c->patches.trial[slot] >= MG_TRIAL_ON_EDGE && mg_worst_restitution_violation(c, slot, &at) < missed)
+      count += mg_place_support_on_edge(c, slot, &at);
   }
-  if (count) mg_update_rows_and_forces(c);
+  if (count) mg_evaluate_run_state(c);
   return count;
 }
 
-/* Rows of pads on edges, appended to a list of rows that push. */
+/* Append the supports on hull edges to a list of unilateral rows; returns its length. */
 MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
   for (int i = c->support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && mg_is_on_edge_trial(c, i)) list[n++] = i;
+    if (c->run->closed[i] && mg_is_support_on_edge(c, i)) list[n++] = i;
   return n;
 }
 
-/* After the blow, at the velocities it left: where the face stays, at a point or both ends of a side, and turns;
-   returns at how many points, 0 where it parts or stays flat. */
-static int mg_stays_at(mg_context *c, int patch, mg_nearest_boundary *brink) {
+/* After the impact, find where the face stays in contact: returns 1 for a point, 2 for a side, 0 where it
+   separates or stays flat. */
+static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_boundary *brink) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real field[3];
-  mg_field(c, patch, c->twist, field);
-  const mg_real least = mg_lowest(c, patch, field, brink->at), steep = sqrt(mg_dot2(field + 1, field + 1));
+  mg_normal_velocity_field(c, patch, c->twist, field);
+  const mg_real least = mg_least_field_over_hull(c, patch, field, brink->at),
+                steep = sqrt(mg_dot2(field + 1, field + 1));
   if (least > rest || !(steep * c->system->length > rest)) return brink->n = 0;
   brink->margin = 0, brink->normal[0] = -field[1] / steep, brink->normal[1] = -field[2] / steep;
   for (int i = 0; i < c->patches.hull.n_edge; i++) {
     const mg_hull_edge *e = c->patches.hull.edges + i;
-    const mg_real u = mg_in_field(field, c->patches.hull.vertices[e->u].point),
-                  v = mg_in_field(field, c->patches.hull.vertices[e->v].point);
+    const mg_real u = mg_field_value_at(field, c->patches.hull.vertices[e->u].point),
+                  v = mg_field_value_at(field, c->patches.hull.vertices[e->v].point);
     if (e->direction || u > rest || v > rest || e->length <= MG_SHORT_SIDE * c->patches.hull.regions->shared) continue;
     mg_read_support_point(&c->patches.hull, e->u, brink->at),
         mg_read_support_point(&c->patches.hull, e->v, brink->at + 1);
@@ -154,41 +157,42 @@ static int mg_stays_at(mg_context *c, int patch, mg_nearest_boundary *brink) {
   return brink->n = 1;
 }
 
-/* What a face covers that is struck at its edge has been struck with it, and is not told of by itself. */
-static void mg_open_quietly(mg_context *c, int slot) {
-  const int patch = mg_slot_patch(c, slot);
+/* Open, without an event, the covered contacts that separate: they were struck with their face. */
+static void mg_open_covered_contacts(mg_context *c, int slot) {
+  const int patch = mg_patch_of_slot(c, slot);
   for (int i = 0; i < c->support_begin; i++)
-    if (c->run->closed[i] && mg_patch_covers(c, patch, c->run->link[i]) && mg_row_times(c, i, c->twist) > 0)
+    if (c->run->closed[i] && mg_is_link_in_patch(c, patch, c->run->link[i]) && mg_row_times(c, i, c->twist) > 0)
       c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
 }
 
-/* Lets the struck faces part, or go on from where they stay on their edges. */
-MG_INTERNAL void mg_settle_edge_supports(mg_context *c, mg_events *events) {
+/* Finish the impacts on hull edges: the faces separate, or tip over the edge where they stay. */
+MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_slot_support(c, slot), patch = mg_slot_patch(c, slot),
-              torn = c->patches.trial[slot] == MG_TRIAL_TORN_OFF;
+    const int pad = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
+              was_resting = c->patches.trial[slot] == MG_TRIAL_TORN_OFF;
     mg_nearest_boundary brink;
     mg_real speed = 0;
-    int struck = torn;
+    int struck = was_resting;
     if (c->patches.trial[slot] < MG_TRIAL_ON_EDGE) continue;
     for (int k = 0; k < 3; k++) {
       if (c->run->closed[pad + k] && -c->d_dot[pad + k] > speed) speed = -c->d_dot[pad + k];
       struck |= c->run->closed[pad + k];
     }
     if (!struck) continue;
-    mg_open_quietly(c, slot);
-    mg_request_patch_search(c, patch);
-    const int stays = mg_stays_at(c, patch, &brink);
-    if (torn) mg_apply_transition(c, events, pad, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
-    else mg_apply_transition(c, events, pad, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
+    mg_open_covered_contacts(c, slot);
+    mg_request_pair_searches(c, patch);
+    const int stays = mg_find_lasting_edge_contact(c, patch, &brink);
+    if (was_resting)
+      mg_apply_contact_transition(c, events, pad, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
+    else mg_apply_contact_transition(c, events, pad, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
     if (!stays) continue;
-    mg_open_covered(c);
+    mg_release_covered_contacts(c);
     c->patches.trial[slot] = 0;
-    mg_turn_on_boundary(c, slot, &brink);
+    mg_tip_patch_at(c, slot, &brink);
   }
 }
 
-/* Any approach beyond drift: also one too slow to bounce is stopped here, not left to penetrate. */
+/* True if the gap closes faster than the drift tolerance; also an approach too slow to bounce is stopped. */
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact) {
   return c->d_dot[contact] < -c->settings->drift * c->system->length / c->system->time;
 }

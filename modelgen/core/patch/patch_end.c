@@ -1,4 +1,6 @@
-/* How a patch ends: lifted as a whole, or turning over the edge of its hull, on contacts that begin there. */
+/* End of planar contact: the faces separate, or tip over the boundary of their hull; the contacts that the patch
+   covered are restored, and those on which the face tips are closed. Writes links and modes of contacts, the
+   start of rolling and the next step length of the run. */
 #include "patch/patch.h"
 #include "base/base.h"
 #include "region/region.h"
@@ -7,36 +9,37 @@
 #include "forces/forces.h"
 #include "features/features.h"
 
-/* Follows again what a patch covered: contacts that are found on its links stand open at their places; if `flat`, on
-   links for faces that lie flat as well. */
-static void mg_uncover_links(mg_context *c, int patch, int flat, mg_minima *found) {
+/* Search the links that a patch covered and open a contact at each minimum found; `flat`: also on links for faces
+   that lie flat. */
+static void mg_search_covered_links(mg_context *c, int patch, int flat, mg_minima *found) {
   const mg_system *s = c->system;
   found->count = 0;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
-    if (flat || !mg_is_flat_link(c, s->covered[k]))
+    if (flat || !mg_is_link_for_flat_faces(c, s->covered[k]))
       mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->settings->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
     const int pair = s->link_pair[each->link];
-    if (!mg_is_within_search(c, each)) continue;
-    const int slot = mg_is_already_contact(c, pair, -1, each) ? -1 : mg_free_contact_for(c, pair, each);
+    if (!mg_is_minimum_accepted(c, each)) continue;
+    const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
     mg_set_link(c, slot, each->link, each->eta);
     c->d[slot] = each->d;
   }
 }
 
-/* With friction the faces are taken to lie flat yet: then what has friction is on points of them. */
-MG_INTERNAL void mg_uncover_links_of(mg_context *c, int patch, mg_minima *found) {
-  mg_uncover_links(c, patch, mg_has_patch_friction(c, patch), found);
+/* Restore the contacts that a patch covered; with friction its faces count as flat still, so that contacts stand
+   on points of them. */
+MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima *found) {
+  mg_search_covered_links(c, patch, mg_has_patch_friction(c, patch), found);
 }
 
-/* The contact of what a patch covers at a point of the world, or -1. */
-MG_INTERNAL int mg_covered_contact_at(mg_context *c, int patch, const mg_real *world) {
+/* Contact, among those that the patch covers, at a world point, or -1. */
+MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world) {
   mg_real least = c->settings->apart * c->system->length, next[6];
   int nearest = -1;
   for (int i = 0; i < c->support_begin; i++) {
-    if (!mg_is_on_link(c, i) || !mg_patch_involves_pair(c, patch, c->system->contact_pair[i])) continue;
+    if (!mg_is_on_link(c, i) || !mg_is_patch_of_pair(c, patch, c->system->contact_pair[i])) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     const mg_real arm[3] = {c->search.placement[11] - world[0], c->search.placement[12] - world[1],
                             c->search.placement[13] - world[2]};
@@ -46,10 +49,12 @@ MG_INTERNAL int mg_covered_contact_at(mg_context *c, int patch, const mg_real *w
   return nearest;
 }
 
+/* Set a contact closed and active. */
 MG_INTERNAL void mg_close_contact(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
-/* Whether a link is of a curve that passes a point of the world at t, and a plane; then eta of it there. */
-static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, mg_real *eta) {
+/* True if the link joins a plane and a curve that passes the world point at parameter t; then eta of the link
+   there. */
+static int mg_is_rim_link_at_point(mg_context *c, int link, mg_real t, const mg_real *world, mg_real *eta) {
   const mg_system *s = c->system;
   const mg_real uv[2] = {t, 0};
   mg_sample sample[2];
@@ -67,40 +72,40 @@ static int mg_is_rim(mg_context *c, int link, mg_real t, const mg_real *world, m
   return 0;
 }
 
-/* The first step to try from flat. Much shorter ones would lose the lean in rounding; in longer ones it grows large, or
-   they are as good as certain to be refused. */
-static mg_real mg_first_lean(const mg_context *c) {
+/* First step in s to try from flat: not so short that rounding hides the tilt, not so long that it is refused. */
+static mg_real mg_rolling_start_step(const mg_context *c) {
   const mg_real time = c->system->time, least = time / 4,
-                fine = 12 * time * pow(c->settings->tolerance, (mg_real)1 / 8);
-  mg_real h = fine < time ? fine : time;
+                accurate_step = 12 * time * pow(c->settings->tolerance, (mg_real)1 / 8);
+  mg_real h = accurate_step < time ? accurate_step : time;
   if (c->run->h < h) h = c->run->h;
   return h > least ? h : least;
 }
 
-/* The face turns over a curve of its boundary: the contact of the curve begins at the point, where its own equations
+/* Start the contact of a curved boundary over which the face tips, at the world point, where its own equations
    are singular. */
-static void mg_start_rim(mg_context *c, int patch, const mg_support_point *at, const mg_real *world,
-                         const mg_real *outward) {
+static void mg_start_rim_contact(mg_context *c, int patch, const mg_support_point *at, const mg_real *world,
+                                 const mg_real *outward) {
   const mg_system *s = c->system;
   mg_minimum found = {0};
   int contact = -1;
   for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1] && contact < 0; k++) {
     found.link = s->covered[k];
-    const int as_laid = mg_is_rim(c, found.link, at->t, world, found.eta);
-    if (!as_laid && !mg_is_rim(c, found.link, -at->t, world, found.eta)) continue; /* or the other way round */
-    contact = mg_free_contact_for(c, s->link_pair[found.link], &found);
+    const int same_direction = mg_is_rim_link_at_point(c, found.link, at->t, world, found.eta);
+    if (!same_direction && !mg_is_rim_link_at_point(c, found.link, -at->t, world, found.eta))
+      continue; /* or the other way round */
+    contact = mg_find_contact_for_minimum(c, s->link_pair[found.link], &found);
   }
   if (contact < 0) return;
   mg_set_link(c, contact, found.link, found.eta);
   const mg_real *pose = c->pose + 12 * c->f[contact];
-  mg_to_local(pose, world, c->run->point + 3 * contact);
+  mg_world_to_local_point(pose, world, c->run->point + 3 * contact);
   for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
   c->run->fresh[contact] = MG_START_FLAT;
-  c->run->h = mg_first_lean(c);
+  c->run->h = mg_rolling_start_step(c);
   mg_close_contact(c, contact);
 }
 
-/* One arc is the whole loop. */
+/* True if one arc is the whole boundary loop. */
 static int mg_is_closed_loop(const mg_context *c, int arc) {
   const mg_system *s = c->system;
   const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
@@ -113,8 +118,8 @@ static int mg_is_closed_loop(const mg_context *c, int arc) {
   return sqrt(mg_dot3(arm, arm)) < c->settings->apart * s->length;
 }
 
-/* An extreme point within a curve, not where it ends or another crosses it. */
-static int mg_is_smooth(const mg_context *c, int patch, const mg_support_point *at) {
+/* True for an extreme point inside a curve, not at its end or at a crossing. */
+static int mg_is_smooth_boundary_point(const mg_context *c, int patch, const mg_support_point *at) {
   const mg_system *s = c->system;
   const int arc = s->patch_arc[patch] + at->arc;
   const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
@@ -123,137 +128,137 @@ static int mg_is_smooth(const mg_context *c, int patch, const mg_support_point *
   return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
 
-/* An extreme point of the hull, whose axes are o, in the world. */
-MG_INTERNAL void mg_hull_point_in_world(const mg_real *o, const mg_support_point *at, mg_real *world) {
+/* World position of an extreme point of the hull. */
+MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point *at, mg_real *world) {
   const mg_real local[3] = {at->point[0], at->point[1], 0};
   mg_to_world(o, local, 1, world);
 }
 
-/* Closes what touches of all that a patch covers. */
-static void mg_close_covered(mg_context *c, int patch) {
+/* Close all contacts on links that the patch covers. */
+static void mg_close_covered_contacts(mg_context *c, int patch) {
   for (int i = 0; i < c->support_begin; i++)
-    if (mg_is_on_link(c, i) && mg_patch_covers(c, patch, c->run->link[i])) mg_close_contact(c, i);
+    if (mg_is_on_link(c, i) && mg_is_link_in_patch(c, patch, c->run->link[i])) mg_close_contact(c, i);
 }
 
-/* A point of f that lies on a curve, so that what touches there has no equations while the faces are flat. */
-static int mg_is_curved(const mg_context *c, const mg_support_point *at) {
+/* True if the extreme point lies on a curve of f, where the contact has no equations while the faces are flat. */
+static int mg_is_curved_boundary_point(const mg_context *c, const mg_support_point *at) {
   return at->crossing_arc < 0 && at->side == 1 && !c->patches.hull.arcs[at->arc].straight;
 }
 
-/* Holds an edge in place of the patch, where the face is to turn on one. Returns 0 where it is not. */
-static int mg_turn_on_edge(mg_context *c, int slot, const mg_nearest_boundary *brink, mg_real world[2][3],
-                           const mg_real *outward) {
-  const int patch = mg_slot_patch(c, slot);
+/* Hold a straight edge in place of the patch where the face tips about one; returns 0 where it does not. */
+static int mg_hold_pivot_edge(mg_context *c, int slot, const mg_nearest_boundary *brink, mg_real world[2][3],
+                              const mg_real *outward) {
+  const int patch = mg_patch_of_slot(c, slot);
   if (brink->n == 2) {
-    if (!mg_is_curved(c, brink->at) && !mg_is_curved(c, brink->at + 1)) return 0;
-    mg_hold_straight_edge(c, slot, world, outward);
+    if (!mg_is_curved_boundary_point(c, brink->at) && !mg_is_curved_boundary_point(c, brink->at + 1)) return 0;
+    mg_hold_hull_side(c, slot, world, outward);
     return 1;
   }
-  if (!(c->settings->imaginary_edge > 0) || !mg_is_smooth(c, patch, brink->at)) return 0;
-  mg_hold_imaginary_edge(c, slot, world[0], outward);
+  if (!(c->settings->imaginary_edge > 0) || !mg_is_smooth_boundary_point(c, patch, brink->at)) return 0;
+  mg_hold_tangent_edge(c, slot, world[0], outward);
   return 1;
 }
 
-/* What a face would turn on is a curve, and it has not begun to. */
-MG_INTERNAL int mg_turns_on_curve(mg_context *c, int slot) {
+/* True if the boundary that the centre of pressure has reached is curved and has not started to roll. */
+MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  mg_pressure_resultant(c, slot, c->force, centre);
-  mg_patch_margin(c, mg_slot_patch(c, slot), centre, &brink);
+  mg_support_resultant(c, slot, c->force, centre);
+  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
   int curved = 0;
-  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved(c, brink.at + k);
-  return curved && !mg_is_patch_starting_to_roll(c, mg_slot_patch(c, slot));
+  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved_boundary_point(c, brink.at + k);
+  return curved && !mg_is_patch_rolling_start(c, mg_patch_of_slot(c, slot));
 }
 
-/* The face turns over a point of its hull's edge, or a side of it. */
-MG_INTERNAL void mg_turn_on_boundary(mg_context *c, int slot, const mg_nearest_boundary *brink) {
-  const int patch = mg_slot_patch(c, slot);
+/* Tip a patch over a point or a side of its hull: the patch ends and contacts or an edge begin there. */
+MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *brink) {
+  const int patch = mg_patch_of_slot(c, slot);
   mg_real o[12], outward[3], world[2][3];
   mg_minima found;
   mg_hull_pose(c, patch, o);
-  const mg_real across[3] = {brink->normal[0], brink->normal[1], 0};
-  mg_to_world(o, across, 0, outward);
-  for (int k = 0; k < brink->n; k++) mg_hull_point_in_world(o, brink->at + k, world[k]);
-  const int rubs = mg_has_patch_friction(c, patch);
-  if (!rubs && mg_turn_on_edge(c, slot, brink, world, outward)) return;
-  const int on_points = rubs && brink->n == 2 && (mg_is_curved(c, brink->at) || mg_is_curved(c, brink->at + 1));
+  const mg_real hull_normal[3] = {brink->normal[0], brink->normal[1], 0};
+  mg_to_world(o, hull_normal, 0, outward);
+  for (int k = 0; k < brink->n; k++) mg_hull_point_to_world(o, brink->at + k, world[k]);
+  const int has_friction = mg_has_patch_friction(c, patch);
+  if (!has_friction && mg_hold_pivot_edge(c, slot, brink, world, outward)) return;
+  const int on_points = has_friction && brink->n == 2 &&
+                        (mg_is_curved_boundary_point(c, brink->at) || mg_is_curved_boundary_point(c, brink->at + 1));
   mg_release_patch(c, slot);
-  mg_uncover_links(c, patch, rubs && (on_points || !mg_is_curved(c, brink->at)), &found);
+  mg_search_covered_links(c, patch, has_friction && (on_points || !mg_is_curved_boundary_point(c, brink->at)), &found);
   if (on_points) {
-    mg_close_covered(c, patch);
+    mg_close_covered_contacts(c, patch);
     return;
   }
   for (int k = 0; k < brink->n; k++) {
-    const int smooth = mg_is_smooth(c, patch, brink->at + k);
-    const int contact = smooth ? -1 : mg_covered_contact_at(c, patch, world[k]);
+    const int smooth = mg_is_smooth_boundary_point(c, patch, brink->at + k);
+    const int contact = smooth ? -1 : mg_find_contact_at_point(c, patch, world[k]);
     if (contact >= 0) mg_close_contact(c, contact);
-    else mg_start_rim(c, patch, brink->at + k, world[k], outward);
+    else mg_start_rim_contact(c, patch, brink->at + k, world[k], outward);
   }
 }
 
-/* The face turns over where the forces press on the edge of its hull. */
-MG_INTERNAL void mg_turn_over_edge(mg_context *c, int slot) {
+/* Tip a patch over the boundary point nearest to its centre of pressure. */
+MG_INTERNAL void mg_tip_patch(mg_context *c, int slot) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  mg_pressure_resultant(c, slot, c->force, centre);
-  mg_patch_margin(c, mg_slot_patch(c, slot), centre, &brink);
-  mg_turn_on_boundary(c, slot, &brink);
+  mg_support_resultant(c, slot, c->force, centre);
+  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  mg_tip_patch_at(c, slot, &brink);
 }
 
-/* Ends the patches that impulses would pull at, or press outside their hulls; what they cover is struck instead.
-   Returns how many. */
-MG_INTERNAL int mg_end_pulled_patches(mg_context *c, const mg_real *impulse, mg_real floor) {
+/* End the patches that the impulses would pull apart or press outside their hulls; the contacts they cover are
+   struck instead. Returns their number. */
+MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse, mg_real floor) {
   mg_minima found;
   mg_real margin, centre[3];
   int count = 0;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int patch = mg_slot_patch(c, slot);
-    if (patch < 0 || c->patches.trial[slot] || fabs(mg_pressure_resultant(c, slot, impulse, centre)) <= floor) continue;
-    if (!mg_is_patch_ending(c, slot, impulse, floor, &margin)) continue;
+    const int patch = mg_patch_of_slot(c, slot);
+    if (patch < 0 || c->patches.trial[slot] || fabs(mg_support_resultant(c, slot, impulse, centre)) <= floor) continue;
+    if (!mg_find_patch_end_cause(c, slot, impulse, floor, &margin)) continue;
     count++;
-    if (mg_move_supports_to_edge(c, slot)) continue;
+    if (mg_move_patch_to_edge(c, slot)) continue;
     mg_release_patch(c, slot);
-    mg_uncover_links_of(c, patch, &found);
-    mg_close_covered(c, patch);
-    mg_update_rows_and_forces(c);
+    mg_restore_covered_contacts(c, patch, &found);
+    mg_close_covered_contacts(c, patch);
+    mg_evaluate_run_state(c);
   }
   return count;
 }
 
-/* Where something else strikes a body that rests on a face with friction, the face takes the blow at points of it;
-   returns how many faces do. */
-MG_INTERNAL int mg_replace_by_points(mg_context *c) {
+/* Replace patches with friction by single contacts where another contact is struck; returns their number. */
+MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
   mg_minima found;
   int count = 0, struck = 0;
   for (int i = 0; i < c->support_begin; i++) struck |= c->run->closed[i] && mg_is_approaching_beyond_drift(c, i);
   for (int slot = 0; slot < c->system->n_slot && struck; slot++) {
-    const int patch = mg_slot_patch(c, slot);
+    const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     mg_release_patch(c, slot);
-    mg_uncover_links_of(c, patch, &found);
-    mg_close_covered(c, patch);
+    mg_restore_covered_contacts(c, patch, &found);
+    mg_close_covered_contacts(c, patch);
     count++;
   }
   return count;
 }
 
-/* Ends the patches that are marked in c->events.triggered; returns how many. */
+/* End the patches whose events are marked, and report them; returns their number. */
 MG_INTERNAL int mg_end_patches(mg_context *c, mg_events *events) {
   mg_minima found;
   int count = 0;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_slot_support(c, slot), cause = c->events.triggered[pad], patch = mg_slot_patch(c, slot);
+    const int pad = mg_first_support(c, slot), cause = c->events.triggered[pad], patch = mg_patch_of_slot(c, slot);
     c->events.triggered[pad] = 0;
     if (cause >= MG_FRICTION_EXCEEDED) c->patches.friction[slot].triggered = 1;
     if (!cause || patch < 0 || cause >= MG_FRICTION_EXCEEDED) continue;
     if (cause < MG_ROLLS_ONTO_RIM)
-      mg_apply_transition(c, events, pad, cause == MG_PRESSURE_AT_EDGE ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF,
-                          c->run->t, 0);
+      mg_apply_contact_transition(c, events, pad,
+                                  cause == MG_PRESSURE_AT_EDGE ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
     c->patches.barred[slot] = cause == MG_FLAT_AGAIN ? -1 : patch;
-    if (cause == MG_PRESSURE_AT_EDGE) mg_turn_over_edge(c, slot);
-    else if (cause == MG_ROLLS_ONTO_RIM || cause == MG_EDGE_UNLOADED) mg_leave_edge(c, slot, events);
-    else mg_release_patch(c, slot), mg_uncover_links_of(c, patch, &found);
-    mg_request_patch_search(c, patch);
+    if (cause == MG_PRESSURE_AT_EDGE) mg_tip_patch(c, slot);
+    else if (cause == MG_ROLLS_ONTO_RIM || cause == MG_EDGE_UNLOADED) mg_end_edge_pivot(c, slot, events);
+    else mg_release_patch(c, slot), mg_restore_covered_contacts(c, patch, &found);
+    mg_request_pair_searches(c, patch);
     count++;
   }
   return count;

@@ -20,7 +20,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
-      if (mg_starts_slipping(c)) run->h = c->step.slip_limit;
+      if (mg_has_slip_onset(c)) run->h = c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -41,7 +41,7 @@ static int mg_settle_end(mg_context *c, mg_real h) {
   mg_normalise_quaternions(c, c->step.settled);
   int sound = mg_place_all_contacts(c, run->t + h, c->step.settled);
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_singular(c, i)) sound = 0;
+    if (mg_is_contact_singular(c, i)) sound = 0;
   return sound || c->settings->method == MG_RK4 || h <= c->settings->event * c->system->time;
 }
 
@@ -50,7 +50,7 @@ static int mg_settle_end(mg_context *c, mg_real h) {
 static int mg_leaps(const mg_context *c, mg_real h) {
   const mg_real least = c->system->length / c->system->time, part = c->settings->leap * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
-  if (mg_starts_rolling(c) || h <= c->settings->event * c->system->time) return 0;
+  if (mg_has_rolling_start(c) || h <= c->settings->event * c->system->time) return 0;
   for (int i = 0; i < c->support_begin; i++) {
     if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->d_dot[i]) > part * least)) continue;
     if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->system->contact_pair[i]).speed) return 1;
@@ -62,13 +62,13 @@ static void mg_commit(mg_context *c, mg_real h) {
   for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.settled[i];
   mg_advance_time(c->run, h);
   c->run->steps++;
-  mg_end_rolling_start(c);
-  mg_end_slip_start(c);
+  mg_update_rolling_starts(c);
+  mg_finish_slip_onsets(c);
 }
 
 static int mg_settle_drift(mg_context *c) {
   if (!mg_all_finite(c->n_states, c->run->x)) return MG_NOT_FINITE;
-  mg_update_rows_and_forces(c);
+  mg_evaluate_run_state(c);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
   return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
@@ -83,9 +83,9 @@ static int mg_differs(const mg_context *c, mg_real h) {
 static int mg_step_part(mg_context *c, mg_real *h) {
   *h *= c->settings->stride;
   int outcome = MG_DONE;
-  if (mg_starts_rolling(c)) mg_restrict_step(c, c->run->x, c->settings->stride);
+  if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, c->settings->stride);
   else {
-    mg_update_rows_and_forces(c);
+    mg_evaluate_run_state(c);
     outcome = mg_accurate_step(c, h);
   }
   if (!outcome) mg_finish_step(c, c->run->t, *h);
@@ -94,20 +94,21 @@ static int mg_step_part(mg_context *c, mg_real *h) {
 
 /* The longest step in which nothing passes unseen. */
 static mg_real mg_longest(const mg_context *c) {
-  const mg_real reach = mg_penetration_step_limit(c), sight = mg_starts_rolling(c) ? MG_MAX : mg_search_step_limit(c),
-                unfolding = mg_unfolding_step_limit(c);
+  const mg_real reach = mg_penetration_step_limit(c),
+                sight = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
+                unfolding = mg_patch_opening_step_limit(c);
   const mg_real seen = sight < reach ? sight : reach;
   return (mg_differs(c, MG_MAX) ? 1 : c->settings->stride) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_mark_gap_dips(c, h), fired = mg_trigger_events(c, c->step.end),
-            hidden = !fired && !c->step.sign_changed && mg_may_have_hidden_event(c);
+  const int dips = mg_mark_gap_minima(c, h), fired = mg_mark_triggered_events(c, c->step.end),
+            hidden = !fired && !c->step.sign_changed && mg_has_possible_hidden_event(c);
   const int passed = fired || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
   if (!passed && !dips) return 0;
   mg_make_dense(c, c->run->t, c->run->x, h);
-  return mg_locate_event(c, h, passed);
+  return mg_locate_first_event(c, h, passed);
 }
 
 /* A stage saw an event that is over before it could be located: what moves in time came and went. */
@@ -130,13 +131,13 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
   int outcome = mg_settle_drift(c);
   if (outcome) return outcome;
   if (event) outcome = mg_change_mode(c, events);
-  else if (mg_is_active_set_stale(c)) {
-    mg_clear_triggered(c);
-    outcome = mg_solve_modes(c, events);
+  else if (mg_is_active_set_outdated(c)) {
+    mg_clear_triggered_events(c);
+    outcome = mg_solve_contact_modes(c, events);
   }
-  if (!outcome && mg_search_moved_pairs(c, events, h)) mg_update_rows_and_forces(c);
+  if (!outcome && mg_search_all_pairs(c, events, h)) mg_evaluate_run_state(c);
   mg_update_diagnostics(c);
-  if (!outcome) outcome = mg_pass_singularities(c, record, events);
+  if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
   if (!outcome) outcome = mg_check_margins(c, events);
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
@@ -144,7 +145,7 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
 /* No step now, and a shorter one next. */
 static int mg_shorten(mg_context *c, mg_real h) {
   c->run->rejected++, c->run->h = h / 2;
-  mg_update_rows_and_forces(c);
+  mg_evaluate_run_state(c);
   return MG_DONE;
 }
 
@@ -154,21 +155,21 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   mg_run *run = c->run;
   const mg_real end = h;
   const mg_real longest = mg_longest(c);
-  if (mg_starts_rolling(c)) h = run->h;
-  if (c->settings->method == MG_DOP853) h = mg_time_step_limit(c, h > longest ? longest : h);
+  if (mg_has_rolling_start(c)) h = run->h;
+  if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);
   mg_real before, after;
   const int jerks = mg_find_velocity_jump(c, h, &before, &after);
-  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_pass_velocity_jump(c, after, events);
+  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_cross_velocity_jump(c, after, events);
   if (jerks) h = before - run->t;
   c->search.abandoned.count = 0;
-  mg_note_gaps(c);
-  mg_mark_within_borders(c);
-  if (c->system->n_grip) mg_set_slip_directions(c), mg_set_patch_slip_directions(c);
-  mg_begin_margins(c);
+  mg_store_gaps(c);
+  mg_mark_contacts_within_border(c);
+  if (c->system->n_grip) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+  mg_sample_margins_at_start(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (mg_has_hidden_load(c, h)) return mg_shorten(c, h);
+  if (mg_has_unresolved_state_load(c, h)) return mg_shorten(c, h);
   const mg_real shorter = mg_first_within(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
@@ -189,7 +190,7 @@ static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *ev
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events);
   } else outcome = mg_step(c, h, record, events);
-  outcome = mg_explain_outcome(c, outcome);
+  outcome = mg_explain_failed_outcome(c, outcome);
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
 
@@ -198,7 +199,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop;
-  mg_update_rows_and_forces(&c);
+  mg_evaluate_run_state(&c);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);

@@ -17,7 +17,7 @@ static int mg_find_extrema(mg_context *c) {
     if (!mg_is_on_link(c, i)) continue;
     const int lost = mg_newton_on_link(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
                      !(mg_placement_margin(c) >= c->settings->margin_refuse);
-    if (lost && mg_is_of_flat_patch(c, i)) {
+    if (lost && mg_is_contact_of_flat_patch(c, i)) {
       mg_set_link(c, i, -1, 0);
       continue;
     }
@@ -29,14 +29,14 @@ static int mg_find_extrema(mg_context *c) {
     if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
-  return mg_has_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
+  return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
 /* After the first impacts: contacts that were struck and do not rebound. */
 static void mg_report_caught(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && mg_is_bouncing_approach(c, i))
-      mg_apply_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
+    if (c->run->closed[i] && mg_is_approaching(c, i))
+      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {
@@ -67,7 +67,7 @@ static int mg_begin_in_time(mg_context *c) {
 /* A run that starts at a kink of a path starts after it, with the whole of its speed. */
 static void mg_start_after_kink(mg_context *c) {
   mg_real before, after;
-  if (!mg_find_velocity_jump(c, mg_negligible_time(c) / 4, &before, &after)) return;
+  if (!mg_find_velocity_jump(c, mg_velocity_jump_duration(c) / 4, &before, &after)) return;
   c->run->t = c->run->t_event = after;
 }
 
@@ -87,22 +87,22 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   int outcome = mg_search_start_pairs(&c);
   if (!outcome) outcome = mg_find_extrema(&c);
   if (outcome) return outcome;
-  mg_update_rows_and_forces(&c);
-  if (!mg_project_start_joints(&c)) return MG_JOINT_APART;
+  mg_evaluate_run_state(&c);
+  if (!mg_project_initial_joints(&c)) return MG_JOINT_APART;
   mg_open_separating(&c);
-  if (settings->project && !mg_project_start(&c)) return MG_NO_EXTREMUM;
+  if (settings->project && !mg_project_initial_pose(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);
-  mg_clear_triggered(&c);
+  mg_clear_triggered_events(&c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_in_time(&c);
-  outcome = mg_impact(&c, events);
+  outcome = mg_resolve_impacts(&c, events);
   mg_report_caught(&c, events);
-  if (!outcome) outcome = mg_solve_modes(&c, events);
+  if (!outcome) outcome = mg_solve_contact_modes(&c, events);
   if (!outcome && settings->project && !mg_project_drift(&c)) outcome = MG_NO_EXTREMUM;
-  outcome = mg_explain_outcome(&c, outcome);
+  outcome = mg_explain_failed_outcome(&c, outcome);
   if (mg_start_fallback(&c, outcome, events)) return mg_begin_in_time(&c);
   if (outcome) return outcome;
   if (!mg_place_all_contacts(&c, run->t, run->x)) return MG_NO_EXTREMUM;
-  mg_update_rows_and_forces(&c);
+  mg_evaluate_run_state(&c);
   mg_update_diagnostics(&c);
   return MG_DONE;
 }

@@ -1,4 +1,5 @@
-/* run/queries */
+/* Public queries that need a state and no run: right-hand side, poses, closest points of one contact, joint ranks, and
+   RK4 steps without events. */
 #include "run/run.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -32,7 +33,7 @@ MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg
                         mg_real *x_dot, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_rhs(&c, t, x, x_dot);
+  mg_right_hand_side(&c, t, x, x_dot);
   for (int i = 0; i < system->n_contact; i++) run->force[i] = c.force[i];
 }
 
@@ -51,7 +52,7 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   for (long step = 0; step < n; step++) {
-    mg_rhs(&c, run->t, run->x, c.step.slopes);
+    mg_right_hand_side(&c, run->t, run->x, c.step.slopes);
     mg_rk4(&c, run->t, run->x, settings->step);
     for (int i = 0; i < c.n_states; i++) run->x[i] = c.step.end[i];
     mg_advance_time(run, settings->step);

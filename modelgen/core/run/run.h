@@ -11,6 +11,6 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_s
                                  mg_real *work, int *iwork);
 
 /* nonfinite_inputs.c */
-MG_INTERNAL int mg_explain_outcome(mg_context *c, int outcome);
+MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
 #endif

@@ -65,8 +65,8 @@ MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
   return 42 * b + 45 * r + 8 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
          mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) +
-         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() + mg_margin_memory(s) + mg_table_size(s) +
-         m * mg_onset_size() + mg_grip_size(s) + mg_time_sample_memory(s);
+         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() + mg_event_margin_size(s) + mg_table_size(s) +
+         m * mg_onset_size() + mg_grip_size(s) + mg_time_sample_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
@@ -156,7 +156,8 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->lcp.joint_mask = mg_take_ints(&iwork, n);
   c->joints.was_independent = mg_take_ints(&iwork, s->n_row), c->joints.is_independent = mg_take_ints(&iwork, s->n_row),
   c->events.triggered = mg_take_ints(&iwork, m);
-  c->events.margins = mg_take_memory(&work, (MG_MARGIN_SAMPLES + 1L) * mg_count_margins(s), sizeof(mg_event_margin));
+  c->events.margins =
+      mg_take_memory(&work, (MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
   c->events.gap_dips = mg_take_ints(&iwork, m), c->patches.is_covered = mg_take_ints(&iwork, m),
   c->events.is_near = mg_take_ints(&iwork, m);
   c->patches.trial = mg_take_ints(&iwork, s->n_slot), c->patches.barred = mg_take_ints(&iwork, s->n_slot);
@@ -170,7 +171,7 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->events.passage.point = mg_take_reals(&work, 3 * m), c->events.passage.landing_point = mg_take_reals(&work, 3 * m);
   c->events.passage.free_twist = mg_take_reals(&work, 6 * b),
   c->events.passage.impulse_work = mg_take_reals(&work, 6 * b);
-  c->n_timed = mg_count_timed(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_memory(s));
+  c->n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
   c->tangents = c->kernel_rows = 0;
   if (s->n_grip) mg_carve_grips(c, work, iwork);
 }
@@ -206,7 +207,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_s
   mg_zero_reals(c->time_rate, c->friction_row_end);
   mg_zero_reals(c->d + c->friction_row_begin, sys->n_below);
   c->n_live_states = c->n_states - sys->n_eta, c->search.abandoned.count = 0;
-  c->n_state_loads = mg_count_state_loads(sys, 0), c->n_steady_loads = c->n_state_loads - mg_count_state_loads(sys, 1);
+  c->n_state_loads = mg_state_load_count(sys, 0), c->n_steady_loads = c->n_state_loads - mg_state_load_count(sys, 1);
   for (int i = 0; i < sys->n_contact; i++)
     c->lcp.column[i] = -1, c->n_eta[i] = c->events.within_border[i] = 0, mg_read_link(c, i);
   for (int slot = 0; slot < sys->n_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;

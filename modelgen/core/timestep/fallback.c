@@ -55,10 +55,10 @@ static int mg_first_closed(const mg_context *c) {
 static void mg_release_patches(mg_context *c) {
   mg_minima found;
   for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int patch = mg_slot_patch(c, slot);
+    const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0) continue;
     mg_release_patch(c, slot);
-    mg_uncover_links_of(c, patch, &found);
+    mg_restore_covered_contacts(c, patch, &found);
   }
 }
 
@@ -72,7 +72,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
   run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
   if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-  mg_report_event(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
+  mg_append_event(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
   mg_release_patches(c);
   return 1;
 }
@@ -86,9 +86,9 @@ static int mg_hand_over(mg_context *c) {
   for (int g = 0; g < c->system->n_grip; g++)
     run->grip[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
     c->friction.slip_time_left[g] = 0;
-  mg_update_rows_and_forces(c);
+  mg_evaluate_run_state(c);
   mg_open_separating(c);
-  if (!mg_has_capacity(c)) return MG_TOO_MANY_CLOSED;
+  if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
   if (c->settings->project && !mg_project_drift(c)) return MG_NOT_FINITE;
   run->x[c->work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
@@ -100,9 +100,9 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
   int outcome = mg_hand_over(c);
-  if (!outcome) outcome = mg_impact(c, events);
-  if (!outcome) outcome = mg_solve_modes(c, events);
+  if (!outcome) outcome = mg_resolve_impacts(c, events);
+  if (!outcome) outcome = mg_solve_contact_modes(c, events);
   if (!outcome && c->settings->project && !mg_project_drift(c)) outcome = MG_NOT_FINITE;
-  if (!outcome) mg_report_event(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
+  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
   return outcome;
 }

@@ -12,8 +12,8 @@ static mg_real mg_opening(const mg_context *c, int contact, mg_real h) {
   mg_real sum = 0;
   for (int g = c->system->contact_grip[contact];
        g < c->system->contact_grip[contact + 1] && c->settings->law == MG_RELAXED; g++)
-    for (int k = 0; k < mg_grip_rows(c, g); k++) {
-      const int row = mg_grip_row(c, contact, g) + k;
+    for (int k = 0; k < mg_friction_row_count(c, g); k++) {
+      const int row = mg_first_friction_row(c, contact, g) + k;
       const mg_real slip =
           c->system->grip_kinetic[2 * g + k] * (mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->wrench));
       sum += fabs(slip);
@@ -54,7 +54,7 @@ static int mg_solve_smooth(mg_context *c, mg_real h, int *size) {
   }
   for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_contact_free_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  const int outcome = mg_solve_complementarity(c, n, c->row_rate, &report);
+  const int outcome = mg_solve_contact_lcp(c, n, c->row_rate, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
     c->run->lcp_residual_max = report.residual;
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
@@ -72,7 +72,7 @@ static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
       0, 0, c->settings->law, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b,
       1, 1};
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->events.is_near[i]) p.n = mg_append_contact_rows(c, i, p.n_contact++, p.n);
+    if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_joint_rows(c, c->lcp.rows, p.n);
   mg_assemble_delassus(c, c->lcp.rows, p.n);
   for (int r = 0; r < p.n; r++) {
@@ -91,7 +91,7 @@ static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
     for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
       c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_SLIPS << c->system->grip_aspect[g])) != 0;
   }
-  return mg_apply_kinetic_bounds(c);
+  return mg_use_kinetic_bounds(c);
 }
 
 /* The best impulses found count as solved if their residual is small enough. */
@@ -107,7 +107,7 @@ static int mg_try_law(mg_context *c, const mg_friction_problem *p, mg_friction_r
 static int mg_solve_law(mg_context *c, mg_friction_problem *p) {
   mg_friction_report report;
   for (int k = 0; k < p->n_contact; k++)
-    mg_write_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
+    mg_set_friction_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
   int outcome = mg_try_law(c, p, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB) {
     p->law = MG_RELAXED, c->run->relaxed_solutions++;

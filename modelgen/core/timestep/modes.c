@@ -12,12 +12,12 @@ static void mg_tell_contact(mg_context *c, mg_events *events, int contact, mg_re
   const mg_real slow = mg_resting_gap_rate(c, contact, h), t = c->run->t + h;
   const int closed = c->run->closed[contact];
   if (mg_presses(c, contact) && before < -slow && after > slow)
-    mg_apply_transition(c, events, contact, MG_IMPACT_REBOUND, t, -before);
+    mg_apply_contact_transition(c, events, contact, MG_IMPACT_REBOUND, t, -before);
   else if (mg_presses(c, contact) && !closed) {
-    mg_apply_transition(c, events, contact, MG_IMPACT_INELASTIC, t, 0);
-    mg_apply_transition(c, events, contact, MG_TOUCHES_DOWN, t, before < 0 ? -before : 0);
+    mg_apply_contact_transition(c, events, contact, MG_IMPACT_INELASTIC, t, 0);
+    mg_apply_contact_transition(c, events, contact, MG_TOUCHES_DOWN, t, before < 0 ? -before : 0);
   } else if (closed && !mg_presses(c, contact) && (after > slow || c->d[contact] > 4 * h * slow))
-    mg_apply_transition(c, events, contact, MG_LIFTS_OFF, t, 0);
+    mg_apply_contact_transition(c, events, contact, MG_LIFTS_OFF, t, 0);
 }
 
 /* Needs the marks of the friction problem solved last. */

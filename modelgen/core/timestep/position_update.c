@@ -19,9 +19,9 @@ static void mg_work_of_impulses(mg_context *c, mg_real h) {
   mg_run *run = c->run;
   for (int i = 0; i < c->friction_row_end; i++) run->x[c->work_state] += mg_work_of(c, i, h);
   for (int i = 0; i < c->system->n_contact; i++) {
-    const int first = c->friction_row_begin + (mg_friction_row_count(c, i) ? c->system->contact_below[i] : 0);
+    const int first = c->friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_below[i] : 0);
     mg_real gain = mg_work_of(c, i, h);
-    for (int row = first; row < first + mg_friction_row_count(c, i); row++) gain += mg_work_of(c, row, h);
+    for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_work_of(c, row, h);
     if (!mg_is_rebounding(c, i, h) || !(gain > run->gain_max)) continue;
     run->gain_max = gain, run->gain_t = run->t + h, run->gain_contact = i;
   }
@@ -81,7 +81,7 @@ MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
       c->d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
       continue;
     }
-    mg_leave_link(c, events, i);
+    mg_release_contact(c, events, i);
     count++;
   }
   return count;
@@ -103,10 +103,10 @@ static int mg_push_once(mg_context *c, mg_real worst) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_on_link(c, i) && c->d[i] <= worst && n < c->system->n_closed) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
-  if (mg_solve_complementarity(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
+  if (mg_solve_contact_lcp(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_row; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
-  mg_correct_positions(c);
+  mg_apply_pose_correction(c);
   return 1;
 }
 

@@ -33,10 +33,10 @@ static void mg_walk_in_time(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     c->events.within_border[i] = 0;
-    c->events.triggered[i] = mg_is_on_link(c, i) ? mg_leaves_link_at(c, i, c->run->x) : 0,
+    c->events.triggered[i] = mg_is_on_link(c, i) ? mg_find_link_exit(c, i, c->run->x) : 0,
     count += c->events.triggered[i] != 0;
   }
-  if (count) mg_change_features(c, events);
+  if (count) mg_change_marked_features(c, events);
 }
 
 /* Links, extrema and penetration at the end of the step; leaves the rows fresh. */
@@ -44,7 +44,7 @@ static int mg_settle_contacts(mg_context *c, mg_events *events, mg_real h) {
   mg_settle_eta(c, events);
   mg_walk_in_time(c, events);
   int outcome = mg_post_stabilise(c, events);
-  if (outcome || !mg_search_moved_pairs(c, events, h)) return outcome;
+  if (outcome || !mg_search_all_pairs(c, events, h)) return outcome;
   return mg_post_stabilise(c, events);
 }
 
@@ -56,7 +56,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   c->search.abandoned.count = 0;
   mg_take_geometry(c, h);
   const int powered = mg_all_finite(1, c->step.slopes + c->n_states + c->work_state); /* by the loads */
-  if (!powered || mg_has_nonfinite_path(c)) return MG_NOT_FINITE;
+  if (!powered || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);

@@ -30,7 +30,7 @@ static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real 
 /* Takes the forces of the joints into c->accel, and notes them in c->impulse. */
 static void mg_join_free(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_gap_acceleration(c, i);
+  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
   const int n = mg_hold_rows(c, c->run->active, c->row_rate, c->impulse);
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->accel);
 }
