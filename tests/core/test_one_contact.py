@@ -12,7 +12,7 @@ from modelgen.runtime.friction import FrictionProblem, Motion, Outcome, coulomb
 from tests.core.frictional import with_bilateral
 
 EPS = float(np.finfo(float).eps)
-SEEDS = range(200)
+SEEDS = range(80)
 NEWTON = 6  # sweeps that are made before Newton steps are
 
 

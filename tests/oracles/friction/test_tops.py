@@ -70,6 +70,7 @@ def test_a_rattleback_turns_back_and_keeps_its_energy() -> None:
     assert rotation < 1e-8
 
 
+@pytest.mark.slow
 def test_a_tippe_top_turns_over_keeps_jelletts_integral_and_comes_to_roll() -> None:
     body, first = tippe_top(), tippe_top_start()
     states, rolls_at = slid_then_rolled(body, first, [0, 0.1, 0.5, 1.0, 1.05], 1e-13)
