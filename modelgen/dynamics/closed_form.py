@@ -112,7 +112,7 @@ def why_not_closed(model: Model) -> str:
 
 
 def right_hand_side(model: Model, functions: Functions) -> ca.Function:
-    """`mg_right_hand_side`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_pair) N).
+    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_pair) N).
 
     Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
     """
@@ -124,7 +124,7 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
         "eta_dot": _eta_dot(model, written.touches),
         "force": force,
     }
-    return kernel("mg_right_hand_side", vars(written.symbols), outputs)
+    return kernel("mg_rhs", vars(written.symbols), outputs)
 
 
 def pushed(model: Model, functions: Functions) -> ca.Function:

@@ -88,7 +88,7 @@ def test_every_function_is_of_one_of_these_kinds_and_check_counts_all(name: str)
     of_a_kind = re.compile(f"mg_({names})_({'|'.join(ROLES)})")
     assert all(of_a_kind.fullmatch(function) for function in functions)
     counted = check_facts(derived(name))["instructions"]
-    assert set(counted) - {"mg_right_hand_side"} == set(functions)
+    assert set(counted) - {"mg_rhs"} == set(functions)
     assert all(counted[function] == entry["instructions"] for function, entry in functions.items())
 
 
