@@ -28,6 +28,7 @@ class AreaFriction:
     pressure: Array  # (m, 3) at the centre, Pa, and its slope, Pa/m; it is 0 where this says less
     friction: Array  # (m, 3) force, N, and torque about the centre, N m, on f, for a coefficient of 1
     needed: Array  # (m,) the coefficient that it takes to hold the wrench
+    limiting: Array  # (m, 3) the twist that asks for this coefficient: m/s and rad/s, up to a factor
 
 
 def area_friction(
@@ -62,7 +63,7 @@ def area_friction(
     given.append(np.zeros_like(given[0]) if wrench is None else np.array(wrench, dtype=core.dtype))
     m = len(given[0])
     found = np.zeros(m, dtype=np.intc)
-    filled = [np.full(shape, np.nan, dtype=core.dtype) for shape in ((m, 3), (m, 3), (m,))]
+    filled = [np.full(shape, np.nan, dtype=core.dtype) for shape in ((m, 3), (m, 3), (m,), (m, 3))]
     regions, _ = query_of(core, o, f, pose, None, FINE)
     pointers = [address(x) for x in (*given, found, *filled)]
     query = _structure()(ctypes.addressof(regions), m, *pointers)
@@ -77,6 +78,6 @@ def area_friction(
 @cache
 def _structure() -> Any:
     """mg_patch_friction_query (modelgen.h)."""
-    names = ("load", "twist", "wrench", "found", "pressure", "friction", "needed")
+    names = ("load", "twist", "wrench", "found", "pressure", "friction", "needed", "limiting")
     fields: list[tuple[str, Any]] = [("regions", ctypes.c_void_p), ("n", ctypes.c_int)]
     return structure("RubQuery", fields + [(name, ctypes.c_void_p) for name in names])

@@ -86,7 +86,7 @@ FAULTS = (
         "a turn of a quaternion has one wrong sign",
         r"q3 \+ q0 \* z \+ q1 \* y - q2 \* x",
         "q3 + q0 * z - q1 * y - q2 * x",
-        (*JOINTS, "tests/oracles/test_long_runs.py"),
+        ("tests/core/test_small_rotations.py",),
     ),
     Fault(
         "projection",
@@ -170,7 +170,7 @@ FAULTS = (
         "the twist that limits a force is taken as the force",
         r"(twist\[k\]) /= length",
         r"\1 = unit[k] + 0 * length",
-        (*RUBBING, "tests/planar"),
+        RUBBING,
     ),
     Fault(
         "impacts",

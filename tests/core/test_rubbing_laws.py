@@ -187,7 +187,9 @@ def test_a_wrench_needs_the_most_that_any_twist_asks_for(plane_core: CoreBuild, 
 
     for _ in range(3):
         wrench = rng.normal(size=3)
-        needed = rubbed(plane_core, arcs, at, np.array([1.0, 0, 0]), wrench).needed[0]
+        held = rubbed(plane_core, arcs, at, np.array([1.0, 0, 0]), wrench)
+        needed = held.needed[0]
+        assert np.abs(asked(held.limiting, wrench)) == pytest.approx(needed, rel=1e-8)
         twists = rng.normal(size=(200, 3))
         ratios = asked(twists, wrench)
         for spread in 10.0 ** -np.arange(0.5, 5.5, 0.25):

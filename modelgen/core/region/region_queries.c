@@ -55,6 +55,7 @@ static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) 
   q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_winkler_pressure(p, load[0], centre);
   for (int k = 0; k < 3; k++) q->pressure[3 * i + k] = q->friction[3 * i + k] = (mg_real)NAN;
   q->needed[i] = (mg_real)NAN;
+  for (int k = 0; k < 3; k++) q->limiting[3 * i + k] = (mg_real)NAN;
   if (!q->found[i]) return;
   mg_friction_matrix(p, q->twist + 3 * i, G);
   for (int k = 0; k < 3; k++) {
@@ -63,6 +64,7 @@ static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) 
         -(G[k][0] * p->coefficients[0] + G[k][1] * p->coefficients[1] + G[k][2] * p->coefficients[2]);
   }
   q->needed[i] = mg_limit_surface_ratio(p, q->wrench + 3 * i, p->reach, worst);
+  for (int k = 0; k < 3; k++) q->limiting[3 * i + k] = k < 2 ? worst[k] : worst[k] / p->reach;
 }
 
 MG_API int mg_region_friction(const mg_patch_friction_query *q, mg_real *work) {

@@ -38,6 +38,8 @@ typedef struct { /* friction between two regions laid on each other (rubbing.h),
   mg_real *pressure;     /* 3: at the centre, Pa, and its slope, Pa/m; where this says less than 0 it is 0 */
   mg_real *friction;     /* 3: force and torque about the centre, for a coefficient of 1 */
   mg_real *needed;       /* 1: the coefficient that it takes to hold the wrench */
+  mg_real *limiting;     /* 3: the twist (velocity of the centre, spin) against which the wrench does most work for its
+                            friction, scaled to unit length with the spin times the reach of the pressure */
 } mg_patch_friction_query;
 
 /* The intersection of two regions and its hull. Returns the number of the hull's sides: 0 where it is empty, 1 for a
