@@ -14,7 +14,7 @@ from typing import Any
 
 from modelgen.errors import LibraryError
 
-FEET = {"plane": 1, "sphere": 2}  # MG_FLAT, MG_ROUND: shapes that know their point nearest to another
+FEET = {"plane": 1, "sphere": 2}  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
 Json = dict[str, Any]
 STRUCTURE, SENTENCE = "manifest.json", "sentence.json"  # names of the files
 

@@ -8,7 +8,7 @@
 
 enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
 
-enum { MG_FLAT = 1, MG_ROUND = 2 };
+enum { MG_NEAREST_PLANE = 1, MG_NEAREST_SPHERE = 2 };
 
 enum {
   MG_NONE = 0,
@@ -28,14 +28,15 @@ typedef struct {
 typedef struct {
   int n_o, n_f; /* columns of J for each side: 6, 3 or 0 */
   int n_eta, n_parameters;
-  int carrier_o, carrier_f; /* what carries the points in eta: MG_NONE .. */
-  int seeks;                /* both shapes are convex: mg_contact_aim and mg_contact_seek know it */
-  int rows;                 /* 1: N; 3: and t1, t2; 6: and spin about N, rolling about t1, t2 */
+  int parametrisation_o, parametrisation_f; /* what carries the points in eta: MG_NONE .. */
+  int is_convex;                            /* both shapes are convex: mg_contact_aim and mg_contact_seek know it */
+  int rows;                                 /* 1: N; 3: and t1, t2; 6: and spin about N, rolling about t1, t2 */
 } mg_contact_kind;
 
 typedef struct {
   int n_parameters;
-  int timed, felt; /* it depends on time, on where its body is and how it moves, and samples may not show how */
+  int depends_on_time,
+      depends_on_state; /* it depends on time, on where its body is and how it moves, and samples may not show how */
 } mg_load_kind;
 
 typedef struct {
@@ -44,9 +45,10 @@ typedef struct {
 } mg_joint_kind;
 
 typedef struct {
-  int dimension; /* 2 surface, 1 curve, 0 point */
-  int foot;      /* MG_FLAT, MG_ROUND: the nearest point of a plane, of a sphere about its origin; else 0 */
-  int bends;     /* a curve that may have inflections */
+  int dimension;     /* 2 surface, 1 curve, 0 point */
+  int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE: the nearest point of a plane, of a sphere about its origin;
+                        else 0 */
+  int may_inflect;   /* a curve that may have inflections */
 } mg_shape_kind;
 
 typedef struct {

@@ -91,7 +91,7 @@ FAULTS = (
     Fault(
         "projection",
         "velocities are not brought onto their constraints",
-        r"(\(c, c->d_dot\)) > drift / c->system->time\)",
+        r"(\(c, c->rows\.d_dot\)) > drift / c->system->time\)",
         r"\1 > 1e9 * drift / c->system->time)",
         ("tests/joints/test_starts.py",),
     ),
@@ -175,8 +175,8 @@ FAULTS = (
     Fault(
         "impacts",
         "Newton's restitution is off by 1e-6",
-        r"c->d_dot\[i\] \* \(1 \+ (\w+\(c, i\))\)",
-        r"c->d_dot[i] * (1 + (mg_real)0.999999 * \1)",
+        r"c->rows\.d_dot\[i\] \* \(1 \+ (\w+\(c, i\))\)",
+        r"c->rows.d_dot[i] * (1 + (mg_real)0.999999 * \1)",
         ("tests/oracles/test_impacts.py", "tests/oracles/test_closed_forms.py"),
     ),
     Fault(

@@ -2,7 +2,7 @@
 #include <stdio.h>
 
 #define COUNT 200
-#define SIDE (MG_CENTRE + 3)
+#define SIDE (MG_FEATURE_BALL_CENTRE + 3)
 
 int main(void) {
   const int body_kind[] = {0, 1}, zeros[] = {0, 0}, body_parameters[] = {0, 12}, f[] = {1}, link_parameters[] = {13};
@@ -14,39 +14,39 @@ int main(void) {
   mg_real numbers[2 * SIDE] = {0}, moved[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
-  int closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], link[COUNT], iwork[1000];
+  int closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
   for (int side = 0; side < 2; side++) {
     mg_real *of = numbers + side * SIDE;
-    of[MG_PLACEMENT + 3] = of[MG_PLACEMENT + 7] = of[MG_PLACEMENT + 11] = 1;
-    for (int k = 0; k < 4; k++) of[MG_DOMAIN + k] = k % 2 ? MG_MAX : -MG_MAX;
-    of[MG_BOUND] = MG_MAX;
+    of[MG_FEATURE_PLACEMENT + 3] = of[MG_FEATURE_PLACEMENT + 7] = of[MG_FEATURE_PLACEMENT + 11] = 1;
+    for (int k = 0; k < 4; k++) of[MG_FEATURE_DOMAIN + k] = k % 2 ? MG_MAX : -MG_MAX;
+    of[MG_FEATURE_BALL_RADIUS] = MG_MAX;
   }
-  mg_system system = {.kernels = &table, .n_body = 2, .n_contact = 1, .n_pair = 1, .n_link = 1, .n_q = 3, .n_u = 3, .n_closed = 1,
+  mg_system system = {.kernels = &table, .n_body = 2, .n_contact = 1, .n_pair = 1, .n_feature_pair = 1, .n_q = 3, .n_u = 3, .closed_capacity = 1,
                       .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
-                      .contact_pair = zeros, .contact_eta = zeros, .contact_link = zeros,
-                      .pair_contact = ends, .pair_link = ends, .pair_search = search,
-                      .link_kind = zeros, .link_o = zeros, .link_f = f, .link_parameters = link_parameters,
-                      .link_pair = zeros, .link_group = groups, .link_condition = zeros,
-                      .side_shape = sides, .side_parameters = side_parameters, .side_numbers = side_numbers,
-                      .contact_below = no_grips, .contact_grip = no_grips, .impact_law = law,
+                      .contact_pair = zeros, .contact_eta = zeros, .contact_feature_pair = zeros,
+                      .pair_contact = ends, .pair_feature_pair = ends, .pair_search = search,
+                      .feature_pair_kind = zeros, .feature_pair_o = zeros, .feature_pair_f = f, .feature_pair_parameters = link_parameters,
+                      .feature_pair_owner = zeros, .feature_pair_group = groups, .feature_pair_condition = zeros,
+                      .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers,
+                      .contact_friction_row = no_grips, .contact_friction = no_grips, .impact_law = law,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
                       .numbers = numbers, .pair_normal = pair_normal, .pair_ball = pair_ball, .scale = scale,
                       .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
-                          .gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift = (mg_real)1e-15,
-                          .rest_speed = (mg_real)1e-6, .slip_speed = (mg_real)1e-7, .cone = (mg_real)1e-9,
-                          .rest_acceleration = (mg_real)1e-10, .event = (mg_real)1e-13,
-                          .residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
-                          .lost = (mg_real)1e-9, .apart = (mg_real)1e-6, .reach = (mg_real)0.2,
-                          .search = (mg_real)0.05, .border = (mg_real)1e-9, .look = (mg_real)0.02, .stride = 1,
-                          .leave = 100, .polish = (mg_real)1e-3, .dependent = (mg_real)1e-10,
-                          .depth = (mg_real)0.02, .scan = 16,
-                          .lcp_iterations = 100, .events_at_once = 100};
-  mg_run run = {.x = x, .link = on, .moved = moved, .closed = closed, .active = active, .force = force, .margin = margin,
-                 .fresh = fresh, .point = point, .outward = outward};
-  mg_events events = {COUNT, 0, t, kind, contact, link, speed};
+                          .contact_gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift_tolerance = (mg_real)1e-15,
+                          .rest_speed = (mg_real)1e-6, .slip_speed = (mg_real)1e-7, .friction_bound_margin = (mg_real)1e-9,
+                          .rest_acceleration = (mg_real)1e-10, .event_tolerance = (mg_real)1e-13,
+                          .extremality_residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
+                          .search_margin = (mg_real)1e-9, .search_merge_distance = (mg_real)1e-6, .search_gap = (mg_real)0.2,
+                          .search_movement = (mg_real)0.05, .feature_border = (mg_real)1e-9, .time_resolution = (mg_real)0.02, .step_fraction = 1,
+                          .rest_loss_factor = 100, .event_correction_step = (mg_real)1e-3, .contact_rank_tolerance = (mg_real)1e-10,
+                          .appear_depth = (mg_real)0.02, .event_scan_parts = 16,
+                          .lcp_iterations = 100, .events_at_once_max = 100};
+  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .closed = closed, .active = active, .force = force, .margin = margin,
+                 .rolling_start = fresh, .point = point, .tilt_direction = outward};
+  mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed};
   mg_record record = {0};
   if (mg_work_size(&system) > 20000 || mg_iwork_size(&system) > 1000) return 1;
   if (mg_begin(&system, &settings, &run, &events, work, iwork)) return 2;

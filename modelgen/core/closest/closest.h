@@ -12,29 +12,32 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed);
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed);
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int link, mg_real *eta);
+MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta);
 
 /* sampling.c */
-MG_INTERNAL int mg_side_dimension(const mg_context *c, int link, int side);
-MG_INTERNAL void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at);
-MG_INTERNAL void mg_sample_window(mg_context *c, int link, int side, mg_real reach, mg_real *window);
-MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out);
+MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side);
+MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_sample *at);
+MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_real reach, mg_real *window);
+MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
+                                  mg_sample *out);
 MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
-MG_INTERNAL mg_real mg_search_radius(mg_context *c, int link);
+MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 
 /* start_selection.c */
-MG_INTERNAL void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta);
-MG_INTERNAL void mg_find_newton_starts(mg_context *c, int link, int n, int zooms, mg_newton_starts *kept);
+MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
+                              mg_real *eta);
+MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept);
 
 /* minima_search.c */
-MG_INTERNAL int mg_use_spare_contact(mg_context *c, int link);
-MG_INTERNAL void mg_reverse_normal(const mg_context *c, int link, mg_real *eta);
+MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
+MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b);
-MG_INTERNAL int mg_accept_minimum(mg_context *c, int link, mg_real *eta, mg_minimum *found);
+MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found);
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
-MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_minima *kept);
+MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
+                                        mg_minima *kept);
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
 
 /* closest_batch.c */
@@ -43,8 +46,8 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
 
 /* singularities.c */
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c);
-MG_INTERNAL int mg_is_minimum_leaving_link(mg_context *c, const mg_minimum *found);
-MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int link);
+MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minimum *found);
+MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact);
 

@@ -23,29 +23,30 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
   if (found && mg_is_residual_small(p, goal, placed)) {
     placed[0] = v.d;
     for (int k = 0; k < 3; k++) placed[5 + k] = v.normal[k];
-    return v.d > -rounding ? MG_CLOSEST : MG_MINIMUM;
+    return v.d > -rounding ? MG_CLOSEST_GLOBAL : MG_CLOSEST_LOCAL;
   }
-  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_NOWHERE;
-  if (placed[0] > -rounding) return MG_CLOSEST;
-  if (!(fabs(placed[0] - v.d) <= goal->length / 1000)) return MG_NOWHERE; /* another extremum */
-  return mg_is_minimum(placed) ? MG_MINIMUM : MG_STATIONARY;
+  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_CLOSEST_NOT_FOUND;
+  if (placed[0] > -rounding) return MG_CLOSEST_GLOBAL;
+  if (!(fabs(placed[0] - v.d) <= goal->length / 1000)) return MG_CLOSEST_NOT_FOUND; /* another extremum */
+  return mg_is_minimum(placed) ? MG_CLOSEST_LOCAL : MG_CLOSEST_STATIONARY;
 }
 
 static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
                            mg_real *placed) {
-  if (p->kernels->contact_kinds[p->kind].seeks) return mg_closest_convex(p, goal, warm, eta, placed);
-  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_NOWHERE;
-  if (p->kernels->contact_kinds[p->kind].n_eta == 0) return MG_CLOSEST;
-  return mg_is_minimum(placed) ? MG_MINIMUM : MG_STATIONARY;
+  if (p->kernels->contact_kinds[p->kind].is_convex) return mg_closest_convex(p, goal, warm, eta, placed);
+  if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_CLOSEST_NOT_FOUND;
+  if (p->kernels->contact_kinds[p->kind].n_eta == 0) return MG_CLOSEST_GLOBAL;
+  return mg_is_minimum(placed) ? MG_CLOSEST_LOCAL : MG_CLOSEST_STATIONARY;
 }
 
 MG_API void mg_closest(const mg_closest_queries *q) {
-  const mg_newton_goal goal = {q->length, q->residual, q->reach};
+  const mg_newton_goal goal = {q->length, q->residual, q->step_limit};
   for (long i = 0; i < q->n; i++) {
     const mg_shape_pair p = {q->kernels, q->kind, q->pose_o + 12 * i, q->pose_f + 12 * i,
                              q->parameters + q->stride * i};
     mg_real placed[14];
-    q->outcome[i] = mg_closest_pair(&p, &goal, q->warm, q->eta + q->kernels->contact_kinds[q->kind].n_eta * i, placed);
+    q->outcome[i] =
+        mg_closest_pair(&p, &goal, q->is_warm_start, q->eta + q->kernels->contact_kinds[q->kind].n_eta * i, placed);
     q->d[i] = placed[0], q->margin[2 * i] = placed[3], q->margin[2 * i + 1] = placed[4];
     for (int k = 0; k < 3; k++) {
       q->normal[3 * i + k] = placed[5 + k];

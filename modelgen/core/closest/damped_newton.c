@@ -24,7 +24,7 @@ static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const 
   for (int k = 0; k < n; k++) {
     const mg_real step = fabs(next[k] - eta[k]);
     if (!(step <= MG_MAX)) return 0;
-    if (part * step > goal->reach[k]) part = goal->reach[k] / step;
+    if (part * step > goal->step_limit[k]) part = goal->step_limit[k] / step;
   }
   return part;
 }
@@ -35,7 +35,7 @@ static int mg_damped(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real
   const mg_real before = mg_merit_of(goal, placed);
   mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded(goal, eta, next, n);
   for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
-    for (int k = 0; k < n; k++) there[k] = goal->reach[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
+    for (int k = 0; k < n; k++) there[k] = goal->step_limit[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
     mg_place_pair(p, there, after, placed);
     if (!(mg_merit_of(goal, placed) < (1 - part / 1000) * before)) continue;
     for (int k = 0; k < n; k++) eta[k] = there[k], next[k] = after[k];
@@ -60,11 +60,11 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
 /* The distance is least there, not only stationary: the sign of the margin. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
-/* How far each entry of eta on a link may go in one step. */
-static void mg_eta_reach(const mg_context *c, int link, mg_real *reach) {
-  mg_eta_scale(c, link, reach);
+/* How far each entry of eta on a feature pair may go in one step. */
+static void mg_eta_reach(const mg_context *c, int feature_pair, mg_real *reach) {
+  mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, link, side), n = mg_carried[carrier];
+    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
     const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < n; k++, reach++)
       *reach = k >= n - signs ? MG_MAX : *reach * (carrier == MG_LOCAL ? 2 : carrier == MG_TURN ? 16 : 1) / 4;
@@ -72,18 +72,20 @@ static void mg_eta_reach(const mg_context *c, int link, mg_real *reach) {
 }
 
 static mg_shape_pair mg_couple_of(const mg_context *c, int contact) {
-  const mg_shape_pair couple = {c->kernels, c->kind[contact], c->pose + 12 * c->o[contact],
-                                c->pose + 12 * c->f[contact], c->system->parameters + c->parameters[contact]};
+  const mg_shape_pair couple = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
+                                c->bodies.pose + 12 * c->contacts.f[contact],
+                                c->system->parameters + c->contacts.parameters[contact]};
   return couple;
 }
 
-/* As mg_newton_on_link, from anywhere; convex shapes from nothing. c->search.placement says whether it is a minimum. */
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int link, mg_real *eta) {
-  const mg_shape_pair p = mg_couple_of(c, mg_use_spare_contact(c, link));
+/* As mg_newton_on_feature_pair, from anywhere; convex shapes from nothing. c->search.placement says whether it is a
+ * minimum. */
+MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta) {
+  const mg_shape_pair p = mg_couple_of(c, mg_use_spare_contact(c, feature_pair));
   mg_real reach[MG_MAX_ETA];
-  const mg_newton_goal goal = {c->system->length, c->settings->residual, reach};
-  mg_eta_reach(c, link, reach);
-  if (p.kernels->contact_kinds[p.kind].seeks)
-    return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_NOWHERE ? -1 : 0;
+  const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, reach};
+  mg_eta_reach(c, feature_pair, reach);
+  if (p.kernels->contact_kinds[p.kind].is_convex)
+    return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;
   return mg_damped_newton(&p, &goal, eta, c->search.placement);
 }

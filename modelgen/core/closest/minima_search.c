@@ -1,37 +1,37 @@
-/* All local minima of the distance of a pair: every link sampled, refined by Newton's method, kept where its
+/* All local minima of the distance of a pair: every feature pair sampled, refined by Newton's method, kept where its
    conditions hold. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
 
-/* Puts the spare contact, behind the last one, on a link. */
-MG_INTERNAL int mg_use_spare_contact(mg_context *c, int link) {
-  mg_place_on_link(c, c->system->n_contact, link);
+/* Puts the spare contact, behind the last one, on a feature pair. */
+MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair) {
+  mg_place_on_feature_pair(c, c->system->n_contact, feature_pair);
   return c->system->n_contact;
 }
 
 /* Turns the normal of two curves round. */
-MG_INTERNAL void mg_reverse_normal(const mg_context *c, int link, mg_real *eta) {
-  if (mg_parametrisation(c, link, 0) == MG_SIGN) eta[0] = -eta[0];
+MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta) {
+  if (mg_parametrisation(c, feature_pair, 0) == MG_SIGN) eta[0] = -eta[0];
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
 
 /* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
-static int mg_wrong_side(const mg_context *c, int link) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->link_pair[link];
+static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
+  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   const mg_real along = mg_dot3(hint, c->search.placement + 5);
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
-static int mg_undecided(const mg_context *c, int link) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->link_pair[link];
+static int mg_undecided(const mg_context *c, int feature_pair) {
+  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   return mg_dot3(hint, hint) == 0 && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
 
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
-   the two the link takes first. */
+   the two the feature pair takes first. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
-  const int turned = mg_side_body(c, found->link, 0) > mg_side_body(c, found->link, 1);
+  const int turned = mg_feature_body(c, found->feature_pair, 0) > mg_feature_body(c, found->feature_pair, 1);
   found->d = c->search.placement[0];
   for (int k = 0; k < 3; k++) {
     found->point[k] = c->search.placement[(turned ? 11 : 8) + k];
@@ -39,35 +39,37 @@ MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   }
 }
 
-/* The same point and the same normal: one contact, be it on two links where charts overlap. Two curves without an
-   outside have one contact at a point, whichever way its normal is turned. */
+/* The same point and the same normal: one contact, be it on two feature pairs where charts overlap. Two curves without
+   an outside have one contact at a point, whichever way its normal is turned. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
-  const int sided = !(a->link == b->link && mg_has_signs(c, a->link) && mg_has_no_outside(c, a->link));
+  const int sided = !(a->feature_pair == b->feature_pair && mg_has_signs(c, a->feature_pair) &&
+                      mg_has_no_outside(c, a->feature_pair));
   apart += (a->d - b->d) * (a->d - b->d);
-  return sqrt(apart) < c->settings->apart * c->system->length && (!sided || sqrt(turned) < c->settings->apart);
+  return sqrt(apart) < c->settings->search_merge_distance * c->system->length &&
+         (!sided || sqrt(turned) < c->settings->search_merge_distance);
 }
 
-/* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the link's own. */
-MG_INTERNAL int mg_accept_minimum(mg_context *c, int link, mg_real *eta, mg_minimum *found) {
-  const int spare = mg_use_spare_contact(c, link), alone = mg_has_no_outside(c, link);
+/* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the feature pair's own. */
+MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
+  const int spare = mg_use_spare_contact(c, feature_pair), alone = mg_has_no_outside(c, feature_pair);
   int which;
   mg_real next[6];
   mg_place_contact(c, spare, eta, next);
-  if (mg_has_signs(c, link)) {
-    const int wrong =
-        alone ? mg_wrong_side(c, link) : mg_most_violated_condition(c, link, eta, &which) < -c->settings->border;
-    if (wrong) mg_reverse_normal(c, link, eta), mg_place_contact(c, spare, eta, next);
+  if (mg_has_signs(c, feature_pair)) {
+    const int wrong = alone ? mg_is_on_wrong_side(c, feature_pair)
+                            : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
+    if (wrong) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
-  found->undecided = mg_has_signs(c, link) && alone && mg_undecided(c, link);
-  if (!(mg_placement_margin(c) > c->settings->lost)) return 0;
-  if (mg_most_violated_condition(c, link, eta, &which) < -c->settings->border) return 0;
-  if (mg_least_link_condition(c, link, eta, 1, &which) < -c->settings->lean) return 0;
-  found->link = link, found->margin = mg_placement_margin(c);
+  found->undecided = mg_has_signs(c, feature_pair) && alone && mg_undecided(c, feature_pair);
+  if (!(mg_placement_margin(c) > c->settings->search_margin)) return 0;
+  if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
+  if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
+  found->feature_pair = feature_pair, found->margin = mg_placement_margin(c);
   mg_record_minimum(c, found);
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
@@ -89,11 +91,11 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
   mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
   int groups = 0;
-  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++) {
-    const int group = s->link_group[link];
+  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++) {
+    const int group = s->feature_pair_group[feature_pair];
     if (group < 0 || group >= MG_SAMPLES) continue;
     while (groups <= group) c->search.merit[groups++] = MG_MAX;
-    mg_place_contact(c, mg_use_spare_contact(c, link), eta, next);
+    mg_place_contact(c, mg_use_spare_contact(c, feature_pair), eta, next);
     if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
@@ -105,26 +107,29 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
 static int mg_was_left(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
-    if (left->link == found->link && mg_is_same_minimum(c, left, found) && mg_is_minimum_leaving_link(c, found))
+    if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
+        mg_is_minimum_leaving_feature_pair(c, found))
       return 1;
   }
   return 0;
 }
 
-/* Adds to what is kept the extrema of a link that are above `least`. */
-MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_real least, mg_minima *kept) {
-  const int n_eta = c->kernels->contact_kinds[c->system->link_kind[link]].n_eta;
-  const int turn = mg_parametrisation(c, link, 0) == MG_TURN;
-  const int known = n_eta == 0 || turn || mg_parametrisation(c, link, 0) == MG_SIGN ||
-                    c->kernels->contact_kinds[c->system->link_kind[link]].seeks;
+/* Adds to what is kept the extrema of a feature pair that are above `least`. */
+MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
+                                        mg_minima *kept) {
+  const int n_eta = c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].n_eta;
+  const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
+  const int known = n_eta == 0 || turn || mg_parametrisation(c, feature_pair, 0) == MG_SIGN ||
+                    c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].is_convex;
   mg_newton_starts *starts = &c->search.starts;
   mg_minimum found;
   starts->count = 1;
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
-  if (!known) mg_find_newton_starts(c, link, n, zooms, starts);
+  if (!known) mg_find_newton_starts(c, feature_pair, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_from_anywhere(c, link, starts->eta[i]) < 0) continue;
-    if (!mg_accept_minimum(c, link, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found)) continue;
+    if (mg_settle_from_anywhere(c, feature_pair, starts->eta[i]) < 0) continue;
+    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found))
+      continue;
     mg_insert_minimum(c, kept, &found);
   }
 }
@@ -132,38 +137,40 @@ MG_INTERNAL void mg_search_link(mg_context *c, int link, int n, int zooms, mg_re
 /* ---- the start ---- */
 static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->settings->start_gap * c->system->length; }
 
-/* Each contact of the pair has a link of its own. */
+/* Each contact of the pair has a feature pair of its own. */
 static int mg_start_each(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
-    const int link = s->contact_link[i];
+    const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_link(c, link, MG_GRID, 2, -MG_MAX, &found);
+    mg_search_feature_pair(c, feature_pair, MG_GRID, 2, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (!found.count && mg_is_unconditional_link(c, link)) return MG_NO_EXTREMUM;
-    if (found.count && found.list[0].undecided) return MG_NO_SIDE;
-    mg_set_link(c, i, found.count ? link : -1, found.list[0].eta);
+    if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return MG_NO_EXTREMUM;
+    if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
+    mg_set_feature_pair(c, i, found.count ? feature_pair : -1, found.list[0].eta);
   }
   return MG_DONE;
 }
 
-/* The contacts of the pair share its links: the nearest first, others only within reach. */
+/* The contacts of the pair share its feature pairs: the nearest first, others only within reach. */
 static int mg_start_shared(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  for (int each = s->pair_link[pair]; each < s->pair_link[pair + 1]; each++)
-    mg_search_link(c, each, MG_GRID, 2, least, &found);
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
+    mg_search_feature_pair(c, each, MG_GRID, 2, least, &found);
   c->run->failed_contact = first;
-  const int link = s->pair_link[pair];
-  if (!found.count && mg_is_unconditional_link(c, link) && s->pair_link[pair + 1] - link == 1) return MG_NO_EXTREMUM;
+  const int feature_pair = s->pair_feature_pair[pair];
+  if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
+      s->pair_feature_pair[pair + 1] - feature_pair == 1)
+    return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
-    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->reach * s->length);
-    if (fits && found.list[k].undecided) return MG_NO_SIDE;
-    mg_set_link(c, i, fits ? found.list[k].link : -1, found.list[fits ? k : 0].eta);
+    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->search_gap * s->length);
+    if (fits && found.list[k].undecided) return MG_NO_OUTSIDE;
+    mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
     k++;
   }
   return MG_DONE;
@@ -171,9 +178,9 @@ static int mg_start_shared(mg_context *c, int pair) {
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) {
-    const int outcome = mg_has_own_links(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
+    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
     if (outcome) return outcome;
-    c->run->moved[pair] = 0;
+    c->run->moved_since_search[pair] = 0;
   }
   return MG_DONE;
 }

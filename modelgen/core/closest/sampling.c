@@ -1,20 +1,20 @@
-/* Both sides of a link sampled over their domains. */
+/* Both sides of a feature pair sampled over their domains. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
 
-MG_INTERNAL int mg_side_dimension(const mg_context *c, int link, int side) {
-  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].dimension;
+MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side) {
+  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].dimension;
 }
 
 /* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
    length 0 where the shape has none. */
-static void mg_sample_in(mg_context *c, int link, int side, const mg_real *uv, mg_real *in) {
+static void mg_sample_in(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->system;
-  const mg_real *place = mg_side_numbers(c, link, side) + MG_PLACEMENT;
+  const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
-  c->kernels->shape_point(s->side_shape[2 * link + side], uv, s->parameters + s->side_parameters[2 * link + side], in,
-                          direction);
+  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], uv,
+                          s->parameters + s->feature_parameters[2 * feature_pair + side], in, direction);
   const mg_real size = sqrt(mg_dot3(direction, direction));
   for (int k = 0; k < 3; k++) direction[k] = size > 0 && size < MG_MAX ? direction[k] / size : 0;
   mg_to_world(place, in, 1, in + 3), mg_to_world(place, direction, 0, in + 6);
@@ -26,24 +26,24 @@ static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real 
   at->uv[0] = uv[0], at->uv[1] = uv[1];
 }
 
-MG_INTERNAL void mg_sample_at(mg_context *c, int link, int side, const mg_real *uv, mg_sample *at) {
+MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_sample *at) {
   mg_real in[MG_SAMPLE_SIZE];
-  mg_sample_in(c, link, side, uv, in);
-  mg_sample_out(c->pose + 12 * mg_side_body(c, link, side), uv, in, at);
+  mg_sample_in(c, feature_pair, side, uv, in);
+  mg_sample_out(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
 }
 
 /* The parameter at which a curve without ends is farther than `reach` on both sides. */
-static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
+static mg_real mg_far_along(mg_context *c, int feature_pair, int side, mg_real reach) {
   const mg_system *s = c->system;
-  const mg_real *parameters = s->parameters + s->side_parameters[2 * link + side], zero[2] = {0, 0};
+  const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
-  c->kernels->shape_point(s->side_shape[2 * link + side], zero, parameters, x, T);
+  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], zero, parameters, x, T);
   mg_real far = reach / sqrt(mg_dot3(T, T));
   for (int doubling = 0; doubling < 30; doubling++, far *= 2) {
     const mg_real ends[2][2] = {{-far, 0}, {far, 0}};
     int outside = 0;
     for (int end = 0; end < 2; end++) {
-      c->kernels->shape_point(s->side_shape[2 * link + side], ends[end], parameters, x, T);
+      c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], ends[end], parameters, x, T);
       outside += mg_dot3(x, x) >= reach * reach;
     }
     if (outside == 2) break;
@@ -52,41 +52,44 @@ static mg_real mg_far_along(mg_context *c, int link, int side, mg_real reach) {
 }
 
 /* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
-MG_INTERNAL void mg_sample_window(mg_context *c, int link, int side, mg_real reach, mg_real *window) {
-  const mg_real *domain = mg_side_numbers(c, link, side) + MG_DOMAIN;
+MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_real reach, mg_real *window) {
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
-  const mg_real far = endless && mg_side_dimension(c, link, side) == 1 ? mg_far_along(c, link, side, reach) : reach;
+  const mg_real far =
+      endless && mg_feature_dimension(c, feature_pair, side) == 1 ? mg_far_along(c, feature_pair, side, reach) : reach;
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
 }
 
 /* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
    taken; 0 where none are kept of so many within this window. */
-static mg_real *mg_kept_samples(mg_context *c, int link, int side, const mg_real *window, int count, int *fresh) {
+static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const mg_real *window, int count,
+                                int *fresh) {
   const mg_system *s = c->system;
-  const mg_real *domain = mg_side_numbers(c, link, side) + MG_DOMAIN;
-  const int table = s->n_table ? s->side_table[2 * link + side] : -1;
-  if (table < 0 || s->table_first[table + 1] - s->table_first[table] != count) return 0;
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
+  const int table = s->n_sample_table ? s->feature_table[2 * feature_pair + side] : -1;
+  if (table < 0 || s->sample_table_first[table + 1] - s->sample_table_first[table] != count) return 0;
   for (int k = 0; k < 4; k++)
     if (window[k] != domain[k]) return 0;
   *fresh = !c->search.table_filled[table], c->search.table_filled[table] = 1;
-  return c->search.table + (long)MG_SAMPLE_SIZE * s->table_first[table];
+  return c->search.table + (long)MG_SAMPLE_SIZE * s->sample_table_first[table];
 }
 
 /* A grid of n by n samples over the window, as many along a curve, one of a point. */
-MG_INTERNAL int mg_sample_side(mg_context *c, int link, int side, const mg_real *window, int n, mg_sample *out) {
-  const int dimension = mg_side_dimension(c, link, side), along = dimension == 2 ? n : dimension ? n * n : 1;
+MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
+                                  mg_sample *out) {
+  const int dimension = mg_feature_dimension(c, feature_pair, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
-  const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side);
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
   int count = 0, fresh = 1;
-  mg_real lone[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, link, side, window, along * across, &fresh);
+  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &fresh);
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
-      mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : lone;
-      if (fresh) mg_sample_in(c, link, side, uv, in);
+      mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : single;
+      if (fresh) mg_sample_in(c, feature_pair, side, uv, in);
       mg_sample_out(pose, uv, in, out + count++);
     }
   return count;
@@ -99,14 +102,16 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre) {
   }
 }
 
-MG_INTERNAL mg_real mg_search_radius(mg_context *c, int link) {
-  const mg_real *o = c->pose + 12 * mg_side_body(c, link, 0), *f = c->pose + 12 * mg_side_body(c, link, 1);
+MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair) {
+  const mg_real *o = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 0),
+                *f = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1);
   const mg_real apart[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]}, distance = sqrt(mg_dot3(apart, apart));
   mg_real size = distance / 1000;
   for (int side = 0; side < 2; side++) {
-    const mg_real *at = mg_side_numbers(c, link, side), *middle = at + MG_CENTRE;
+    const mg_real *at = mg_feature_numbers(c, feature_pair, side), *middle = at + MG_FEATURE_BALL_CENTRE;
     const mg_real arm = sqrt(mg_dot3(at, at)) + sqrt(mg_dot3(middle, middle));
-    if (at[MG_BOUND] < MG_MAX / 2 && at[MG_BOUND] + arm > size) size = at[MG_BOUND] + arm;
+    if (at[MG_FEATURE_BALL_RADIUS] < MG_MAX / 2 && at[MG_FEATURE_BALL_RADIUS] + arm > size)
+      size = at[MG_FEATURE_BALL_RADIUS] + arm;
   }
   return 2 * (distance + size);
 }

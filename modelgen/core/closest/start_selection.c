@@ -1,4 +1,4 @@
-/* Where to start the search of closest points on a link: the likeliest pairs of samples. */
+/* Where to start the search of closest points on a feature pair: the likeliest pairs of samples. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -26,21 +26,22 @@ static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curve
 }
 
 /* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
-static int mg_has_foot(const mg_context *c, int link, int side) {
-  const int carrier = mg_parametrisation(c, link, side);
-  return c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot &&
+static int mg_has_foot(const mg_context *c, int feature_pair, int side) {
+  const int carrier = mg_parametrisation(c, feature_pair, side);
+  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point &&
          (carrier == MG_NONE || carrier == MG_LOCAL);
 }
 
-static void mg_lay_ground(mg_context *c, int link, int side, mg_ground *ground) {
+static void mg_lay_ground(mg_context *c, int feature_pair, int side, mg_ground *ground) {
   const mg_real zero[2] = {0, 0};
   mg_real arm[3], turned[3];
-  mg_sample_at(c, link, side, zero, &ground->base);
+  mg_sample_at(c, feature_pair, side, zero, &ground->base);
   ground->radius = 0;
-  if (c->kernels->shape_kinds[c->system->side_shape[2 * link + side]].foot == MG_FLAT) return;
+  if (c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point == MG_NEAREST_PLANE)
+    return;
   ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
-  mg_to_world(mg_side_numbers(c, link, side) + MG_PLACEMENT, ground->base.local, 0, arm);
-  mg_to_world(c->pose + 12 * mg_side_body(c, link, side), arm, 0, turned);
+  mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, ground->base.local, 0, arm);
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), arm, 0, turned);
   for (int k = 0; k < 3; k++) ground->centre[k] = ground->base.point[k] - turned[k];
 }
 
@@ -92,9 +93,9 @@ static void mg_match(mg_context *c, int n, int others, int curves, mg_real size)
 }
 
 /* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
-static void mg_match_feet(mg_context *c, int link, int side, int n, int curves, mg_real size) {
+static void mg_match_feet(mg_context *c, int feature_pair, int side, int n, int curves, mg_real size) {
   mg_ground ground;
-  mg_lay_ground(c, link, side, &ground);
+  mg_lay_ground(c, feature_pair, side, &ground);
   const mg_real width = 2 * ground.radius;
   if (width > 0 && (width < size || !(size > 0))) size = width;
   for (int i = 0; i < n; i++) {
@@ -117,10 +118,11 @@ static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
   return 1;
 }
 
-MG_INTERNAL void mg_start_eta(const mg_context *c, int link, const mg_sample *o, const mg_sample *f, mg_real *eta) {
+MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
+                              mg_real *eta) {
   for (int side = 0; side < 2; side++) {
     const mg_sample *at = side ? f : o;
-    switch (mg_parametrisation(c, link, side)) {
+    switch (mg_parametrisation(c, feature_pair, side)) {
       case MG_LOCAL:
         for (int k = 0; k < 3; k++) *eta++ = at->local[k];
         break;
@@ -170,33 +172,33 @@ static void mg_keep_start(mg_newton_starts *kept, mg_real merit, const mg_real *
 }
 
 /* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
-static int mg_match_sides(mg_context *c, int link, int row, int feet, int n, mg_real window[2][4]) {
-  const int curves = (mg_side_dimension(c, link, 0) < 2) + (mg_side_dimension(c, link, 1) < 2);
-  const int rows = mg_sample_side(c, link, row, window[row], n, c->search.samples);
+static int mg_match_samples(mg_context *c, int feature_pair, int row, int feet, int n, mg_real window[2][4]) {
+  const int curves = (mg_feature_dimension(c, feature_pair, 0) < 2) + (mg_feature_dimension(c, feature_pair, 1) < 2);
+  const int rows = mg_sample_feature(c, feature_pair, row, window[row], n, c->search.samples);
   const mg_real own = mg_extent_of(c, 0, rows);
   if (feet) {
-    mg_match_feet(c, link, 1 - row, rows, curves, own);
+    mg_match_feet(c, feature_pair, 1 - row, rows, curves, own);
     return rows;
   }
-  const int others = mg_sample_side(c, link, 1 - row, window[1 - row], n, c->search.samples + MG_SAMPLES);
+  const int others = mg_sample_feature(c, feature_pair, 1 - row, window[1 - row], n, c->search.samples + MG_SAMPLES);
   const mg_real size = mg_extent_of(c, MG_SAMPLES, others);
   mg_match(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
   return rows;
 }
 
 /* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
-static int mg_is_dense(const mg_context *c, int link, int feet) {
-  return feet || (mg_side_dimension(c, link, 0) < 2 && mg_side_dimension(c, link, 1) < 2);
+static int mg_is_dense(const mg_context *c, int feature_pair, int feet) {
+  return feet || (mg_feature_dimension(c, feature_pair, 0) < 2 && mg_feature_dimension(c, feature_pair, 1) < 2);
 }
 
-/* A contact of the pair is on the link already, with its points next to sample i of the rows and its mate. */
-static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, int across) {
-  const int pair = c->system->link_pair[link], beside = i + across < rows ? i + across : i - across;
+/* A contact of the pair is on the feature pair already, with its points next to sample i of the rows and its mate. */
+static int mg_is_known_start(mg_context *c, int feature_pair, int row, int i, int rows, int across) {
+  const int pair = c->system->feature_pair_owner[feature_pair], beside = i + across < rows ? i + across : i - across;
   const mg_sample *own = c->search.samples + i, *mate = c->search.samples + MG_SAMPLES + c->search.mate[i];
   const mg_real near = beside >= 0 ? mg_between(own, c->search.samples + beside) : 0;
   mg_real next[6];
   for (int k = mg_pair_first_contact(c, pair); k < mg_pair_first_contact(c, pair + 1); k++) {
-    if (!mg_is_on_link(c, k) || c->run->link[k] != link) continue;
+    if (!mg_is_on_feature_pair(c, k) || c->run->feature_pair[k] != feature_pair) continue;
     mg_place_contact(c, k, mg_contact_eta(c, c->run->x, k), next);
     const mg_real *points[2] = {c->search.placement + 8, c->search.placement + 11}, *p = points[row],
                   *q = points[1 - row];
@@ -207,25 +209,26 @@ static int mg_is_known_start(mg_context *c, int link, int row, int i, int rows, 
   return 0;
 }
 
-/* Likely starts on a link from n by n samples a side, `zooms` times again around the best. */
-MG_INTERNAL void mg_find_newton_starts(mg_context *c, int link, int n, int zooms, mg_newton_starts *kept) {
-  const int row = mg_has_foot(c, link, 0), feet = row || mg_has_foot(c, link, 1);
-  const int across = mg_side_dimension(c, link, row) != 2 ? 1 : feet ? MG_GRID : n;
+/* Likely starts on a feature pair from n by n samples a side, `zooms` times again around the best. */
+MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept) {
+  const int row = mg_has_foot(c, feature_pair, 0), feet = row || mg_has_foot(c, feature_pair, 1);
+  const int across = mg_feature_dimension(c, feature_pair, row) != 2 ? 1 : feet ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};
   kept->count = 0;
-  for (int side = 0; side < 2; side++) mg_sample_window(c, link, side, mg_search_radius(c, link), window[side]);
+  for (int side = 0; side < 2; side++)
+    mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window[side]);
   for (int level = 0; level <= zooms; level++) {
-    const int rows = mg_match_sides(c, link, row, feet, feet ? MG_GRID : n, window);
+    const int rows = mg_match_samples(c, feature_pair, row, feet, feet ? MG_GRID : n, window);
     int best = 0;
     for (int i = 0; i < rows; i++) {
       mg_sample *own = c->search.samples + i, *other = c->search.samples + MG_SAMPLES + c->search.mate[i];
       if (c->search.merit[i] < c->search.merit[best]) best = i;
       if (!mg_is_lowest(c, i, rows, across)) continue;
-      if (feet) mg_point_in_shape_axes(c, link, 1 - row, other->point, other->local);
-      mg_start_eta(c, link, row ? other : own, row ? own : other, eta);
+      if (feet) mg_point_in_shape_axes(c, feature_pair, 1 - row, other->point, other->local);
+      mg_start_eta(c, feature_pair, row ? other : own, row ? own : other, eta);
       mg_keep_start(kept, c->search.merit[i], eta);
     }
-    if (mg_is_dense(c, link, feet) && mg_is_known_start(c, link, row, best, rows, across)) return;
+    if (mg_is_dense(c, feature_pair, feet) && mg_is_known_start(c, feature_pair, row, best, rows, across)) return;
     mg_shrink_window(window[row], c->search.samples[best].uv);
     mg_shrink_window(window[1 - row], c->search.samples[MG_SAMPLES + c->search.mate[best]].uv);
   }

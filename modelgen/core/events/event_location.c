@@ -24,19 +24,22 @@ static int mg_is_closed_without_force(const mg_context *c, int contact) {
   return c->run->closed[contact] && !c->run->active[contact];
 }
 
-/* MG_LEAVES_FEATURE if the contact leaves its link at the state x, MG_PASSES_BORDER if it passes a watched
+/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
    border, else 0; stores the condition that is broken. */
-MG_INTERNAL int mg_find_link_exit(mg_context *c, int contact, mg_real *x) {
-  const int link = c->run->link[contact];
-  if (link < 0 || c->run->fresh[contact] || mg_is_unconditional_link(c, link) || mg_is_distant_flat_link(c, contact))
+MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
+  const int feature_pair = c->run->feature_pair[contact];
+  if (feature_pair < 0 || c->run->rolling_start[contact] || mg_is_unconditional_feature_pair(c, feature_pair) ||
+      mg_is_distant_flat_feature_pair(c, contact))
     return 0;
   const mg_real *eta = mg_contact_eta(c, x, contact);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  if (mg_most_violated_condition(c, link, eta, c->events.broken_condition + contact) < -c->settings->border)
+  if (mg_most_violated_condition(c, feature_pair, eta, c->events.broken_condition + contact) <
+      -c->settings->feature_border)
     return MG_LEAVES_FEATURE;
-  const int is_touching = !c->run->closed[contact] && c->d[contact] < c->settings->start_gap * c->system->length;
+  const int is_touching = !c->run->closed[contact] && c->rows.d[contact] < c->settings->start_gap * c->system->length;
   if (!c->events.within_border[contact] || is_touching) return 0;
-  return mg_least_link_condition(c, link, eta, 1, c->events.broken_condition + contact) < -c->settings->border
+  return mg_least_feature_pair_condition(c, feature_pair, eta, 1, c->events.broken_condition + contact) <
+                 -c->settings->feature_border
              ? MG_PASSES_BORDER
              : 0;
 }
@@ -45,7 +48,7 @@ MG_INTERNAL int mg_find_link_exit(mg_context *c, int contact, mg_real *x) {
 static mg_real mg_least_watched_condition(mg_context *c, int contact, mg_real *x, int *which) {
   const mg_real *eta = mg_contact_eta(c, x, contact);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  return mg_least_link_condition(c, c->run->link[contact], eta, 1, which);
+  return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, 1, which);
 }
 
 /* True if a contact beyond a watched border moves back towards it. Needs the slope at the run's state. */
@@ -62,43 +65,49 @@ static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   int which;
   for (int i = 0; i < c->system->n_contact; i++) {
-    const int link = c->run->link[i], near = c->run->closed[i] || c->d[i] < c->settings->search * c->system->length;
+    const int feature_pair = c->run->feature_pair[i],
+              near = c->run->closed[i] || c->rows.d[i] < c->settings->search_movement * c->system->length;
     const int was_on_border = c->events.within_border[i] == MG_PASSES_BORDER;
     c->events.within_border[i] = 0;
-    if (link < 0 || !near || mg_is_unconditional_link(c, link)) continue;
+    if (feature_pair < 0 || !near || mg_is_unconditional_feature_pair(c, feature_pair)) continue;
     const mg_real value = mg_least_watched_condition(c, i, c->run->x, &which);
     if (which < 0) continue;
     const int still_on_border = was_on_border && (value < 0 || !c->run->closed[i]);
     c->events.within_border[i] =
-        value >= -c->settings->border && (!still_on_border || mg_is_returning_to_border(c, i, value));
+        value >= -c->settings->feature_border && (!still_on_border || mg_is_returning_to_border(c, i, value));
     if (!c->events.within_border[i])
-      c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+      c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
   }
 }
 
-/* Mark all events that have triggered at the state x: link exits, closing gaps, tensile forces, unforced gaps
+/* Mark all events that have triggered at the state x: feature pair exits, closing gaps, tensile forces, unforced gaps
    that accelerate, patches, friction; returns their number. Needs the right-hand side and gap velocities at x. */
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
-  const mg_real deep = -c->settings->gap * c->system->length, rest = -c->settings->rest_speed * mg_speed_scale(c);
+  const mg_real deep = -c->settings->contact_gap * c->system->length,
+                rest = -c->settings->rest_speed * mg_speed_scale(c);
   int count = mg_mark_patch_events(c);
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     if (mg_is_closed_without_force(c, i))
-      c->events.triggered[i] = fabs(mg_row_acceleration(c, i)) > c->settings->leave * mg_acceleration_tolerance(c);
-    else if (c->run->closed[i]) c->events.triggered[i] = c->force[i] < -mg_acceleration_tolerance(c) * c->system->mass;
-    else c->events.triggered[i] = (c->d[i] < 0 && c->d_dot[i] < rest) || (c->d[i] < deep && c->d_dot[i] < 0);
-    const int leaves = mg_find_link_exit(c, i, x);
+      c->events.triggered[i] =
+          fabs(mg_row_acceleration(c, i)) > c->settings->rest_loss_factor * mg_acceleration_tolerance(c);
+    else if (c->run->closed[i])
+      c->events.triggered[i] = c->solution.force[i] < -mg_acceleration_tolerance(c) * c->system->mass;
+    else
+      c->events.triggered[i] =
+          (c->rows.d[i] < 0 && c->rows.d_dot[i] < rest) || (c->rows.d[i] < deep && c->rows.d_dot[i] < 0);
+    const int leaves = mg_find_feature_pair_exit(c, i, x);
     if (leaves == MG_LEAVES_FEATURE || (leaves && (c->run->closed[i] || !c->events.triggered[i])))
       c->events.triggered[i] = leaves;
     count += c->events.triggered[i] != 0;
   }
-  return c->system->n_grip ? count + mg_mark_friction_events(c) : count;
+  return c->system->n_friction ? count + mg_mark_friction_events(c) : count;
 }
 
 /* Evaluate the interpolant at theta and mark the events that have triggered there; returns their number. */
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->step.stage);
   mg_normalise_quaternions(c, c->step.stage);
-  mg_right_hand_side(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
+  mg_right_hand_side(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
   mg_gap_rates(c);
   return mg_mark_triggered_events(c, c->step.stage);
 }
@@ -113,44 +122,47 @@ static int mg_first_triggered_contact(const mg_context *c) {
 /* Number of the first triggered event, or -1: contacts first, then friction row groups. */
 static int mg_first_triggered_event(const mg_context *c) {
   const int first = mg_first_triggered_contact(c),
-            grip = first < 0 && c->system->n_grip ? mg_first_friction_event(c) : -1;
-  return grip < 0 ? first : c->system->n_contact + grip;
+            constraint = first < 0 && c->system->n_friction ? mg_first_friction_event(c) : -1;
+  return constraint < 0 ? first : c->system->n_contact + constraint;
 }
 
 /* True if the event number is that of a friction row group. */
 static int mg_is_friction_event(const mg_context *c, int event) { return event >= c->system->n_contact; }
 
-/* Condition that the contact passes when it leaves its link, with eta of the state x corrected to the extremum. */
-static mg_real mg_link_exit_value(mg_context *c, int contact, const mg_real *x) {
+/* Condition that the contact passes when it leaves its feature pair, with eta of the state x corrected to the extremum.
+ */
+static mg_real mg_feature_pair_exit_value(mg_context *c, int contact, const mg_real *x) {
   mg_real next[6], beyond[6];
   mg_place_contact(c, contact, x + (mg_contact_eta(c, c->run->x, contact) - c->run->x), next);
   mg_place_contact(c, contact, next, beyond);
-  return mg_link_condition(c, c->run->link[contact], c->events.broken_condition[contact], next);
+  return mg_feature_pair_condition(c, c->run->feature_pair[contact], c->events.broken_condition[contact], next);
 }
 
-/* Event function at the state x; `cause` as marked where the contact leaves its link or a patch ends, else 0. */
+/* Event function at the state x; `cause` as marked where the contact leaves its feature pair or a patch ends, else 0.
+ */
 static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
-  const int grip = contact - c->system->n_contact;
-  if (grip >= 0) return mg_friction_event_value(c, mg_contact_of_friction(c, grip), grip);
+  const int constraint = contact - c->system->n_contact;
+  if (constraint >= 0) return mg_friction_event_value(c, mg_contact_of_friction(c, constraint), constraint);
   if (mg_is_support_contact(c, contact)) return mg_patch_event_value(c, contact, cause);
-  if (cause) return mg_link_exit_value(c, contact, x);
-  return c->run->closed[contact] ? c->force[contact] : c->d[contact];
+  if (cause) return mg_feature_pair_exit_value(c, contact, x);
+  return c->run->closed[contact] ? c->solution.force[contact] : c->rows.d[contact];
 }
 
 /* Describe the first triggered event at theta: its event function and rate; returns 0 if none has triggered.
    Needs the state there, and leaves another. */
 static int mg_describe_first_event(mg_context *c, mg_real h, mg_real theta, mg_located_event *event) {
-  const int contact = mg_first_triggered_event(c), grip = mg_is_friction_event(c, contact);
+  const int contact = mg_first_triggered_event(c), constraint = mg_is_friction_event(c, contact);
   if (contact < 0) return 0;
-  const int way = grip ? 0 : c->events.broken_condition[contact],
-            cause = !grip && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
+  const int way = constraint ? 0 : c->events.broken_condition[contact],
+            cause = !constraint && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
   event->contact = contact, event->cause = cause, event->slope = 0;
-  if (!grip && mg_is_closed_without_force(c, contact) && !cause) return 1;
-  event->value = mg_event_value(c, contact, cause, c->step.stage), event->slope = grip ? 0 : c->d_dot[contact];
-  if (!grip && !c->run->closed[contact] && !cause) return 1;
+  if (!constraint && mg_is_closed_without_force(c, contact) && !cause) return 1;
+  event->value = mg_event_value(c, contact, cause, c->step.stage),
+  event->slope = constraint ? 0 : c->rows.d_dot[contact];
+  if (!constraint && !c->run->closed[contact] && !cause) return 1;
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
   mg_mark_triggered_events_at(c, h, theta - step);
-  if (!grip) c->events.broken_condition[contact] = way;
+  if (!constraint) c->events.broken_condition[contact] = way;
   event->slope = (event->value - mg_event_value(c, contact, cause, c->step.stage)) / (step * h);
   return 1;
 }
@@ -167,7 +179,8 @@ static void mg_recompute_step_end(mg_context *c, mg_real h, mg_real tried, int c
    from before where rounding hides it, because a bounce must lose energy. Where corrections do not shrink, as at
    a jump of the loads, the time found on the interpolant is kept. */
 static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_real tried, int collocated) {
-  const mg_real time_tolerance = c->settings->event * c->system->time, correction_limit = tried * c->settings->polish,
+  const mg_real time_tolerance = c->settings->event_tolerance * c->system->time,
+                correction_limit = tried * c->settings->event_correction_step,
                 noise = tried * (mg_real)MG_EVENT_COARSE_PART;
   mg_real h = event.start, total_correction = 0, first_correction = MG_MAX, correction = MG_MAX, previous_value = 0;
   for (int round = 1;; round++) {
@@ -217,8 +230,8 @@ static mg_real mg_find_gap_minimum_event(mg_context *c, int contact, mg_real h, 
     const mg_real middle = (low + high) / 2;
     mg_mark_triggered_events_at(c, h, middle);
     if (c->events.triggered[contact]) return middle;
-    if (c->d[contact] > fabs(c->d_dot[contact]) * (high - low) * h) return 0;
-    if (c->d_dot[contact] < 0) low = middle;
+    if (c->rows.d[contact] > fabs(c->rows.d_dot[contact]) * (high - low) * h) return 0;
+    if (c->rows.d_dot[contact] < 0) low = middle;
     else high = middle;
   }
   return 0;
@@ -228,7 +241,7 @@ static mg_real mg_find_gap_minimum_event(mg_context *c, int contact, mg_real h, 
    none. */
 static mg_real mg_first_gap_minimum_event(mg_context *c, mg_real h, mg_real low, mg_real high) {
   mg_real earliest = 0;
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     const mg_real candidate =
         c->events.gap_dips[i] ? mg_find_gap_minimum_event(c, i, h, low, earliest > 0 ? earliest : high) : 0;
     if (candidate > 0) earliest = candidate;
@@ -239,9 +252,9 @@ static mg_real mg_first_gap_minimum_event(mg_context *c, mg_real h, mg_real low,
 /* Scan the step in equal parts for the first that contains an event; returns its end as a share of the step and
    its start in *low, 0 if there is none. Needs gaps and event margins stored at the start of the step. */
 static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
-  const mg_real part = (mg_real)1 / c->settings->scan;
-  for (int j = 1; j <= c->settings->scan; j++) {
-    const mg_real at = (mg_real)j / c->settings->scan;
+  const mg_real part = (mg_real)1 / c->settings->event_scan_parts;
+  for (int j = 1; j <= c->settings->event_scan_parts; j++) {
+    const mg_real at = (mg_real)j / c->settings->event_scan_parts;
     const int fired = mg_mark_triggered_events_at(c, h, at), dips = mg_mark_gap_minima(c, part * h);
     mg_store_gaps(c);
     mg_sample_event_margins(c, j % MG_MARGIN_SAMPLES);
@@ -252,7 +265,7 @@ static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
     if (dip > 0) return dip;
     if (fired) return at;
   }
-  return mg_first_hidden_event(c, h, c->settings->scan, c->settings->scan + 1, part, low);
+  return mg_first_hidden_event(c, h, c->settings->event_scan_parts, c->settings->event_scan_parts + 1, part, low);
 }
 
 /* Bisect the bracket of an event to `width`; returns how many events have triggered at its end. Forces found by
@@ -304,7 +317,8 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
 MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan_step_for_events(c, h, &low) : mg_first_gap_minimum_event(c, h, 0, 1);
   if (high == 0) return 0;
-  const mg_real width = c->settings->event * c->system->time / h, coarse_width = (mg_real)MG_EVENT_COARSE_PART;
+  const mg_real width = c->settings->event_tolerance * c->system->time / h,
+                coarse_width = (mg_real)MG_EVENT_COARSE_PART;
   mg_located_event event, finer;
   const int count = mg_bisect_event_bracket(c, h, &low, &high, width > coarse_width ? width : coarse_width);
   if (!mg_describe_first_event(c, h, high, &event)) return 0;

@@ -13,7 +13,7 @@ MG_INTERNAL void mg_store_gaps(mg_context *c);
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h);
 
 /* event_location.c */
-MG_INTERNAL int mg_find_link_exit(mg_context *c, int contact, mg_real *x);
+MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x);
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c);
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x);
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta);

@@ -12,7 +12,7 @@ MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
   mg_margin_sample p[4];
   mg_real theta;
   if (c->settings->method != MG_DOP853) return 0;
-  if (mg_is_collocated(c)) return c->system->n_grip > 0; /* none of its stages was taken */
+  if (mg_is_collocated(c)) return c->system->n_friction > 0; /* none of its stages was taken */
   mg_sample_event_margins(c, MG_MARGIN_SAMPLES - 1);
   for (int which = 0; which < mg_event_margin_count(c->system); which++) {
     const int parts = mg_is_margin_nearly_constant(c, which) ? 0 : MG_MARGIN_SAMPLES - 1;

@@ -22,32 +22,33 @@ static int mg_list_held_rows(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->active[i]) c->lcp.rows[n++] = i;
   n = mg_append_joint_rows(c, c->lcp.rows, n);
-  return c->system->n_grip ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
+  return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
 }
 
 /* Add a column M^-1 J^T, times an amount, to the values of the two bodies of a row. */
 static void mg_add_body_impulse(const mg_context *c, int row, const mg_real *column, mg_real amount,
                                 mg_real *per_body) {
   for (int k = 0; k < 12; k++) {
-    const int body = k < 6 ? c->o[row] : c->f[row];
+    const int body = k < 6 ? c->contacts.o[row] : c->contacts.f[row];
     if (mg_moves(c, body)) per_body[6 * body + k % 6] += column[k] * amount;
   }
 }
 
 /* Column M^-1 J^T of a row with the friction of its slip. */
 static void mg_impulse_column(const mg_context *c, int row, mg_real *column) {
-  for (int k = 0; k < 12; k++) column[k] = c->MJ[12 * row + k];
-  if (!c->system->n_grip || row >= c->support_begin) return;
-  const int first = c->friction_row_begin + c->system->contact_below[row];
-  for (int i = first; i < first + c->kernels->contact_kinds[c->kind[row]].rows - 1; i++)
-    for (int k = 0; k < 12; k++) column[k] -= c->friction.force_ratio[i - c->friction_row_begin] * c->MJ[12 * i + k];
+  for (int k = 0; k < 12; k++) column[k] = c->rows.MJ[12 * row + k];
+  if (!c->system->n_friction || row >= c->layout.support_begin) return;
+  const int first = c->layout.friction_row_begin + c->system->contact_friction_row[row];
+  for (int i = first; i < first + c->kernels->contact_kinds[c->contacts.kind[row]].rows - 1; i++)
+    for (int k = 0; k < 12; k++)
+      column[k] -= c->friction.force_ratio[i - c->layout.friction_row_begin] * c->rows.MJ[12 * i + k];
 }
 
 /* Power in W of the loads alone. */
 static mg_real mg_load_power(const mg_context *c, const mg_real *slope) {
-  mg_real power = slope[c->work_state];
-  if (c->n_driven || c->has_prescribed_joint) power -= mg_prescribed_motion_power(c);
-  return c->system->n_grip ? power - mg_friction_power(c) : power;
+  mg_real power = slope[c->layout.work_state];
+  if (c->layout.n_driven || c->layout.has_prescribed_joint) power -= mg_prescribed_motion_power(c);
+  return c->system->n_friction ? power - mg_friction_power(c) : power;
 }
 
 /* Store what the passage starts from: columns, row velocities, accelerations without these forces, points, load
@@ -55,13 +56,13 @@ static mg_real mg_load_power(const mg_context *c, const mg_real *slope) {
 static void mg_store_passage_start(mg_context *c) {
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);
-  for (int k = 0; k < 6 * c->system->n_body; k++) v->free_twist[k] = c->accel[k];
+  for (int k = 0; k < 6 * c->system->n_body; k++) v->free_twist[k] = c->bodies.acceleration[k];
   for (int r = 0; r < n; r++) {
     const int row = c->lcp.rows[r];
     mg_impulse_column(c, row, v->column + 12 * row);
-    mg_add_body_impulse(c, row, v->column + 12 * row, -c->force[row], v->free_twist);
+    mg_add_body_impulse(c, row, v->column + 12 * row, -c->solution.force[row], v->free_twist);
   }
-  for (int i = 0; i < c->friction_row_end; i++) v->rate[i] = c->d_dot[i];
+  for (int i = 0; i < c->layout.friction_row_end; i++) v->rate[i] = c->rows.d_dot[i];
   v->power = mg_load_power(c, c->step.slopes);
   for (int i = 0; i < c->system->n_contact; i++) {
     if (!c->run->closed[i]) continue;
@@ -73,21 +74,22 @@ static void mg_store_passage_start(mg_context *c) {
 /* Move eta to the minimum that continues the contact after the passage; returns 0 where there is none at zero
    gap. */
 static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta) {
-  const mg_real touching = c->settings->gap * c->system->length;
-  const int n = c->n_eta[contact], link = c->run->link[contact];
+  const mg_real touching = c->settings->contact_gap * c->system->length;
+  const int n = c->contacts.n_eta[contact], feature_pair = c->run->feature_pair[contact];
   mg_real next[6], trial_eta[6] = {0};
   mg_minimum found;
   mg_minima kept = {0};
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
-    return mg_placement_margin(c) > c->settings->lost && fabs(c->search.placement[0]) <= touching;
+    return mg_placement_margin(c) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
   }
-  if (mg_newton_on_link(c, contact, trial_eta) >= 0 && mg_accept_minimum(c, link, trial_eta, &found))
+  if (mg_newton_on_feature_pair(c, contact, trial_eta) >= 0 && mg_accept_minimum(c, feature_pair, trial_eta, &found))
     mg_insert_minimum(c, &kept, &found);
   if (!kept.count || fabs(kept.list[0].d) > touching)
     mg_search_near_contact_point(c, contact, eta, c->settings->margin_refuse, &kept);
-  if (!kept.count || fabs(kept.list[0].d) > touching) mg_search_link(c, link, MG_COARSE, 1, -MG_MAX, &kept);
+  if (!kept.count || fabs(kept.list[0].d) > touching)
+    mg_search_feature_pair(c, feature_pair, MG_COARSE, 1, -MG_MAX, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
   for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];
   mg_place_contact(c, contact, eta, next);
@@ -105,7 +107,7 @@ static mg_real mg_point_distance(const mg_real *a, const mg_real *b) {
 static int mg_has_swapped_contact_points(const mg_context *c, int contact) {
   const mg_singular_passage *v = &c->events.passage;
   const mg_real *from = v->point + 3 * contact, *to = v->landing_point + 3 * contact;
-  const mg_real one = c->settings->apart * c->system->length;
+  const mg_real one = c->settings->search_merge_distance * c->system->length;
   for (int i = mg_pair_first_contact(c, c->system->contact_pair[contact]); i < contact; i++) {
     if (!c->run->closed[i] || mg_point_distance(v->landing_point + 3 * i, to) > one) continue;
     const mg_real *other = v->point + 3 * i, apart = (mg_real)0.75 * mg_point_distance(other, from);
@@ -120,7 +122,7 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
   mg_real farthest = 0;
   mg_update_poses(c, t, x);
   c->events.passage.margin = MG_MAX;
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     if (!c->run->closed[i]) continue;
     if (!mg_find_point_after_passage(c, i, mg_contact_eta(c, x, i))) return MG_MAX;
     for (int k = 0; k < 3; k++) c->events.passage.landing_point[3 * i + k] = c->search.placement[11 + k];
@@ -139,13 +141,13 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
   const mg_system *s = c->system;
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);
-  mg_real column[12], *change = c->wrench;
+  mg_real column[12], *change = c->bodies.wrench;
   for (int k = 0; k < 6 * s->n_body; k++)
-    change[k] = 0, v->impulse_work[k] = tau * (v->free_twist[k] + c->accel[k]) / 2;
+    change[k] = 0, v->impulse_work[k] = tau * (v->free_twist[k] + c->bodies.acceleration[k]) / 2;
   for (int r = 0; r < n; r++) {
     const int row = c->lcp.rows[r];
     mg_impulse_column(c, row, column);
-    mg_add_body_impulse(c, row, column, -tau * c->force[row] / 2, v->impulse_work);
+    mg_add_body_impulse(c, row, column, -tau * c->solution.force[row] / 2, v->impulse_work);
     for (int k = 0; k < 12; k++) column[k] = (column[k] - v->column[12 * row + k]) / 2;
     mg_add_body_impulse(c, row, column, v->impulse[row], change);
     mg_add_body_impulse(c, row, v->column + 12 * row, v->impulse[row], v->impulse_work);
@@ -164,17 +166,17 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
 /* Correct the impulses by those that remove the remaining row velocities at x. */
 static void mg_update_passage_impulses(mg_context *c) {
   const int shared = c->run->forces_redundant;
-  c->friction.couples_normal = c->system->n_grip > 0, c->run->forces_redundant = 0;
-  const int n = mg_hold_rows(c, c->run->active, c->d_dot, c->impulse);
-  for (int r = 0; r < n; r++) c->events.passage.impulse[c->lcp.rows[r]] += c->impulse[c->lcp.rows[r]];
+  c->friction.couples_normal = c->system->n_friction > 0, c->run->forces_redundant = 0;
+  const int n = mg_hold_rows(c, c->run->active, c->rows.d_dot, c->solution.impulse);
+  for (int r = 0; r < n; r++) c->events.passage.impulse[c->lcp.rows[r]] += c->solution.impulse[c->lcp.rows[r]];
   c->friction.couples_normal = 0, c->run->forces_redundant = shared;
 }
 
 /* Set the positions of x from the mean of the velocities at both ends. */
 static void mg_move_by_mean_velocity(mg_context *c, mg_real tau, mg_real *x) {
   const mg_system *s = c->system;
-  mg_real *slope = c->step.slopes + c->n_states, *mean = c->step.stage;
-  for (int k = 0; k < c->n_states; k++) mean[k] = c->run->x[k];
+  mg_real *slope = c->step.slopes + c->layout.n_states, *mean = c->step.stage;
+  for (int k = 0; k < c->layout.n_states; k++) mean[k] = c->run->x[k];
   for (int k = s->n_q; k < s->n_q + s->n_u; k++) mean[k] = (c->run->x[k] + x[k]) / 2;
   mg_update_poses(c, c->run->t, mean);
   mg_free_accelerations(c, c->run->t, mean, slope);
@@ -186,12 +188,13 @@ static void mg_move_by_mean_velocity(mg_context *c, mg_real tau, mg_real *x) {
 static mg_real mg_passage_work(const mg_context *c, mg_real tau, mg_real power) {
   const mg_singular_passage *v = &c->events.passage;
   mg_real work = tau * (v->power + power) / 2;
-  for (int i = 0; i < c->joint_row_end; i++) {
+  for (int i = 0; i < c->layout.joint_row_end; i++) {
     work -= v->impulse[i] * mg_prescribed_gap_rate(c, i);
-    if (!c->system->n_grip || i >= c->support_begin || !c->run->active[i]) continue;
-    const int first = c->friction_row_begin + c->system->contact_below[i];
-    for (int k = first; k < first + c->kernels->contact_kinds[c->kind[i]].rows - 1; k++)
-      work -= c->friction.force_ratio[k - c->friction_row_begin] * v->impulse[i] * (v->rate[k] + c->d_dot[k]) / 2;
+    if (!c->system->n_friction || i >= c->layout.support_begin || !c->run->active[i]) continue;
+    const int first = c->layout.friction_row_begin + c->system->contact_friction_row[i];
+    for (int k = first; k < first + c->kernels->contact_kinds[c->contacts.kind[i]].rows - 1; k++)
+      work -= c->friction.force_ratio[k - c->layout.friction_row_begin] * v->impulse[i] *
+              (v->rate[k] + c->rows.d_dot[k]) / 2;
   }
   return work;
 }
@@ -201,25 +204,27 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t + tau, part = tau / s->time;
   mg_real *x = c->step.end, distance = 0, row_change = 0;
-  for (int k = 0; k < c->n_states; k++) x[k] = c->run->x[k];
-  for (int i = 0; i < c->friction_row_end; i++) c->events.passage.impulse[i] = 0;
+  for (int k = 0; k < c->layout.n_states; k++) x[k] = c->run->x[k];
+  for (int i = 0; i < c->layout.friction_row_end; i++) c->events.passage.impulse[i] = 0;
   for (int round = 0; round < MG_PASSAGE_ROUNDS; round++) {
     mg_move_by_mean_velocity(c, tau, x);
     distance = mg_place_points_after_passage(c, t, x);
     if (!(distance < MG_MAX)) return MG_MAX;
-    mg_right_hand_side(c, t, x, c->step.slopes + c->n_states);
+    mg_right_hand_side(c, t, x, c->step.slopes + c->layout.n_states);
     mg_gap_rates(c);
     mg_update_passage_impulses(c);
     mg_set_passage_velocities(c, tau, x, &row_change);
   }
-  x[c->work_state] = c->run->x[c->work_state] + mg_passage_work(c, tau, mg_load_power(c, c->step.slopes + c->n_states));
-  return mg_all_finite(c->n_states, x) ? row_change * distance / s->length / 6 + part * part * part / 12 : MG_MAX;
+  x[c->layout.work_state] =
+      c->run->x[c->layout.work_state] + mg_passage_work(c, tau, mg_load_power(c, c->step.slopes + c->layout.n_states));
+  return mg_all_finite(c->layout.n_states, x) ? row_change * distance / s->length / 6 + part * part * part / 12
+                                              : MG_MAX;
 }
 
 /* Take the longest passage step whose estimated error is within the tolerance; returns its length in s, 0 if
    there is none. */
 static mg_real mg_choose_passage_step(mg_context *c) {
-  const mg_real least = c->settings->event * c->system->time;
+  const mg_real least = c->settings->event_tolerance * c->system->time;
   mg_store_passage_start(c);
   for (mg_real tau = mg_longest_passage * c->system->time; tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
     if (c->run->t + tau <= c->step.stop_time && mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
@@ -230,7 +235,7 @@ static mg_real mg_choose_passage_step(mg_context *c) {
 
 /* Set time and state of the run and evaluate them; returns 0 if an extremum is lost. */
 static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
-  for (int k = 0; k < c->n_states; k++) c->run->x[k] = x[k];
+  for (int k = 0; k < c->layout.n_states; k++) c->run->x[k] = x[k];
   c->run->t = t;
   const int sound = mg_place_all_contacts(c, t, c->run->x);
   mg_evaluate_run_state(c);
@@ -241,7 +246,7 @@ static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
 static void mg_record_passage(mg_context *c, mg_record *record) {
   while (mg_is_sample_due(record, c->run->t)) {
     const mg_real back = record->t[record->count] - c->run->t;
-    for (int k = 0; k < c->n_states; k++) c->step.stage[k] = c->run->x[k];
+    for (int k = 0; k < c->layout.n_states; k++) c->step.stage[k] = c->run->x[k];
     for (int k = 0; k < c->system->n_q; k++) c->step.stage[k] += back * c->step.slopes[k];
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_poses(c, c->run->t + back, c->step.stage);
@@ -253,7 +258,7 @@ static void mg_record_passage(mg_context *c, mg_record *record) {
 /* True if method and settings allow a singular passage and no contact starts from flat. */
 static int mg_is_passage_allowed(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->fresh[i]) return 0;
+    if (c->run->rolling_start[i]) return 0;
   return c->settings->method == MG_DOP853 && c->settings->project && c->settings->use_gamma && c->settings->newton;
 }
 
@@ -264,7 +269,7 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   const mg_real t = run->t;
   mg_real tau = 0;
   int crossed = 0;
-  for (int k = 0; k < c->n_states; k++) c->step.settled[k] = run->x[k];
+  for (int k = 0; k < c->layout.n_states; k++) c->step.settled[k] = run->x[k];
   for (int k = 0; k < MG_PASSAGES_MAX && !crossed; k++) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;
@@ -285,7 +290,7 @@ MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_
   mg_clear_triggered_events(c);
   if (mg_cross_singular_place(c, record)) {
     mg_merge_contacts(c, events);
-    if (mg_is_on_link(c, singular)) mg_split_contact(c, events, singular);
+    if (mg_is_on_feature_pair(c, singular)) mg_split_contact(c, events, singular);
   } else if (!mg_replace_singular_contact(c, events, singular)) return MG_DONE;
   if (!c->run->singular_passages++) c->run->passage_contact = singular;
   mg_evaluate_run_state(c);

@@ -9,10 +9,10 @@
 MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
-  for (int i = 0; i < c->support_begin; i++) {
-    const mg_real travel = c->d[i] + s->length;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    const mg_real travel = c->rows.d[i] + s->length;
     if (c->run->closed[i] || travel <= 0) continue;
-    const mg_real speed = -c->d_dot[i], gap_acceleration = mg_row_acceleration(c, i),
+    const mg_real speed = -c->rows.d_dot[i], gap_acceleration = mg_row_acceleration(c, i),
                   closing_acceleration = gap_acceleration < 0 ? -gap_acceleration : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * closing_acceleration * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
@@ -22,15 +22,15 @@ MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
 
 /* Store gaps and gap velocities at the start of a part of the step. */
 MG_INTERNAL void mg_store_gaps(mg_context *c) {
-  for (int i = 0; i < c->support_begin; i++)
-    c->events.gap_before[2 * i] = c->d[i], c->events.gap_before[2 * i + 1] = c->d_dot[i];
+  for (int i = 0; i < c->layout.support_begin; i++)
+    c->events.gap_before[2 * i] = c->rows.d[i], c->events.gap_before[2 * i + 1] = c->rows.d_dot[i];
 }
 
 /* Whether an open gap may have closed within the last h: once between shrinking and growing, or repeatedly where
    its cubic nearly turns twice; 0 if not. */
 static int mg_classify_gap_minimum(const mg_context *c, int contact, mg_real h) {
   const mg_real before = c->events.gap_before[2 * contact], start_change = c->events.gap_before[2 * contact + 1] * h;
-  const mg_real now = c->d[contact], end_change = c->d_dot[contact] * h,
+  const mg_real now = c->rows.d[contact], end_change = c->rows.d_dot[contact] * h,
                 rest = c->settings->rest_speed * c->system->length / c->system->time * h;
   if (c->run->closed[contact] ||
       !((start_change < -rest && before <= -start_change) || (end_change > rest && now <= end_change)))
@@ -44,7 +44,7 @@ static int mg_classify_gap_minimum(const mg_context *c, int contact, mg_real h) 
 /* Mark the gaps that may have closed within the last h; returns the larger of their classes. */
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h) {
   int most = 0;
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     c->events.gap_dips[i] = mg_classify_gap_minimum(c, i, h);
     if (c->events.gap_dips[i] > most) most = c->events.gap_dips[i];
   }

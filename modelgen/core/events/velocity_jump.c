@@ -36,7 +36,7 @@ static mg_real mg_velocity_jump(const mg_context *c, const mg_driven_state *from
 
 /* Time in s that counts as one instant of a velocity jump. */
 MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c) {
-  const mg_real close = c->settings->event * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
+  const mg_real close = c->settings->event_tolerance * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
 }
 
@@ -44,7 +44,7 @@ MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c) {
 static int mg_bisect_velocity_jump(const mg_context *c, int body, mg_driven_state *from, mg_driven_state *to) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real jump = mg_velocity_jump(c, from, to);
-  while (jump > rest && to->t - from->t > c->settings->event * c->system->time) {
+  while (jump > rest && to->t - from->t > c->settings->event_tolerance * c->system->time) {
     const mg_driven_state middle = mg_driven_state_at(c, body, from->t + (to->t - from->t) / 2);
     if (!(middle.t > from->t)) break;
     const mg_real first = mg_velocity_jump(c, from, &middle), second = mg_velocity_jump(c, &middle, to);
@@ -57,7 +57,7 @@ static int mg_bisect_velocity_jump(const mg_context *c, int body, mg_driven_stat
 
 /* Find the first velocity jump of one driven body within a step h, and the times before and after it. */
 static int mg_find_body_velocity_jump(const mg_context *c, int body, mg_real h, mg_real *before, mg_real *after) {
-  const mg_real part_count = h / (c->settings->look * c->system->time);
+  const mg_real part_count = h / (c->settings->time_resolution * c->system->time);
   const int n = part_count < MG_JUMP_PARTS_MAX ? (int)part_count + 1 : MG_JUMP_PARTS_MAX;
   mg_driven_state at = mg_driven_state_at(c, body, c->run->t - mg_velocity_jump_duration(c) / 4);
   for (int k = 1; k <= n; k++) {
@@ -75,7 +75,7 @@ static int mg_find_body_velocity_jump(const mg_context *c, int body, mg_real h, 
 /* Find the first velocity jump of all driven bodies within a step h. */
 MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
-  for (int b = 0; b < c->system->n_body && c->n_driven; b++)
+  for (int b = 0; b < c->system->n_body && c->layout.n_driven; b++)
     if (mg_is_driven_body(c->system, b) &&
         mg_find_body_velocity_jump(c, b, found ? *before - c->run->t : h, before, after))
       found = 1;
@@ -87,7 +87,7 @@ MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *
   mg_advance_time(c->run, after - c->run->t);
   mg_evaluate_run_state(c);
   mg_clear_triggered_events(c);
-  if (c->system->n_grip) mg_reset_friction_modes(c);
+  if (c->system->n_friction) mg_reset_friction_modes(c);
   mg_open_separated_contacts(c, events);
   const int outcome = mg_change_mode(c, events);
   mg_update_diagnostics(c);

@@ -1,23 +1,23 @@
-/* Feature changes of contacts: from link to adjacent link where a condition is broken, release where none
-   continues, and new contacts where a search finds them. Writes links, eta and search requests of the run, and
-   the event list.
+/* Feature changes of contacts: from feature pair to adjacent feature pair where a condition is broken, release where
+   none continues, and new contacts where a search finds them. Writes feature pairs, eta and search requests of the run,
+   and the event list.
 
    Feature changes at vertices: a touching contact reaches the end of an edge, where a vertex is on an edge or a
-   vertex and no normal is defined. The link that follows is the one whose conditions hold a short time later.
+   vertex and no normal is defined. The feature pair that follows is the one whose conditions hold a short time later.
    Writes no mode of the run; it restores the poses that it extrapolates. */
 #include "features/features.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_FEATURE_CHANGES_MAX 8 /* links passed in one walk: around a vertex, several */
+#define MG_FEATURE_CHANGES_MAX 8 /* feature pairs passed in one walk: around a vertex, several */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
-static void mg_nearest_shape_coordinates(mg_context *c, int link, int side, const mg_real *local, mg_real *uv) {
+static void mg_nearest_shape_coordinates(mg_context *c, int feature_pair, int side, const mg_real *local, mg_real *uv) {
   mg_real window[4];
-  mg_sample_window(c, link, side, mg_search_radius(c, link), window);
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
   for (int level = 0; level < 4; level++) {
-    const int n = mg_sample_side(c, link, side, window, 9, c->search.samples);
+    const int n = mg_sample_feature(c, feature_pair, side, window, 9, c->search.samples);
     mg_real least = MG_MAX;
     for (int i = 0; i < n; i++) {
       const mg_real *x = c->search.samples[i].local, span[3] = {x[0] - local[0], x[1] - local[1], x[2] - local[2]};
@@ -28,27 +28,30 @@ static void mg_nearest_shape_coordinates(mg_context *c, int link, int side, cons
   }
 }
 
-/* Eta of a link from world points of both bodies near its own. */
-static void mg_eta_from_points(mg_context *c, int link, const mg_real *point_o, const mg_real *point_f, mg_real *eta) {
+/* Eta of a feature pair from world points of both bodies near its own. */
+static void mg_eta_from_points(mg_context *c, int feature_pair, const mg_real *point_o, const mg_real *point_f,
+                               mg_real *eta) {
   mg_sample at[2];
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, link, side);
-    mg_point_in_shape_axes(c, link, side, side ? point_f : point_o, at[side].local);
+    const int carrier = mg_parametrisation(c, feature_pair, side);
+    mg_point_in_shape_axes(c, feature_pair, side, side ? point_f : point_o, at[side].local);
     if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
-      mg_nearest_shape_coordinates(c, link, side, at[side].local, at[side].uv);
+      mg_nearest_shape_coordinates(c, feature_pair, side, at[side].local, at[side].uv);
   }
-  mg_start_eta(c, link, at, at + 1, eta);
+  mg_start_eta(c, feature_pair, at, at + 1, eta);
 }
 
-/* Transfer a contact point from one link to another, with points and normal kept as near as possible; returns the
-   worst condition there, -MG_MAX where no extremum is found. */
-static mg_real mg_transfer_to_link(mg_context *c, int from, int to, const mg_real *at, mg_real *eta, int *which) {
-  const int sides_swapped = mg_side_body(c, from, 0) != mg_side_body(c, to, 0),
+/* Transfer a contact point from one feature pair to another, with points and normal kept as near as possible; returns
+   the worst condition there, -MG_MAX where no extremum is found. */
+static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, const mg_real *at, mg_real *eta,
+                                           int *which) {
+  const int sides_swapped = mg_feature_body(c, from, 0) != mg_feature_body(c, to, 0),
             probe_contact = mg_use_spare_contact(c, to);
   mg_real next[6];
   *which = -1;
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
-  if (mg_newton_on_link(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->lost)) return -MG_MAX;
+  if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->search_margin))
+    return -MG_MAX;
   if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
   return mg_most_violated_condition(c, to, eta, which);
@@ -59,63 +62,64 @@ MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, cons
   mg_real eta[6];
   mg_minimum other;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
-    if (i == contact || !mg_is_on_link(c, i)) continue;
-    for (int k = 0; k < c->n_eta[i]; k++) eta[k] = mg_contact_eta(c, c->run->x, i)[k];
-    mg_newton_on_link(c, i, eta);
-    other.link = c->run->link[i];
+    if (i == contact || !mg_is_on_feature_pair(c, i)) continue;
+    for (int k = 0; k < c->contacts.n_eta[i]; k++) eta[k] = mg_contact_eta(c, c->run->x, i)[k];
+    mg_newton_on_feature_pair(c, i, eta);
+    other.feature_pair = c->run->feature_pair[i];
     mg_record_minimum(c, &other);
     if (mg_is_same_minimum(c, &other, found)) return 1;
   }
   return 0;
 }
 
-/* True if the present contacts of the pair limit the step enough for the others: each link has its own contact,
+/* True if the present contacts of the pair limit the step enough for the others: each feature pair has its own contact,
    and one ends where the next begins. */
 static int mg_has_guiding_contacts(const mg_context *c, int pair) {
-  return mg_has_own_links(c, pair) && c->system->pair_search[pair] != MG_SEARCH_AHEAD;
+  return mg_has_own_feature_pairs(c, pair) && c->system->pair_search[pair] != MG_SEARCH_AHEAD;
 }
 
-/* True if a contact on this link at this gap only limits the step for what is touched later. */
-static int mg_is_guiding_contact_only(const mg_context *c, int link, mg_real d) {
-  return d > c->settings->reach * c->system->length && mg_has_guiding_contacts(c, c->system->link_pair[link]) &&
-         !mg_is_link_for_flat_faces(c, link);
+/* True if a contact on this feature pair at this gap only limits the step for what is touched later. */
+static int mg_is_guiding_contact_only(const mg_context *c, int feature_pair, mg_real d) {
+  return d > c->settings->search_gap * c->system->length &&
+         mg_has_guiding_contacts(c, c->system->feature_pair_owner[feature_pair]) &&
+         !mg_is_feature_pair_of_flat_faces(c, feature_pair);
 }
 
-/* True if contacts on this link begin and end without an event. */
-static int mg_is_link_unreported(const mg_context *c, int link, mg_real d) {
-  return mg_is_link_for_flat_faces(c, link) || mg_is_guiding_contact_only(c, link, d);
+/* True if contacts on this feature pair begin and end without an event. */
+static int mg_is_feature_pair_unreported(const mg_context *c, int feature_pair, mg_real d) {
+  return mg_is_feature_pair_of_flat_faces(c, feature_pair) || mg_is_guiding_contact_only(c, feature_pair, d);
 }
 
-/* Take a contact off its link, remember its point for the search, and report that it vanishes. */
+/* Take a contact off its feature pair, remember its point for the search, and report that it vanishes. */
 MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
   if (c->search.abandoned.count < MG_MINIMA) {
     mg_minimum *left = c->search.abandoned.list + c->search.abandoned.count++;
     mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
-    left->link = c->run->link[contact];
+    left->feature_pair = c->run->feature_pair[contact];
     mg_record_minimum(c, left);
   }
-  const int unreported = mg_is_link_unreported(c, c->run->link[contact], c->d[contact]);
-  mg_set_link(c, contact, -1, none);
-  c->run->moved[c->system->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
+  const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
+  mg_set_feature_pair(c, contact, -1, none);
+  c->run->moved_since_search[c->system->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
   if (!unreported) mg_apply_contact_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
-/* True if the link is of a vertex on an edge or on a vertex, where no normal is defined. */
-static int mg_is_vertex_link(const mg_context *c, int link) {
-  return mg_side_dimension(c, link, 0) + mg_side_dimension(c, link, 1) < 2;
+/* True if the feature pair is of a vertex on an edge or on a vertex, where no normal is defined. */
+static int mg_is_vertex_feature_pair(const mg_context *c, int feature_pair) {
+  return mg_feature_dimension(c, feature_pair, 0) + mg_feature_dimension(c, feature_pair, 1) < 2;
 }
 
 /* Link around a vertex with the least gap of those whose conditions will hold after a short time, or -1. */
-static int mg_find_link_around_vertex(mg_context *c, int from, int corner, const mg_real *at) {
-  mg_real least = c->settings->apart * c->system->length, eta[6];
+static int mg_find_feature_pair_around_vertex(mg_context *c, int from, int corner, const mg_real *at) {
+  mg_real least = c->settings->search_merge_distance * c->system->length, eta[6];
   int best = -1, which;
   mg_extrapolate_poses(c);
-  for (int k = c->system->link_condition[corner]; k < c->system->link_condition[corner + 1]; k++) {
-    const int to = c->system->condition_next[k];
-    if (to < 0 || to == from || mg_is_vertex_link(c, to) || mg_is_link_covered(c, to)) continue;
-    if (mg_transfer_to_link(c, from, to, at, eta, &which) < -c->settings->border ||
+  for (int k = c->system->feature_pair_condition[corner]; k < c->system->feature_pair_condition[corner + 1]; k++) {
+    const int to = c->system->condition_feature_pair[k];
+    if (to < 0 || to == from || mg_is_vertex_feature_pair(c, to) || mg_is_feature_pair_covered(c, to)) continue;
+    if (mg_transfer_to_feature_pair(c, from, to, at, eta, &which) < -c->settings->feature_border ||
         !(fabs(c->search.placement[0]) < least))
       continue;
     least = fabs(c->search.placement[0]), best = to;
@@ -124,50 +128,50 @@ static int mg_find_link_around_vertex(mg_context *c, int from, int corner, const
   return best;
 }
 
-/* Transfer a touching contact over a vertex to another link; returns 0 where there is none. */
+/* Transfer a touching contact over a vertex to another feature pair; returns 0 where there is none. */
 static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg_real *at, mg_minimum *found) {
   int which;
-  const int to = mg_find_link_around_vertex(c, from, corner, at);
-  if (to < 0 || mg_transfer_to_link(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;
-  found->link = to;
+  const int to = mg_find_feature_pair_around_vertex(c, from, corner, at);
+  if (to < 0 || mg_transfer_to_feature_pair(c, from, to, at, found->eta, &which) == -MG_MAX) return 0;
+  found->feature_pair = to;
   mg_record_minimum(c, found);
   return 1;
 }
 
-/* Move a contact whose link condition is broken to the adjacent link whose conditions hold, or release it. Needs
-   the poses at the run's state. */
+/* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
+   it. Needs the poses at the run's state. */
 static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
   mg_real eta[6] = {0}, at[14], best = -MG_MAX;
   mg_minimum found = {0};
-  int link = c->run->link[contact], condition = c->events.broken_condition[contact];
+  int feature_pair = c->run->feature_pair[contact], condition = c->events.broken_condition[contact];
   mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), eta);
   for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
-  found.link = -1;
+  found.feature_pair = -1;
   for (int hop = 0; hop < MG_FEATURE_CHANGES_MAX && condition >= 0; hop++) {
-    const int to = c->system->condition_next[condition];
-    if (to < 0 || mg_is_link_covered(c, to)) break;
-    if (mg_is_vertex_link(c, to) && fabs(at[0]) < c->settings->apart * c->system->length &&
-        mg_transfer_over_vertex(c, link, to, at, &found)) {
+    const int to = c->system->condition_feature_pair[condition];
+    if (to < 0 || mg_is_feature_pair_covered(c, to)) break;
+    if (mg_is_vertex_feature_pair(c, to) && fabs(at[0]) < c->settings->search_merge_distance * c->system->length &&
+        mg_transfer_over_vertex(c, feature_pair, to, at, &found)) {
       best = 0;
       break;
     }
-    const mg_real worst = mg_transfer_to_link(c, link, to, at, eta, &condition);
+    const mg_real worst = mg_transfer_to_feature_pair(c, feature_pair, to, at, eta, &condition);
     if (worst == -MG_MAX) break;
-    if (worst > best && to != c->run->link[contact]) {
-      best = worst, found.link = to;
+    if (worst > best && to != c->run->feature_pair[contact]) {
+      best = worst, found.feature_pair = to;
       mg_record_minimum(c, &found);
       for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
     }
-    if (worst >= -c->settings->border) break;
+    if (worst >= -c->settings->feature_border) break;
     for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
-    link = to;
+    feature_pair = to;
   }
-  const int not_found = found.link < 0 || best < -100 * c->settings->border;
+  const int not_found = found.feature_pair < 0 || best < -100 * c->settings->feature_border;
   if (not_found || mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
     mg_release_contact(c, events, contact);
     return;
   }
-  mg_set_link(c, contact, found.link, found.eta);
+  mg_set_feature_pair(c, contact, found.feature_pair, found.eta);
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
@@ -182,24 +186,24 @@ MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
     if (cause == MG_LEAVES_FEATURE) mg_change_contact_feature(c, events, i);
     else
       c->events.within_border[i] = MG_PASSES_BORDER,
-      c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+      c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
     count += cause == MG_LEAVES_FEATURE;
   }
   return count;
 }
 
 /* ---- contacts that end and appear ---- */
-/* Release distant contacts on links for flat faces whose faces are no longer flat. */
+/* Release distant contacts on feature pairs for flat faces whose faces are no longer flat. */
 static void mg_release_distant_rim_points(mg_context *c) {
   const mg_real none[6] = {0};
   mg_real next[6];
   int which;
-  for (int i = 0; i < c->support_begin; i++) {
-    if (!mg_is_on_link(c, i) || c->run->closed[i] || !mg_is_distant_flat_link(c, i)) continue;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    if (!mg_is_on_feature_pair(c, i) || c->run->closed[i] || !mg_is_distant_flat_feature_pair(c, i)) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
-    if (mg_most_violated_condition(c, c->run->link[i], none, &which) >= -c->settings->border) continue;
-    mg_set_link(c, i, -1, none);
-    c->run->moved[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    if (mg_most_violated_condition(c, c->run->feature_pair[i], none, &which) >= -c->settings->feature_border) continue;
+    mg_set_feature_pair(c, i, -1, none);
+    c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
   }
 }
 
@@ -208,9 +212,9 @@ static void mg_release_distant_rim_points(mg_context *c) {
 MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found) {
   int slot = -1;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
-    if (c->system->contact_link[i] == found->link) return mg_is_on_link(c, i) ? -1 : i;
-    if (c->system->contact_link[i] >= 0 || c->run->closed[i] || c->d[i] <= found->d) continue;
-    if (slot < 0 || c->d[i] > c->d[slot]) slot = i;
+    if (c->system->contact_feature_pair[i] == found->feature_pair) return mg_is_on_feature_pair(c, i) ? -1 : i;
+    if (c->system->contact_feature_pair[i] >= 0 || c->run->closed[i] || c->rows.d[i] <= found->d) continue;
+    if (slot < 0 || c->rows.d[i] > c->rows.d[slot]) slot = i;
   }
   return slot;
 }
@@ -219,30 +223,32 @@ MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const
    about to end. */
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
-  const int own = mg_has_own_links(c, c->system->link_pair[found->link]);
-  const int far = found->d > c->settings->reach * length && !mg_is_guiding_contact_only(c, found->link, found->d);
-  if (found->undecided || far || found->d < -c->settings->depth * length) return 0;
-  const int flat = mg_is_link_for_tilted_faces(c, found->link); /* its margin is small near flat, not near a fold */
-  return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->margin_appear);
+  const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
+  const int far =
+      found->d > c->settings->search_gap * length && !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
+  if (found->undecided || far || found->d < -c->settings->appear_depth * length) return 0;
+  const int flat =
+      mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
+  return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
-/* True if the link has a contact of its own that is on it. */
-static int mg_is_link_contact_present(const mg_context *c, int pair, int link) {
+/* True if the feature pair has a contact of its own that is on it. */
+static int mg_is_feature_pair_in_use(const mg_context *c, int pair, int feature_pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
-    if (c->system->contact_link[i] == link) return mg_is_on_link(c, i);
+    if (c->system->contact_feature_pair[i] == feature_pair) return mg_is_on_feature_pair(c, i);
   return 0;
 }
 
 /* True if a point of the minimum coincides with that of a closed contact. */
 static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
-  const mg_real near = c->settings->apart * c->system->length;
-  const int pair = c->system->link_pair[found->link];
+  const mg_real near = c->settings->search_merge_distance * c->system->length;
+  const int pair = c->system->feature_pair_owner[found->feature_pair];
   mg_real eta[6];
   mg_minimum other;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     if (!c->run->closed[i]) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), eta);
-    other.link = c->run->link[i];
+    other.feature_pair = c->run->feature_pair[i];
     mg_record_minimum(c, &other);
     mg_real first = 0, second = 0;
     for (int k = 0; k < 3; k++) {
@@ -258,27 +264,28 @@ static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
 /* True if the minimum touches at a point of a closed contact and itself penetrates or is about to end. */
 static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   if (found->d > c->settings->start_gap * c->system->length || !mg_is_minimum_touched(c, found)) return 0;
-  return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_link(c, found);
+  return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
 }
 
-/* Search the links of a pair for new contacts and report them; returns how many were found. */
+/* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->system;
-  if (mg_pair_clearance(c, pair) > c->settings->reach * s->length) return 0;
+  if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found;
   int count = found.count = 0;
-  for (int link = s->pair_link[pair]; link < s->pair_link[pair + 1]; link++)
-    if (!mg_is_link_contact_present(c, pair, link) && !mg_is_link_covered(c, link) && !mg_is_out_of_reach(c, link))
-      mg_search_link(c, link, MG_COARSE, 1, least, &found);
+  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
+    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
+        !mg_is_out_of_reach(c, feature_pair))
+      mg_search_feature_pair(c, feature_pair, MG_COARSE, 1, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each)) continue;
     const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
-    mg_set_link(c, slot, each->link, each->eta);
-    c->d[slot] = each->d;
-    if (!mg_is_link_unreported(c, each->link, each->d))
+    mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
+    c->rows.d[slot] = each->d;
+    if (!mg_is_feature_pair_unreported(c, each->feature_pair, each->d))
       mg_apply_contact_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
     count++;
   }
@@ -288,14 +295,15 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
 /* True if no contact or held patch of the pair limits the step. */
 static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
-    if (mg_is_on_link(c, i)) return 0;
+    if (mg_is_on_feature_pair(c, i)) return 0;
   return !mg_has_held_patch(c, pair);
 }
 
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
-  const mg_real length = c->system->length, most = c->settings->search * length, moved = c->run->moved[pair];
-  return c->settings->reach * length - (moved < most ? moved : most);
+  const mg_real length = c->system->length, most = c->settings->search_movement * length,
+                moved = c->run->moved_since_search[pair];
+  return c->settings->search_gap * length - (moved < most ? moved : most);
 }
 
 /* Longest step in s in which no pair moves beyond what its next search finds. */
@@ -323,9 +331,11 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved[pair] += h * mg_pair_motion(c, pair).speed;
-    if (s->pair_search[pair] == MG_SEARCH_MOVED && c->run->moved[pair] < c->settings->search * s->length) continue;
-    c->run->moved[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
+    c->run->moved_since_search[pair] += h * mg_pair_motion(c, pair).speed;
+    if (s->pair_search[pair] == MG_SEARCH_MOVED &&
+        c->run->moved_since_search[pair] < c->settings->search_movement * s->length)
+      continue;
+    c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair_contacts(c, events, pair);
   }
   return count;

@@ -12,9 +12,9 @@ MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
    number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c) {
   int count = 0;
-  for (int i = c->support_begin; i < c->system->n_contact; i++) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++) {
     if (!c->run->closed[i]) continue;
-    c->run->active[i] = 1, c->row_rate[i] = mg_row_acceleration(c, i);
+    c->run->active[i] = 1, c->rows.row_rate[i] = mg_row_acceleration(c, i);
     count++;
   }
   return count;
@@ -24,21 +24,23 @@ MG_INTERNAL int mg_activate_supports(mg_context *c) {
    accelerations; returns MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   const int m = c->system->n_contact;
-  if (c->system->n_grip) return mg_solve_patch_friction_modes(c, skip);
+  if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);
   mg_lcp_report report;
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
   mg_evaluate_run_state(c);
-  for (int i = 0; i < c->support_begin; i++)
+  for (int i = 0; i < c->layout.support_begin; i++)
     if (c->run->closed[i] && !skip[i]) c->lcp.rows[n++] = i;
-  const int pads = mg_activate_supports(c);
+  const int supports = mg_activate_supports(c);
   if (n == 0) {
-    if (pads) mg_evaluate_run_state(c);
+    if (supports) mg_evaluate_run_state(c);
     return MG_DONE;
   }
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
-  for (int r = 0; r < n; r++) c->row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
-  if (mg_solve_contact_lcp(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    c->rows.row_rate[i] = mg_row_acceleration(c, i);
+  for (int r = 0; r < n; r++)
+    c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
+  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
   if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;
   if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;

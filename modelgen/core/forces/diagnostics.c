@@ -28,16 +28,18 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
-  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->work_state];
+  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->layout.work_state];
   mg_raise(&run->energy_error_max, fabs(error));
   mg_raise(&run->kinetic_max, kinetic);
-  if (s->n_row) mg_monitor_joint_rank(c);
+  if (s->n_joint_row) mg_monitor_joint_rank(c);
   for (int i = 0; i < s->n_contact; i++) {
-    const mg_real gap = c->d[i] / s->length, force = c->force[i] / weight;
+    const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
-    mg_raise(&run->gap_max, fabs(c->d[i]));
-    if (run->fresh[i] || run->margin[i] >= run->margin_min || mg_is_curved_edge_crossing(c, run->link[i])) continue;
+    mg_raise(&run->gap_max, fabs(c->rows.d[i]));
+    if (run->rolling_start[i] || run->margin[i] >= run->margin_min ||
+        mg_is_curved_edge_crossing(c, run->feature_pair[i]))
+      continue;
     run->margin_min = run->margin[i];
   }
 }

@@ -9,9 +9,9 @@ MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real
   mg_real largest = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     if (fabs(value[i]) > largest) largest = fabs(value[i]);
-  const int n = c->system->n_grip ? mg_append_sticking_rows(c, c->lcp.rows, 0) : 0;
+  const int n = c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, 0) : 0;
   for (int r = 0; r < n; r++)
     if (fabs(value[c->lcp.rows[r]]) > largest) largest = fabs(value[c->lcp.rows[r]]);
   return largest;
@@ -19,15 +19,16 @@ MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real
 
 /* Set the corrections of all bodies to zero. */
 static void mg_clear_body_corrections(mg_context *c) {
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
 /* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
    Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value) {
-  const int n = mg_hold_rows(c, marked, value, c->impulse);
+  const int n = mg_hold_rows(c, marked, value, c->solution.impulse);
   mg_clear_body_corrections(c);
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->wrench);
+  for (int r = 0; r < n; r++)
+    mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.wrench);
   return n;
 }
 
@@ -46,7 +47,7 @@ MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_moves(c, b)) continue;
-    mg_real *q = c->run->x + s->body_q[b], *change = c->wrench + 6 * b;
+    mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
     if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
@@ -59,22 +60,22 @@ MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
-      c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
+      c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
   mg_clear_body_corrections(c);
 }
 
 /* Project positions and velocities back onto the constraints where they have drifted beyond tolerance. Needs the
    rows at the run's state and leaves them fresh; returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_drift(mg_context *c) {
-  const mg_real drift = c->settings->drift * c->system->length;
-  if (mg_largest_held_violation(c, c->d) > drift) {
-    mg_solve_row_correction(c, c->run->closed, c->d);
+  const mg_real drift = c->settings->drift_tolerance * c->system->length;
+  if (mg_largest_held_violation(c, c->rows.d) > drift) {
+    mg_solve_row_correction(c, c->run->closed, c->rows.d);
     mg_apply_pose_correction(c);
     if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
     mg_evaluate_run_state(c);
   }
-  if (mg_largest_held_violation(c, c->d_dot) > drift / c->system->time) {
-    mg_solve_row_correction(c, c->run->closed, c->d_dot);
+  if (mg_largest_held_violation(c, c->rows.d_dot) > drift / c->system->time) {
+    mg_solve_row_correction(c, c->run->closed, c->rows.d_dot);
     mg_apply_velocity_correction(c);
     mg_evaluate_run_state(c);
   }
@@ -85,8 +86,8 @@ MG_INTERNAL int mg_project_drift(mg_context *c) {
    returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    if (mg_largest_held_violation(c, c->d) <= c->settings->drift * c->system->length) return 1;
-    mg_solve_row_correction(c, c->run->closed, c->d);
+    if (mg_largest_held_violation(c, c->rows.d) <= c->settings->drift_tolerance * c->system->length) return 1;
+    mg_solve_row_correction(c, c->run->closed, c->rows.d);
     mg_apply_pose_correction(c);
     for (int extra = 0; extra < 3; extra++)
       if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
@@ -98,7 +99,7 @@ MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
 /* Remove velocities that the joints forbid, by an impulse of the joints alone. */
 static void mg_project_joint_velocities(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
-  mg_solve_row_correction(c, c->events.gap_dips, c->d_dot);
+  mg_solve_row_correction(c, c->events.gap_dips, c->rows.d_dot);
   mg_apply_velocity_correction(c);
   mg_evaluate_run_state(c);
 }
@@ -107,10 +108,10 @@ static void mg_project_joint_velocities(mg_context *c) {
    start_joint. Needs the rows at the run's state. */
 MG_INTERNAL int mg_project_initial_joints(mg_context *c) {
   mg_run *run = c->run;
-  if (!c->system->n_row) return 1;
-  run->failed_joint = mg_worst_joint(c, c->d, &run->joint_error_max);
-  if (!(run->joint_error_max <= c->settings->start_joint * c->system->length)) return 0;
-  run->failed_joint = mg_worst_joint(c, c->d_dot, &run->joint_speed);
+  if (!c->system->n_joint_row) return 1;
+  run->failed_joint = mg_worst_joint(c, c->rows.d, &run->joint_error_max);
+  if (!(run->joint_error_max <= c->settings->start_joint_gap * c->system->length)) return 0;
+  run->failed_joint = mg_worst_joint(c, c->rows.d_dot, &run->joint_speed);
   mg_project_joint_velocities(c);
   if (!mg_project_initial_pose(c)) return 0;
   mg_project_joint_velocities(c);

@@ -12,7 +12,7 @@ static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
 static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
 
 /* Number of event margins of one sample: contacts and friction row groups. */
-MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_grip; }
+MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
 
 /* Memory of all samples of event margins, in mg_real. */
 MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
@@ -29,26 +29,27 @@ MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
-  mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *grips = taken + s->n_contact;
-  for (int i = 0; i < c->support_begin; i++) {
+  mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *constraints = taken + s->n_contact;
+  for (int i = 0; i < c->layout.support_begin; i++) {
     taken[i].lower =
-        c->run->closed[i] && c->run->active[i] ? c->force[i] + mg_acceleration_tolerance(c) * s->mass : MG_MAX;
+        c->run->closed[i] && c->run->active[i] ? c->solution.force[i] + mg_acceleration_tolerance(c) * s->mass : MG_MAX;
     taken[i].upper = taken[i].lower;
-    for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++)
-      grips[g].lower = grips[g].upper = mg_friction_event_margin(c, i, g);
+    for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
+      constraints[g].lower = constraints[g].upper = mg_friction_event_margin(c, i, g);
   }
-  for (int pad = c->support_begin; pad < s->n_contact; pad++) taken[pad] = now[pad];
+  for (int support = c->layout.support_begin; support < s->n_contact; support++) taken[support] = now[support];
 }
 
 /* Sample the event margins at the start of a step. Needs the forces there. */
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) mg_find_slot_event(c, slot);
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
   mg_sample_event_margins(c, 0);
 }
 
 /* Sample the event margins at a stage, unless an event has been seen. */
 MG_INTERNAL void mg_sample_margins_at_stage(mg_context *c, int stage) {
-  if (mg_margin_sample_of_stage[stage] > 0 && !c->step.sign_changed) mg_sample_event_margins(c, mg_margin_sample_of_stage[stage]);
+  if (mg_margin_sample_of_stage[stage] > 0 && !c->step.sign_changed)
+    mg_sample_event_margins(c, mg_margin_sample_of_stage[stage]);
 }
 
 /* Slope of the line through two samples. */

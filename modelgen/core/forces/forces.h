@@ -10,9 +10,15 @@
 
 enum { MG_MARGIN_SAMPLES = 7 }; /* samples of a step */
 
-enum { MG_BOUND_SLIP = 0, MG_BOUND_STATIC = 1, MG_BOUND_KINETIC = 2 }; /* what bounds a grip: its slip, or a cone */
+enum {
+  MG_BOUND_SLIP = 0,
+  MG_BOUND_STATIC = 1,
+  MG_BOUND_KINETIC = 2
+}; /* what bounds a friction constraint: its slip, or a cone */
 
-enum { MG_PATCH_ROWS = 3 }; /* below the first pad's normal row: slip of its point along t1, t2, spin about N */
+enum {
+  MG_PATCH_ROWS = 3
+}; /* below the first support point's normal row: slip of its point along t1, t2, spin about N */
 
 struct mg_patch_friction { /* a patch with friction in a slot */
   int slips;               /* it slips */
@@ -20,14 +26,14 @@ struct mg_patch_friction { /* a patch with friction in a slot */
       force_outside; /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
   mg_real centre[2], extent;             /* of pressure, axes of the hull; m, of what is pressed about it */
   mg_real mean_distance, mean_point[2];  /* m, mean distance of the pressure from that centre, its own; 0: not known */
-  mg_real force_ratio[MG_PATCH_ROWS][3]; /* force along a row by that on a pad, with the sign changed */
+  mg_real force_ratio[MG_PATCH_ROWS][3]; /* force along a row by that on a support point, with the sign changed */
   int triggered, mode_before, slip_stopped; /* its event has fired; its mode before; slip has died */
   mg_real slip_time_left;                   /* s, slip that was stopped had left */
   mg_real slip_direction[2]; /* while slip begins: its direction is the course and so much of each across it */
 };
 
-typedef struct { /* rows and axes of a hull: t1, t2 and the pads in it, N along its z or against */
-  mg_real pose[12], t[2][2], pad[3][2], sign;
+typedef struct { /* rows and axes of a hull: t1, t2 and the support points in it, N along its z or against */
+  mg_real pose[12], t[2][2], support[3][2], sign;
 } mg_patch_frame;
 
 typedef struct {
@@ -58,13 +64,13 @@ MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
 
 /* sliding_friction.c */
-MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int grip);
-MG_INTERNAL int mg_friction_row_count(const mg_context *c, int grip);
+MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);
+MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint);
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n);
-MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int grip);
-MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int grip);
-MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int grip, mg_real *slip);
-MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int grip);
+MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint);
+MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint);
+MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip);
+MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint);
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c);
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row);
@@ -72,10 +78,11 @@ MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount);
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c);
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c);
-MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along);
+MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
+                                            mg_real *along);
 
 /* patch_pressure.c */
-MG_INTERNAL void mg_support_world_point(const mg_context *c, int pad, mg_real *world);
+MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world);
 MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
@@ -87,7 +94,7 @@ MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot
 MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot);
 MG_INTERNAL int mg_mark_patch_events(mg_context *c);
 MG_INTERNAL int mg_has_patch_event(mg_context *c);
-MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int pad, int cause);
+MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int support, int cause);
 
 /* patch_friction.c */
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch);
@@ -109,8 +116,8 @@ MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, in
 
 /* friction_cones.c */
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c);
-MG_INTERNAL int mg_cone_index_of_kind(int aspect);
-MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int grip, const mg_real *mu, mg_real part,
+MG_INTERNAL int mg_cone_index_of_kind(int friction_kind);
+MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, const mg_real *mu, mg_real part,
                                           mg_real *cone);
 MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real part, mg_real *cone);
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size);
@@ -124,8 +131,8 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip);
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events);
-MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int grip);
-MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int grip);
+MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint);
+MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint);
 MG_INTERNAL int mg_mark_friction_events(mg_context *c);
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c);
 MG_INTERNAL int mg_first_friction_event(const mg_context *c);

@@ -7,38 +7,42 @@
 /* Decide for every friction row group whether its force follows from its slip or is bounded by the static cone. */
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
-      int *mode = c->run->grip + g;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      int *mode = c->run->friction_mode + g;
       if (c->run->closed[i] && *mode == MG_FRICTION_OFF) *mode = MG_STICKING;
       c->friction.bound[g] = *mode >= MG_SLIP_ONSET ? MG_BOUND_SLIP : MG_BOUND_STATIC;
     }
 }
 
 /* Index of a friction kind (slide, spin, roll) in the cone of its contact. */
-MG_INTERNAL int mg_cone_index_of_kind(int aspect) { return aspect == MG_SLIP ? 0 : 1 + aspect; }
+MG_INTERNAL int mg_cone_index_of_kind(int friction_kind) {
+  return friction_kind == MG_FRICTION_SLIP ? 0 : 1 + friction_kind;
+}
 
 /* Write the coefficients of one row group, times `part`, into the cone of its contact. */
-MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int grip, const mg_real *mu, mg_real part,
+MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, const mg_real *mu, mg_real part,
                                           mg_real *cone) {
-  const int aspect = c->system->grip_aspect[grip];
-  cone[mg_cone_index_of_kind(aspect)] = part * mu[2 * grip];
-  if (aspect == MG_SLIP) cone[1] = part * mu[2 * grip + 1];
+  const int friction_kind = c->system->friction_kind[constraint];
+  cone[mg_cone_index_of_kind(friction_kind)] = part * mu[2 * constraint];
+  if (friction_kind == MG_FRICTION_SLIP) cone[1] = part * mu[2 * constraint + 1];
 }
 
 /* Fill the friction cone of one contact with its coefficients times `part`; a sticking group that has just
    reached its bound gets slightly less. */
 MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real part, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
-    const mg_real *mu = c->friction.bound[g] == MG_BOUND_STATIC ? c->system->grip_static : c->system->grip_kinetic;
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
+    const mg_real *mu =
+        c->friction.bound[g] == MG_BOUND_STATIC ? c->system->friction_static : c->system->friction_kinetic;
     if (c->friction.bound[g] == MG_BOUND_SLIP) continue;
-    mg_set_cone_coefficients(c, g, mu, c->friction.triggered[g] ? part * (1 - c->settings->cone) : part, cone);
+    mg_set_cone_coefficients(c, g, mu,
+                             c->friction.triggered[g] ? part * (1 - c->settings->friction_bound_margin) : part, cone);
   }
 }
 
 /* True if the friction force of the contact is an unknown of the problem: not all of its slip is under way. */
 static int mg_has_unknown_friction(const mg_context *c, int contact) {
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
     if (c->friction.bound[g] != MG_BOUND_SLIP) return 1;
   return 0;
 }
@@ -46,9 +50,10 @@ static int mg_has_unknown_friction(const mg_context *c, int contact) {
 /* Append the rows of a contact to the row list, as contact k of the friction problem; returns the new length. */
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size) {
   c->friction.cone_contact[k] = contact, c->friction.cone_first[k] = size;
-  c->friction.cone_rows[k] = mg_has_unknown_friction(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
+  c->friction.cone_rows[k] =
+      mg_has_unknown_friction(c, contact) ? c->kernels->contact_kinds[c->contacts.kind[contact]].rows : 1;
   c->lcp.rows[size++] = contact;
   for (int r = 1; r < c->friction.cone_rows[k]; r++)
-    c->lcp.rows[size++] = c->friction_row_begin + c->system->contact_below[contact] + r - 1;
+    c->lcp.rows[size++] = c->layout.friction_row_begin + c->system->contact_friction_row[contact] + r - 1;
   return size;
 }

@@ -12,57 +12,59 @@
 #include "model/model.h"
 
 /* Time in s until slip stops at its present deceleration; 0 if it has stopped. */
-static mg_real mg_slip_stop_time(const mg_context *c, int contact, int grip) {
-  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
-  const int row = mg_first_friction_row(c, contact, grip), spins = c->system->grip_aspect[grip] == MG_SPIN;
+static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constraint) {
+  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const int row = mg_first_friction_row(c, contact, constraint),
+            spins = c->system->friction_kind[constraint] == MG_FRICTION_SPIN;
   mg_real slip[2], braking = -mg_row_acceleration(c, row) * (spins ? course[0] : mg_dot3(t, course));
   if (!spins) braking -= mg_row_acceleration(c, row + 1) * mg_dot3(t + 3, course);
-  const mg_real along = mg_slip_along_direction(c, contact, grip, slip);
+  const mg_real along = mg_slip_along_direction(c, contact, constraint, slip);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
 /* Magnitude of the slip of a row group. */
-static mg_real mg_slip_magnitude(const mg_context *c, int contact, int grip) {
+static mg_real mg_slip_magnitude(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
-  mg_slip_along_direction(c, contact, grip, slip);
+  mg_slip_along_direction(c, contact, constraint, slip);
   return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
 }
 
 /* Set the slip direction of a row group along its slip, world axes. */
-static void mg_set_slip_direction(mg_context *c, int contact, int grip) {
-  const mg_real *t = c->tangents + 6 * contact, size = mg_slip_magnitude(c, contact, grip);
-  mg_real slip[2], *course = c->run->slip_direction + 3 * grip;
-  mg_slip_along_direction(c, contact, grip, slip);
+static void mg_set_slip_direction(mg_context *c, int contact, int constraint) {
+  const mg_real *t = c->rows.tangents + 6 * contact, size = mg_slip_magnitude(c, contact, constraint);
+  mg_real slip[2], *course = c->run->slip_direction + 3 * constraint;
+  mg_slip_along_direction(c, contact, constraint, slip);
   for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
-  if (c->system->grip_aspect[grip] == MG_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
 }
 
 /* Set the slip direction of a row group; returns 0 where it hardly slips. */
-static int mg_update_slip_direction(mg_context *c, int contact, int grip) {
-  if (!(mg_slip_magnitude(c, contact, grip) > 2 * mg_slip_velocity_tolerance(c, grip))) return 0;
-  mg_set_slip_direction(c, contact, grip);
+static int mg_update_slip_direction(mg_context *c, int contact, int constraint) {
+  if (!(mg_slip_magnitude(c, contact, constraint) > 2 * mg_slip_velocity_tolerance(c, constraint))) return 0;
+  mg_set_slip_direction(c, contact, constraint);
   return 1;
 }
 
 /* Set the friction mode of a row group from its slip velocity before the mode problem is solved: one that hardly
    slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
    same body. */
-static void mg_initialise_friction_mode(mg_context *c, int contact, int grip) {
-  int *mode = c->run->grip + grip;
+static void mg_initialise_friction_mode(mg_context *c, int contact, int constraint) {
+  int *mode = c->run->friction_mode + constraint;
   if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
-  else if (*mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, grip)) *mode = MG_SLIPPING;
+  else if (*mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, constraint)) *mode = MG_SLIPPING;
   else if (*mode >= MG_SLIP_ONSET) {
     const int slips =
-        mg_update_slip_direction(c, contact, grip); /* if its event has fired, it has only left its course */
-    if (c->friction.triggered[grip] && !slips) c->friction.slip_time_left[grip] = mg_slip_stop_time(c, contact, grip);
-    *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[grip] &= !slips;
+        mg_update_slip_direction(c, contact, constraint); /* if its event has fired, it has only left its course */
+    if (c->friction.triggered[constraint] && !slips)
+      c->friction.slip_time_left[constraint] = mg_slip_stop_time(c, contact, constraint);
+    *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[constraint] &= !slips;
   }
 }
 
 /* Kinetic energy in J that the velocity correction of the first n listed rows removes. */
 static mg_real mg_correction_energy_loss(const mg_context *c, int n) {
   mg_real sum = 0;
-  for (int r = 0; r < n; r++) sum -= c->impulse[c->lcp.rows[r]] * c->d_dot[c->lcp.rows[r]] / 2;
+  for (int r = 0; r < n; r++) sum -= c->solution.impulse[c->lcp.rows[r]] * c->rows.d_dot[c->lcp.rows[r]] / 2;
   return sum;
 }
 
@@ -72,28 +74,29 @@ static int mg_release_fastest_sticking(mg_context *c) {
   mg_real most = 0;
   int contact = -1, fastest = -1;
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
-      if (!c->run->active[i] || c->run->grip[g] != MG_STICKING) continue;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      if (!c->run->active[i] || c->run->friction_mode[g] != MG_STICKING) continue;
       const mg_real size = mg_slip_magnitude(c, i, g) / mg_slip_velocity_tolerance(c, g);
       if (size > most) most = size, contact = i, fastest = g;
     }
   if (fastest < 0) return 0;
   mg_set_slip_direction(c, contact, fastest);
-  c->run->grip[fastest] = MG_SLIP_STARTING;
+  c->run->friction_mode[fastest] = MG_SLIP_STARTING;
   return 1;
 }
 
 /* Remove the residual slip of sticking rows by an impulse; where that would remove much more energy than so slow
    a slip has, let the fastest slip on. */
 static void mg_remove_sticking_slip(mg_context *c) {
-  const mg_real fast = c->settings->arrest * c->settings->slip_speed * c->system->length / c->system->time;
+  const mg_real fast =
+      c->settings->slip_stop_speed_ratio * c->settings->slip_speed * c->system->length / c->system->time;
   do {
     mg_real worst = 0;
     const int n = mg_append_sticking_rows(c, c->lcp.rows, 0);
     for (int r = 0; r < n; r++)
-      if (fabs(c->d_dot[c->lcp.rows[r]]) > worst) worst = fabs(c->d_dot[c->lcp.rows[r]]);
-    if (!(worst > c->settings->drift * c->system->length / c->system->time)) return;
-  } while (mg_correction_energy_loss(c, mg_solve_row_correction(c, c->run->closed, c->d_dot)) >
+      if (fabs(c->rows.d_dot[c->lcp.rows[r]]) > worst) worst = fabs(c->rows.d_dot[c->lcp.rows[r]]);
+    if (!(worst > c->settings->drift_tolerance * c->system->length / c->system->time)) return;
+  } while (mg_correction_energy_loss(c, mg_solve_row_correction(c, c->run->closed, c->rows.d_dot)) >
                c->system->mass * fast * fast / 2 &&
            mg_release_fastest_sticking(c));
   mg_apply_velocity_correction(c);
@@ -109,7 +112,7 @@ static void mg_deactivate_all_contacts(mg_context *c) {
 /* Set the friction force ratios of slip that is under way at one contact that carries no force yet, and M^-1 J^T
    of its rows. */
 static void mg_set_contact_force_ratios(mg_context *c, int contact) {
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
     if (c->friction.bound[g] != MG_BOUND_SLIP) continue;
     mg_set_slip_force_ratio(c, contact, g);
     for (int k = 0; k < mg_friction_row_count(c, g); k++)
@@ -122,7 +125,7 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
 static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int *skip) {
   mg_friction_problem p = {
       0, 0, MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
-  for (int i = 0; i < c->support_begin; i++)
+  for (int i = 0; i < c->layout.support_begin; i++)
     if (c->run->closed[i] && !skip[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   mg_activate_supports(c);
   p.n = mg_append_sticking_patch_rows(c, c->lcp.rows, mg_append_bilateral_rows(c, c->lcp.rows, p.n));
@@ -137,10 +140,10 @@ static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int
 /* Record the first contact whose sliding friction makes the problem indeterminate (Painleve): its own matrix
    entry is negative while its gap accelerates apart without force. */
 static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p) {
-  for (int k = 0; k < p->n_contact && c->run->paradox_contact < 0; k++) {
+  for (int k = 0; k < p->n_contact && c->run->painleve_contact < 0; k++) {
     const int first = p->first[k], contact = c->friction.cone_contact[k];
     if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_acceleration_tolerance(c))
-      c->run->paradox_contact = contact, c->run->paradox_t = c->run->t;
+      c->run->painleve_contact = contact, c->run->painleve_t = c->run->t;
   }
 }
 
@@ -166,22 +169,24 @@ static mg_real mg_acceleration_noise_bound(const mg_context *c, const mg_frictio
   mg_real size = 0;
   for (int r = 0; r < p->n; r++)
     if (fabs(p->b[r]) > size) size = fabs(p->b[r]);
-  return 10 * c->settings->cone * size;
+  return 10 * c->settings->friction_bound_margin * size;
 }
 
 /* True if the friction force of a row group of contact k is on its bound and its rows accelerate, so that it
    slips. */
-static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_problem *p, int k, int grip) {
-  const int first = p->first[k], row = first + 1 + c->system->grip_row[grip], aspect = c->system->grip_aspect[grip];
-  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_index_of_kind(aspect), N = c->lcp.z[first];
+static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_problem *p, int k, int constraint) {
+  const int first = p->first[k], row = first + 1 + c->system->friction_row[constraint],
+            friction_kind = c->system->friction_kind[constraint];
+  const mg_real *cone = p->cone + MG_CONE * k + mg_cone_index_of_kind(friction_kind), N = c->lcp.z[first];
   mg_real row_motion = 0, bound_effect = 0, scaled_square = 0;
-  if (!(c->friction.marks[k] & MG_PRESSES)) return 0;
-  for (int j = 0; j < mg_friction_row_count(c, grip); j++) {
-    const mg_real mu = cone[aspect == MG_SLIP ? j : 0], scaled_force = c->lcp.z[row + j] / mu;
+  if (!(c->friction.marks[k] & MG_MARK_FORCE)) return 0;
+  for (int j = 0; j < mg_friction_row_count(c, constraint); j++) {
+    const mg_real mu = cone[friction_kind == MG_FRICTION_SLIP ? j : 0], scaled_force = c->lcp.z[row + j] / mu;
     row_motion += fabs(mg_resulting_row_acceleration(p, c->lcp.z, row + j)),
         bound_effect += fabs(p->A[(row + j) * (p->n + 1)]) * mu * N, scaled_square += scaled_force * scaled_force;
   }
-  return row_motion > c->settings->cone / 10 * bound_effect && sqrt(scaled_square) > (1 - c->settings->polish) * N;
+  return row_motion > c->settings->friction_bound_margin / 10 * bound_effect &&
+         sqrt(scaled_square) > (1 - c->settings->event_correction_step) * N;
 }
 
 /* Mark the row groups that the solution lets slip; returns their number. */
@@ -189,7 +194,7 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
   int count = 0;
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       count += c->friction.is_yielding[g] =
           c->friction.bound[g] != MG_BOUND_SLIP && mg_is_at_friction_bound(c, p, k, g);
   }
@@ -199,8 +204,8 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
 /* Give the row groups that slip their kinetic coefficients; returns how many bounds that changes. */
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
   int count = 0;
-  for (int g = 0; g < c->system->n_grip; g++) {
-    const mg_real *s = c->system->grip_static + 2 * g, *d = c->system->grip_kinetic + 2 * g;
+  for (int g = 0; g < c->system->n_friction; g++) {
+    const mg_real *s = c->system->friction_static + 2 * g, *d = c->system->friction_kinetic + 2 * g;
     if (!c->friction.is_yielding[g] || c->friction.bound[g] == MG_BOUND_KINETIC) continue;
     c->friction.bound[g] = MG_BOUND_KINETIC;
     count += s[0] != d[0] || s[1] != d[1];
@@ -210,33 +215,33 @@ MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
 
 /* Set the direction in which slip starts: against the friction force, by the associated flow rule of its elliptic
    cone. */
-static void mg_set_slip_direction_from_force(mg_context *c, int contact, int grip, const mg_real *force) {
-  const mg_real *mu = c->system->grip_kinetic + 2 * grip, *t = c->tangents + 6 * contact;
+static void mg_set_slip_direction_from_force(mg_context *c, int contact, int constraint, const mg_real *force) {
+  const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *t = c->rows.tangents + 6 * contact;
   const mg_real a = -force[0] / (mu[0] * mu[0]),
-                b = mg_friction_row_count(c, grip) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
+                b = mg_friction_row_count(c, constraint) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
   const mg_real size = sqrt(a * a + b * b);
-  mg_real *course = c->run->slip_direction + 3 * grip;
+  mg_real *course = c->run->slip_direction + 3 * constraint;
   for (int k = 0; k < 3; k++) course[k] = (a * t[k] + b * t[3 + k]) / size;
-  if (c->system->grip_aspect[grip] == MG_SPIN) course[0] = a > 0 ? 1 : -1;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = a > 0 ? 1 : -1;
 }
 
 /* True if slip starts without a jump of the force: the group was sticking, and its static and kinetic
    coefficients are equal. */
-static int mg_is_continuous_slip_onset(const mg_context *c, int grip) {
-  const mg_real *s = c->system->grip_static + 2 * grip, *d = c->system->grip_kinetic + 2 * grip;
-  return c->friction.mode_before[grip] == MG_STICKING && s[0] == d[0] && s[1] == d[1] &&
-         mg_friction_row_count(c, grip) == 2;
+static int mg_is_continuous_slip_onset(const mg_context *c, int constraint) {
+  const mg_real *s = c->system->friction_static + 2 * constraint, *d = c->system->friction_kinetic + 2 * constraint;
+  return c->friction.mode_before[constraint] == MG_STICKING && s[0] == d[0] && s[1] == d[1] &&
+         mg_friction_row_count(c, constraint) == 2;
 }
 
 /* Store the active contacts and the friction modes of the solved problem in the run. */
 static void mg_store_friction_modes(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
-    c->run->active[i] = (c->friction.marks[k] & MG_PRESSES) != 0;
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
+    c->run->active[i] = (c->friction.marks[k] & MG_MARK_FORCE) != 0;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       if (!c->friction.is_yielding[g]) continue;
-      mg_set_slip_direction_from_force(c, i, g, c->lcp.z + c->friction.cone_first[k] + 1 + c->system->grip_row[g]);
-      c->run->grip[g] = mg_is_continuous_slip_onset(c, g) ? MG_SLIP_ONSET : MG_SLIP_STARTING;
+      mg_set_slip_direction_from_force(c, i, g, c->lcp.z + c->friction.cone_first[k] + 1 + c->system->friction_row[g]);
+      c->run->friction_mode[g] = mg_is_continuous_slip_onset(c, g) ? MG_SLIP_ONSET : MG_SLIP_STARTING;
     }
   }
 }
@@ -244,18 +249,20 @@ static void mg_store_friction_modes(mg_context *c, const mg_friction_problem *p)
 /* Store the solution, added to the forces that the joints carry without contacts, as the reference forces that
    select one of many redundant solutions. */
 static void mg_store_reference_forces(mg_context *c, const mg_friction_problem *p) {
-  for (int i = 0; i < c->friction_row_end; i++) c->run->reference_force[i] = 0;
-  for (int r = 0; r < p->n; r++) c->run->reference_force[c->lcp.rows[r]] = c->force[c->lcp.rows[r]] + c->lcp.z[r];
+  for (int i = 0; i < c->layout.friction_row_end; i++) c->run->reference_force[i] = 0;
+  for (int r = 0; r < p->n; r++)
+    c->run->reference_force[c->lcp.rows[r]] = c->solution.force[c->lcp.rows[r]] + c->lcp.z[r];
   c->run->forces_redundant = 1;
 }
 
 /* True if all active contacts are compressed and all sticking friction is within its bounds. */
 static int mg_has_admissible_forces(const mg_context *c) {
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     if (!c->run->active[i]) continue;
-    if (!(c->force[i] > 0)) return 0;
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      if (c->run->grip[g] == MG_STICKING && !(mg_friction_event_value(c, i, g) > c->settings->cone * c->force[i]))
+    if (!(c->solution.force[i] > 0)) return 0;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      if (c->run->friction_mode[g] == MG_STICKING &&
+          !(mg_friction_event_value(c, i, g) > c->settings->friction_bound_margin * c->solution.force[i]))
         return 0;
   }
   return 1;
@@ -271,7 +278,7 @@ static int mg_try_least_norm_forces(mg_context *c, const mg_friction_problem *p)
   mg_evaluate_run_state(c);
   if (mg_has_admissible_forces(c)) return 1;
   for (int k = 0; k < p->n_contact; k++)
-    c->run->active[c->friction.cone_contact[k]] = (c->friction.marks[k] & MG_PRESSES) != 0;
+    c->run->active[c->friction.cone_contact[k]] = (c->friction.marks[k] & MG_MARK_FORCE) != 0;
   c->run->forces_redundant = 1;
   return 0;
 }
@@ -281,7 +288,8 @@ static int mg_try_least_norm_forces(mg_context *c, const mg_friction_problem *p)
 static void mg_try_reduced_friction_bounds(mg_context *c, const int *skip) {
   mg_friction_report report;
   const mg_friction_problem p = mg_assemble_friction_problem(c, skip);
-  for (mg_real bound_reduction = (mg_real)0.5; bound_reduction > c->settings->cone; bound_reduction /= 4) {
+  for (mg_real bound_reduction = (mg_real)0.5; bound_reduction > c->settings->friction_bound_margin;
+       bound_reduction /= 4) {
     if (!mg_solve_with_friction_cones(c, &p, 1 - bound_reduction, c->lcp.z, &report) ||
         mg_mark_yielding_friction(c, &p))
       continue;
@@ -314,12 +322,12 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int yielding_count, redundant, dependent_joint_rows = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       mg_initialise_friction_mode(c, i, g), c->friction.is_yielding[g] = 0;
   mg_remove_sticking_slip(c);
   mg_set_friction_bound_kinds(c);
   mg_deactivate_all_contacts(c);
-  if (c->system->n_row) dependent_joint_rows = c->system->n_row - mg_rank_joints(c, 0);
+  if (c->system->n_joint_row) dependent_joint_rows = c->system->n_joint_row - mg_rank_joints(c, 0);
   const mg_friction_problem p = mg_assemble_friction_problem(c, skip);
   if (p.n_contact == 0) {
     mg_evaluate_run_state(c);
@@ -327,7 +335,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   }
   redundant = mg_unsymmetric_rank(c, c->lcp.rows, p.n) < p.n - dependent_joint_rows;
   do {
-    if (!mg_solve_with_friction_cones(c, &p, redundant ? 1 - c->settings->cone : 1, c->lcp.z, &report))
+    if (!mg_solve_with_friction_cones(c, &p, redundant ? 1 - c->settings->friction_bound_margin : 1, c->lcp.z, &report))
       return MG_NO_FRICTION;
     yielding_count = mg_mark_yielding_friction(c, &p);
   } while (mg_use_kinetic_bounds(c));
@@ -337,8 +345,8 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   c->run->forces_redundant = 0;
   if (redundant) mg_resolve_redundant_forces(c, skip, &p, yielding_count);
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; !c->run->active[i] && g < c->system->contact_grip[i + 1]; g++)
-      c->run->grip[g] = MG_FRICTION_OFF;
+    for (int g = c->system->contact_friction[i]; !c->run->active[i] && g < c->system->contact_friction[i + 1]; g++)
+      c->run->friction_mode[g] = MG_FRICTION_OFF;
   mg_evaluate_run_state(c);
   mg_remove_sticking_slip(c);
   return MG_DONE;
@@ -347,9 +355,9 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
 /* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++) {
-      const int before = c->friction.mode_before[g], now = c->run->grip[g];
-      const int first = MG_EVENT_SLIP + MG_EVENTS_A_GRIP * c->system->grip_aspect[g];
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const int before = c->friction.mode_before[g], now = c->run->friction_mode[g];
+      const int first = MG_EVENT_SLIP_START + MG_EVENTS_PER_FRICTION * c->system->friction_kind[g];
       if (before == MG_STICKING && now >= MG_SLIP_ONSET) mg_append_event(c, events, c->run->t, first, i, 0);
       if (before >= MG_SLIP_ONSET && now == MG_STICKING)
         mg_append_event(c, events, c->run->t + c->friction.slip_time_left[g], first + 1, i, 0);
@@ -360,34 +368,36 @@ MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
 }
 
 /* Margin N - |f / mu| of a sticking row group. */
-static mg_real mg_friction_force_margin(const mg_context *c, int contact, int grip) {
-  const int row = mg_first_friction_row(c, contact, grip);
-  const mg_real *mu = c->system->grip_static + 2 * grip;
-  const mg_real a = c->force[row] / mu[0], b = mg_friction_row_count(c, grip) == 2 ? c->force[row + 1] / mu[1] : 0;
-  return c->force[contact] - sqrt(a * a + b * b);
+static mg_real mg_friction_force_margin(const mg_context *c, int contact, int constraint) {
+  const int row = mg_first_friction_row(c, contact, constraint);
+  const mg_real *mu = c->system->friction_static + 2 * constraint;
+  const mg_real a = c->solution.force[row] / mu[0],
+                b = mg_friction_row_count(c, constraint) == 2 ? c->solution.force[row + 1] / mu[1] : 0;
+  return c->solution.force[contact] - sqrt(a * a + b * b);
 }
 
 /* Event function of a row group, which falls through zero: force margin while it sticks, slip along its direction
    while it slips. */
-MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int grip) {
+MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
-  return c->run->grip[grip] == MG_STICKING ? mg_friction_force_margin(c, contact, grip)
-                                           : mg_slip_along_direction(c, contact, grip, slip);
+  return c->run->friction_mode[constraint] == MG_STICKING ? mg_friction_force_margin(c, contact, constraint)
+                                                          : mg_slip_along_direction(c, contact, constraint, slip);
 }
 
 /* Margin before the event of a row group; MG_MAX where it has none. Slip that has reached slip_speed ends below
    it; slip that has not yet ends where it reverses as fast. */
-MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int grip) {
-  const int mode = c->run->grip[grip];
+MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint) {
+  const int mode = c->run->friction_mode[constraint];
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
-  const mg_real rest = mg_slip_velocity_tolerance(c, grip), slack = mg_acceleration_tolerance(c) * c->system->mass;
+  const mg_real rest = mg_slip_velocity_tolerance(c, constraint),
+                slack = mg_acceleration_tolerance(c) * c->system->mass;
   const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -rest;
-  return mg_friction_event_value(c, contact, grip) - least;
+  return mg_friction_event_value(c, contact, constraint) - least;
 }
 
 /* True if the event of a row group has triggered. */
-static int mg_has_friction_event(const mg_context *c, int contact, int grip) {
-  return mg_friction_event_margin(c, contact, grip) < 0;
+static int mg_has_friction_event(const mg_context *c, int contact, int constraint) {
+  return mg_friction_event_margin(c, contact, constraint) < 0;
 }
 
 /* Mark the row groups whose event has triggered; returns their number. Needs the right-hand side and the gap
@@ -395,7 +405,7 @@ static int mg_has_friction_event(const mg_context *c, int contact, int grip) {
 MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       count += c->friction.triggered[g] = mg_has_friction_event(c, i, g);
   return count;
 }
@@ -403,14 +413,14 @@ MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
 /* True if the event of any row group has triggered; sets no marks. */
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       if (mg_has_friction_event(c, i, g)) return 1;
   return 0;
 }
 
 /* First row group whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
-  for (int g = 0; g < c->system->n_grip; g++)
+  for (int g = 0; g < c->system->n_friction; g++)
     if (c->friction.triggered[g]) return g;
   return -1;
 }
@@ -419,8 +429,8 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
    run's state. */
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      if (c->run->active[i] && c->run->grip[g] >= MG_SLIP_STARTING && mg_update_slip_direction(c, i, g))
-        c->run->grip[g] = MG_SLIPPING;
-  for (int g = 0; g < c->system->n_grip; g++) c->friction.mode_before[g] = c->run->grip[g];
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      if (c->run->active[i] && c->run->friction_mode[g] >= MG_SLIP_STARTING && mg_update_slip_direction(c, i, g))
+        c->run->friction_mode[g] = MG_SLIPPING;
+  for (int g = 0; g < c->system->n_friction; g++) c->friction.mode_before[g] = c->run->friction_mode[g];
 }

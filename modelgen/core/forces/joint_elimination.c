@@ -8,8 +8,8 @@
 
 /* Solve y = -A_jj^+ right over the joint rows, of minimum norm; the first n entries of y are 0. */
 static void mg_solve_joint_forces(mg_context *c, int size, const mg_real *right) {
-  mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->singular, c->lcp.reduced_z, c->lcp.work,
-                  c->lcp.iwork);
+  mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->joint_rank_tolerance, c->lcp.reduced_z,
+                  c->lcp.work, c->lcp.iwork);
 }
 
 /* Contribution of the joint forces y to one contact row: sum over the joints of A_cj y_j. */
@@ -32,7 +32,7 @@ static void mg_eliminate_joints(mg_context *c, int n, int size) {
 
 /* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
-  for (int i = c->support_begin; i < c->system->n_contact; i++)
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;
   return mg_append_joint_rows(c, list, n);
 }
@@ -44,8 +44,8 @@ static void mg_drop_redundant_contact_rows(mg_context *c, int n, int size) {
   for (int r = 0; r < size; r++)
     if (fabs(c->lcp.b[r]) > most) most = fabs(c->lcp.b[r]);
   for (int j = 0; j < n; j++) {
-    const int held = c->lcp.reduced_A[j + n * j] <= c->settings->dependent * c->lcp.A[j + size * j];
-    if (!held || fabs(c->lcp.reduced_b[j]) > c->settings->dependent * most) continue;
+    const int held = c->lcp.reduced_A[j + n * j] <= c->settings->contact_rank_tolerance * c->lcp.A[j + size * j];
+    if (!held || fabs(c->lcp.reduced_b[j]) > c->settings->contact_rank_tolerance * most) continue;
     for (int k = 0; k < n; k++) c->lcp.reduced_A[j + n * k] = c->lcp.reduced_A[k + n * j] = 0;
     c->lcp.reduced_b[j] = 0, c->lcp.mask[j] = 0;
   }
@@ -92,7 +92,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
       left -= c->lcp.A[r + n * k] * c->lcp.A[r + n * k];
     }
     c->joints.independence[r] = own > 0 && left > 0 ? left / own : 0;
-    c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->singular;
+    c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->joint_rank_tolerance;
     total += c->lcp.joint_mask[r];
     if (rank) rank[mg_row_joint(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
     if (c->lcp.joint_mask[r]) c->lcp.A[r + n * r] = sqrt(left);
@@ -102,11 +102,12 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
 
 /* J_row M^-1 J_column^T, of the rows now with those of the step before. */
 static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
-  const mg_real *J = c->J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->joint_row_begin);
+  const mg_real *J = c->rows.J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->layout.joint_row_begin);
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++)
-      if ((side ? c->f : c->o)[row] == (other ? c->f : c->o)[column]) sum += mg_dot6(J + 6 * side, MJ + 6 * other);
+      if ((side ? c->contacts.f : c->contacts.o)[row] == (other ? c->contacts.f : c->contacts.o)[column])
+        sum += mg_dot6(J + 6 * side, MJ + 6 * other);
   return sum;
 }
 
@@ -127,18 +128,18 @@ static int mg_has_turned(mg_real *A, int n) {
 /* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for
    the next step. */
 static int mg_passed_dead_centre(mg_context *c) {
-  const int n = c->system->n_row, first = c->run->rank_min < 0;
+  const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
   for (int r = 0; r < n; r++)
     same &= c->lcp.joint_mask[r] == c->joints.was_independent[r],
         lost += c->joints.was_independent[r] - c->lcp.joint_mask[r];
   for (int r = 0; r < n && same; r++)
-    if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->joint_row_begin + r;
+    if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
   for (int j = 0; j < independent; j++)
     for (int i = 0; i < independent; i++)
       c->lcp.A[i + independent * j] = mg_product_with_before(c, c->lcp.rows[i], c->lcp.rows[j]);
   for (int r = 0; r < n; r++) c->joints.was_independent[r] = c->lcp.joint_mask[r];
-  for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->MJ[12 * c->joint_row_begin + k];
+  for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
   return same ? mg_has_turned(c->lcp.A, independent) : !first && lost > 0;
 }
 
@@ -156,7 +157,7 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
 static int mg_faintest(mg_context *c, mg_real *least) {
   int faintest = -1;
   *least = 1;
-  for (int r = 0; r < c->system->n_row; r++)
+  for (int r = 0; r < c->system->n_joint_row; r++)
     c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_left_of(c, j);
@@ -172,7 +173,7 @@ MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_real off, least;
   const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);
   if (mg_passed_dead_centre(c) && !run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = faintest;
-  mg_worst_joint(c, c->d, &off);
+  mg_worst_joint(c, c->rows.d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;
   if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
   if (rank > run->rank_max) run->rank_max = rank;

@@ -12,7 +12,7 @@
 
 /* True if a patch with friction slips. */
 static int mg_has_slipping_patch(const mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (c->patches.friction[slot].slips) return 1;
   return 0;
 }

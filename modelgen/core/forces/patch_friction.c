@@ -21,12 +21,13 @@ MG_INTERNAL int mg_is_slot_frictional(const mg_context *c, int slot) {
 
 /* First friction row of the patch in a slot: slip along t1, along t2, then spin. */
 MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot) {
-  return c->friction_row_begin + c->system->contact_below[mg_first_support(c, slot)];
+  return c->layout.friction_row_begin + c->system->contact_friction_row[mg_first_support(c, slot)];
 }
 
 /* Slot of a support row whose patch slips, or -1. */
 MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row) {
-  const int slot = row >= c->support_begin && row < c->system->n_contact ? (row - c->support_begin) / 3 : -1;
+  const int slot =
+      row >= c->layout.support_begin && row < c->system->n_contact ? (row - c->layout.support_begin) / 3 : -1;
   return slot >= 0 && c->patches.friction[slot].slips ? slot : -1;
 }
 
@@ -39,29 +40,31 @@ MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot) {
 
 /* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
 MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at) {
-  const int pad = mg_first_support(c, slot);
+  const int support = mg_first_support(c, slot);
   mg_real world[3], local[3];
   mg_hull_pose(c, mg_patch_of_slot(c, slot), at->pose);
-  at->sign = mg_dot3(at->pose + 9, c->normal + 3 * pad) > 0 ? 1 : -1;
+  at->sign = mg_dot3(at->pose + 9, c->rows.normal + 3 * support) > 0 ? 1 : -1;
   for (int i = 0; i < 3; i++) {
-    mg_support_world_point(c, pad + i, world);
+    mg_support_world_point(c, support + i, world);
     mg_world_to_local_point(at->pose, world, local);
-    at->pad[i][0] = local[0], at->pad[i][1] = local[1];
-    for (int k = 0; k < 2 && i < 2; k++) at->t[i][k] = mg_dot3(at->pose + 3 + 3 * k, c->tangents + 6 * pad + 3 * i);
+    at->support[i][0] = local[0], at->support[i][1] = local[1];
+    for (int k = 0; k < 2 && i < 2; k++)
+      at->t[i][k] = mg_dot3(at->pose + 3 + 3 * k, c->rows.tangents + 6 * support + 3 * i);
   }
 }
 
 /* Slip and spin of a patch along its stored slip direction. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_first_support(c, slot);
-  const mg_real *slip = c->d_dot + mg_first_patch_friction_row(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
+  const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) +
          slip[2] * mg_support_radius(c, slot) * course[3];
 }
 
 /* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist) {
-  const mg_real *t = c->tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
+  const mg_real *t = c->rows.tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
   mg_real *course = c->run->patch_slip_direction + 4 * slot;
   for (int k = 0; k < 3; k++) course[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
@@ -80,7 +83,8 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
 /* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
    radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_first_support(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
@@ -89,7 +93,7 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
    direction; that direction where the slip is too small to tell one; the direction that is being solved for where
    slip starts. */
 static void mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
-  const mg_real *slip = c->d_dot + mg_first_patch_friction_row(c, slot),
+  const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;
   const mg_real radius = mg_support_radius(c, slot), spin_velocity = slip[2] * radius;
   const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + spin_velocity * spin_velocity);
@@ -108,14 +112,14 @@ static void mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
    centre is not known. */
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
-  mg_pressure *p = &c->patches.pressure;
+  mg_winkler_pressure_field *p = &c->patches.pressure;
   mg_patch_frame at;
   mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
   r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, r->centre);
   if (!r->centre_known || !mg_winkler_pressure(p, 1, r->centre)) {
     mg_set_patch_frame(c, slot, &at);
-    for (int k = 0; k < 2; k++) r->centre[k] = (at.pad[0][k] + at.pad[1][k] + at.pad[2][k]) / 3;
+    for (int k = 0; k < 2; k++) r->centre[k] = (at.support[0][k] + at.support[1][k] + at.support[2][k]) / 3;
     mg_uniform_pressure(p, r->centre);
     r->force_outside = 0;
   }
@@ -131,15 +135,15 @@ static void mg_set_patch_force_ratio(mg_context *c, int slot) {
   mg_real support_twist[3], twist[3], G[3][3], level[3];
   mg_update_patch_pressure(c, slot);
   mg_set_patch_frame(c, slot, &at);
-  const mg_pressure *p = &c->patches.pressure;
-  const mg_real centre_offset[2] = {p->centre[0] - at.pad[0][0], p->centre[1] - at.pad[0][1]};
+  const mg_winkler_pressure_field *p = &c->patches.pressure;
+  const mg_real centre_offset[2] = {p->centre[0] - at.support[0][0], p->centre[1] - at.support[0][1]};
   mg_patch_slip_twist(c, slot, support_twist);
   twist[2] = at.sign * support_twist[2];
   twist[0] = support_twist[0] * at.t[0][0] + support_twist[1] * at.t[1][0] - twist[2] * centre_offset[1];
   twist[1] = support_twist[0] * at.t[0][1] + support_twist[1] * at.t[1][1] + twist[2] * centre_offset[0];
   mg_friction_matrix(p, twist, G);
   for (int i = 0; i < 3; i++) {
-    const mg_real moment[3] = {1, at.pad[i][0] - p->centre[0], at.pad[i][1] - p->centre[1]};
+    const mg_real moment[3] = {1, at.support[i][0] - p->centre[0], at.support[i][1] - p->centre[1]};
     mg_real force[3];
     if (r->force_outside || !mg_solve_moments(p, moment, level))
       for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
@@ -153,13 +157,13 @@ static void mg_set_patch_force_ratio(mg_context *c, int slot) {
 
 /* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */
 MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
     r->slips = mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_ONSET;
     if (!r->slips) continue;
     mg_set_patch_force_ratio(c, slot);
     for (int k = 0; k < MG_PATCH_ROWS; k++)
-      c->friction.force_ratio[mg_first_patch_friction_row(c, slot) - c->friction_row_begin + k] = 1;
+      c->friction.force_ratio[mg_first_patch_friction_row(c, slot) - c->layout.friction_row_begin + k] = 1;
   }
 }
 
@@ -182,9 +186,9 @@ static int mg_is_patch_pressure_converged(mg_context *c, int slot, const mg_real
    be solved again. */
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_real world[3], pose[12], centre[3];
-    if (!c->patches.friction[slot].slips || !(mg_support_resultant(c, slot, c->force, world) > 0)) continue;
+    if (!c->patches.friction[slot].slips || !(mg_support_resultant(c, slot, c->solution.force, world) > 0)) continue;
     mg_hull_pose(c, mg_patch_of_slot(c, slot), pose);
     mg_world_to_local_point(pose, world, centre);
     if (mg_is_patch_pressure_converged(c, slot, centre)) continue;
@@ -197,30 +201,31 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
 /* Subtract the friction of slipping patches from the columns of their supports in the assembled matrix of n rows. */
 MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
-    const int slot = mg_slipping_slot_of_row(c, list[j]), pad = (list[j] - c->support_begin) % 3;
+    const int slot = mg_slipping_slot_of_row(c, list[j]), support = (list[j] - c->layout.support_begin) % 3;
     for (int k = 0; k < MG_PATCH_ROWS && slot >= 0; k++)
       for (int r = 0; r < n; r++)
-        c->lcp.A[r + n * j] -= c->patches.friction[slot].force_ratio[k][pad] *
+        c->lcp.A[r + n * j] -= c->patches.friction[slot].force_ratio[k][support] *
                                mg_delassus_entry(c, list[r], mg_first_patch_friction_row(c, slot) + k);
   }
 }
 
 /* Compute the friction of slipping patches from the forces on their supports and add it to the accelerations. */
 MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const mg_patch_friction *r = c->patches.friction + slot;
-    const mg_real *N = c->force + mg_first_support(c, slot);
+    const mg_real *N = c->solution.force + mg_first_support(c, slot);
     for (int k = 0; k < MG_PATCH_ROWS && r->slips; k++) {
       const int row = mg_first_patch_friction_row(c, slot) + k;
-      c->force[row] = -(r->force_ratio[k][0] * N[0] + r->force_ratio[k][1] * N[1] + r->force_ratio[k][2] * N[2]);
-      mg_add_row_response(c, row, c->force[row], c->accel);
+      c->solution.force[row] =
+          -(r->force_ratio[k][0] * N[0] + r->force_ratio[k][1] * N[1] + r->force_ratio[k][2] * N[2]);
+      mg_add_row_response(c, row, c->solution.force[row], c->bodies.acceleration);
     }
   }
 }
 
 /* Append the friction rows of sticking patches to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, int n) {
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     for (int k = 0; k < MG_PATCH_ROWS && mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] == MG_STICKING; k++)
       list[n++] = mg_first_patch_friction_row(c, slot) + k;
   return n;

@@ -18,7 +18,7 @@ static mg_real mg_patch_slip_tolerance(const mg_context *c) {
 /* Store the mean distance of the present pressure from its centre, which bounds its friction torque, and that
    centre. */
 static void mg_note_pressure_mean_distance(mg_context *c, int slot) {
-  const mg_pressure *p = &c->patches.pressure;
+  const mg_winkler_pressure_field *p = &c->patches.pressure;
   const mg_real turn[3] = {0, 0, 1};
   mg_patch_friction *r = c->patches.friction + slot;
   mg_real G[3][3];
@@ -34,16 +34,17 @@ static void mg_note_pressure_mean_distance(mg_context *c, int slot) {
    r was computed, r/2 is used. */
 static mg_real mg_friction_margin_lower_bound(const mg_context *c, int slot, mg_real *N) {
   const mg_patch_friction *r = c->patches.friction + slot;
-  const mg_real *force = c->force + mg_first_patch_friction_row(c, slot);
+  const mg_real *force = c->solution.force + mg_first_patch_friction_row(c, slot);
   mg_patch_frame at;
   mg_real world[3], x[3], F[2];
-  *N = mg_support_resultant(c, slot, c->force, world);
+  *N = mg_support_resultant(c, slot, c->solution.force, world);
   if (!(r->mean_distance > 0 && *N > 0)) return -1;
   mg_set_patch_frame(c, slot, &at);
   mg_world_to_local_point(at.pose, world, x);
   if (!(8 * mg_distance2(x, r->mean_point) <= r->mean_distance)) return -1;
   for (int k = 0; k < 2; k++) F[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
-  const mg_real arm[2] = {x[0] - at.pad[0][0], x[1] - at.pad[0][1]}, torque = at.sign * force[2] - mg_cross2(arm, F);
+  const mg_real arm[2] = {x[0] - at.support[0][0], x[1] - at.support[0][1]},
+                torque = at.sign * force[2] - mg_cross2(arm, F);
   return *N - (sqrt(mg_dot2(F, F)) + 4 * fabs(torque) / r->mean_distance) /
                   c->system->patch_friction[2 * mg_patch_of_slot(c, slot)];
 }
@@ -52,11 +53,11 @@ static mg_real mg_friction_margin_lower_bound(const mg_context *c, int slot, mg_
    and about N with which slip would start. */
 static mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist) {
   const mg_real mu = c->system->patch_friction[2 * mg_patch_of_slot(c, slot)];
-  const mg_real *force = c->force + mg_first_patch_friction_row(c, slot);
+  const mg_real *force = c->solution.force + mg_first_patch_friction_row(c, slot);
   mg_patch_friction *r = c->patches.friction + slot;
   mg_patch_frame at;
   mg_real world[3], local[3], dissipating_twist[3];
-  const mg_real N = mg_support_resultant(c, slot, c->force, world);
+  const mg_real N = mg_support_resultant(c, slot, c->solution.force, world);
   twist[0] = twist[1] = twist[2] = 0;
   if (!(N > 0)) return N;
   mg_set_patch_frame(c, slot, &at);
@@ -64,7 +65,7 @@ static mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist)
   r->centre[0] = local[0], r->centre[1] = local[1], r->centre_known = 1;
   mg_update_patch_pressure(c, slot);
   mg_note_pressure_mean_distance(c, slot);
-  const mg_real arm[2] = {r->centre[0] - at.pad[0][0], r->centre[1] - at.pad[0][1]};
+  const mg_real arm[2] = {r->centre[0] - at.support[0][0], r->centre[1] - at.support[0][1]};
   mg_real wrench[3];
   for (int k = 0; k < 2; k++) wrench[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
   wrench[2] = at.sign * force[2] - mg_cross2(arm, wrench);
@@ -108,7 +109,8 @@ MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
 
 /* Set the slip direction of a patch from its slip; returns 0 where the slip is too small. */
 static int mg_update_patch_slip_direction(mg_context *c, int slot) {
-  const mg_real *slip = c->d_dot + mg_first_patch_friction_row(c, slot), turn = slip[2] * mg_support_radius(c, slot);
+  const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
+                turn = slip[2] * mg_support_radius(c, slot);
   if (!(sqrt(slip[0] * slip[0] + slip[1] * slip[1] + turn * turn) > 2 * mg_patch_slip_tolerance(c))) return 0;
   mg_set_patch_slip_direction(c, slot, slip);
   return 1;
@@ -116,7 +118,7 @@ static int mg_update_patch_slip_direction(mg_context *c, int slot) {
 
 /* At the start of a step, set slip directions and modes of all patches and remember the modes. */
 MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     if (mg_is_slot_frictional(c, slot) && *mode >= MG_SLIP_STARTING && mg_update_patch_slip_direction(c, slot))
       *mode = MG_SLIPPING;
@@ -126,7 +128,7 @@ MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c) {
 
 /* Reset the friction modes of all patches. */
 MG_INTERNAL void mg_reset_patch_friction(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     c->run->patch_mode[slot] = MG_FRICTION_OFF, c->patches.friction[slot].triggered = 0;
 }
 
@@ -139,7 +141,8 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
 
 /* Time in s until the slip of a patch stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot, *t = c->tangents + 6 * mg_first_support(c, slot);
+  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   mg_real rate[3];
   mg_patch_slip_acceleration(c, slot, rate);
   const mg_real along = mg_patch_slip_along_direction(c, slot);
@@ -150,7 +153,7 @@ static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
 /* Set the modes of all patches from their slip before the mode problem is solved; one that hardly slips is taken
    as sticking. */
 static void mg_initialise_patch_modes(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     mg_patch_friction *r = c->patches.friction + slot;
     const int patch = mg_patch_of_slot(c, slot);
@@ -235,7 +238,7 @@ static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
 /* Let the sticking patches slip whose friction exceeds, or has just reached, its bound; returns their number. */
 static int mg_release_yielding_patches(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
     mg_real twist[3];
     if (!mg_is_slot_frictional(c, slot) || c->run->patch_mode[slot] != MG_STICKING) continue;
@@ -259,21 +262,23 @@ MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
   int outcome = mg_solve_friction_modes(c, skip);
   for (int round = 0; round < MG_RELEASE_ROUNDS && !outcome && mg_release_yielding_patches(c); round++)
     outcome = mg_solve_friction_modes(c, skip);
-  for (int slot = 0; slot < c->system->n_slot; slot++) c->patches.friction[slot].triggered = 0;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.friction[slot].triggered = 0;
   return outcome;
 }
 
 /* Append the events of patch slip that starts, stops or reverses. */
 MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *events) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int before = c->patches.friction[slot].mode_before, now = c->run->patch_mode[slot],
-              pad = mg_first_support(c, slot);
+              support = mg_first_support(c, slot);
     const mg_real over = c->run->t + c->patches.friction[slot].slip_time_left;
     if (mg_is_slot_frictional(c, slot)) {
-      if (before == MG_STICKING && now >= MG_SLIP_ONSET) mg_append_event(c, events, c->run->t, MG_EVENT_SLIP, pad, 0);
-      if (before >= MG_SLIP_ONSET && now == MG_STICKING) mg_append_event(c, events, over, MG_EVENT_STICK, pad, 0);
+      if (before == MG_STICKING && now >= MG_SLIP_ONSET)
+        mg_append_event(c, events, c->run->t, MG_EVENT_SLIP_START, support, 0);
+      if (before >= MG_SLIP_ONSET && now == MG_STICKING)
+        mg_append_event(c, events, over, MG_EVENT_SLIP_STOP, support, 0);
       if (c->patches.friction[slot].slip_stopped && now == MG_SLIP_STARTING)
-        mg_append_event(c, events, over, MG_EVENT_REVERSAL, pad, 0);
+        mg_append_event(c, events, over, MG_EVENT_SLIP_REVERSAL, support, 0);
     }
     c->patches.friction[slot].slip_time_left = 0, c->patches.friction[slot].mode_before = now,
     c->patches.friction[slot].slip_stopped = 0;

@@ -7,18 +7,18 @@
 #include "model/model.h"
 
 /* Position of a support point in world axes. */
-MG_INTERNAL void mg_support_world_point(const mg_context *c, int pad, mg_real *world) {
-  mg_to_world(c->pose + 12 * c->f[pad], c->run->point + 3 * pad, 1, world);
+MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world) {
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], c->run->point + 3 * support, 1, world);
 }
 
 /* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
 MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
-  const int pad = mg_first_support(c, slot);
+  const int support = mg_first_support(c, slot);
   mg_real sum = 0, point[3];
-  for (int k = 0; k < 3; k++) sum += amount[pad + k], centre[k] = 0;
+  for (int k = 0; k < 3; k++) sum += amount[support + k], centre[k] = 0;
   for (int i = 0; i < 3; i++) {
-    mg_support_world_point(c, pad + i, point);
-    for (int k = 0; k < 3; k++) centre[k] += amount[pad + i] / sum * point[k];
+    mg_support_world_point(c, support + i, point);
+    for (int k = 0; k < 3; k++) centre[k] += amount[support + i] / sum * point[k];
   }
   return sum;
 }
@@ -69,8 +69,8 @@ static void mg_load_patch_regions(mg_context *c, int patch) {
                         numbers[13]};
     c->patches.arcs[i] = arc;
   }
-  const mg_regions regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->patches.arcs,
-                              c->settings->shared * s->length};
+  const mg_region_pair regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->patches.arcs,
+                                  c->settings->boundary_coincidence * s->length};
   c->patches.regions = regions, c->patches.hull_patch = patch, c->patches.deepest = 0;
   mg_set_regions(&c->patches.hull, &c->patches.regions, c->patches.hull_memory);
 }
@@ -124,7 +124,7 @@ MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *
   if (!(N > floor)) return MG_FACES_SEPARATE;
   if (mg_is_edge_pivot(c, slot)) return mg_find_pivot_end_cause(c, slot, amount, floor);
   *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
-  return *margin < -c->settings->border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
+  return *margin < -c->settings->feature_border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
 }
 
 /* Event margins of a slot: force, centre of pressure inside the hull, friction. */
@@ -135,15 +135,15 @@ MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot
 /* Event of the patch in a slot at the last right-hand side, or 0; stores the margins before its events. */
 MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot) {
   const int patch = mg_patch_of_slot(c, slot);
-  const mg_real floor = -mg_force_tolerance(c), border = c->settings->border * c->system->length;
+  const mg_real floor = -mg_force_tolerance(c), border = c->settings->feature_border * c->system->length;
   mg_event_margin *margins = mg_slot_event_margins(c, slot);
   mg_real margin, centre[3];
   for (int k = 0; k < 3; k++) margins[k].lower = margins[k].upper = MG_MAX;
   if (patch < 0) return 0;
-  const mg_real N = mg_support_resultant(c, slot, c->force, centre);
+  const mg_real N = mg_support_resultant(c, slot, c->solution.force, centre);
   const mg_real known_margin =
       !mg_is_edge_pivot(c, slot) && N > floor ? mg_hull_margin_lower_bound(c, patch, centre) : -1;
-  const int cause = known_margin > 0 ? 0 : mg_find_patch_end_cause(c, slot, c->force, floor, &margin);
+  const int cause = known_margin > 0 ? 0 : mg_find_patch_end_cause(c, slot, c->solution.force, floor, &margin);
   margins[0].lower = margins[0].upper = N - floor;
   if (known_margin > 0)
     margins[1].lower = known_margin + border, margins[1].upper = 2 * c->patches.deepest - known_margin + border;
@@ -154,28 +154,28 @@ MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot) {
 /* Mark the slots whose patch events have triggered at the last right-hand side; returns their number. */
 MG_INTERNAL int mg_mark_patch_events(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_first_support(c, slot);
-    for (int k = 0; k < 3; k++) c->events.triggered[pad + k] = 0;
-    c->events.triggered[pad] = mg_find_slot_event(c, slot);
-    count += c->events.triggered[pad] != 0;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    const int support = mg_first_support(c, slot);
+    for (int k = 0; k < 3; k++) c->events.triggered[support + k] = 0;
+    c->events.triggered[support] = mg_find_slot_event(c, slot);
+    count += c->events.triggered[support] != 0;
   }
   return count;
 }
 
 /* True if an event of a patch has triggered at the last right-hand side. */
 MG_INTERNAL int mg_has_patch_event(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (mg_find_slot_event(c, slot)) return 1;
   return 0;
 }
 
 /* Event function of a patch, for the given cause. */
-MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int pad, int cause) {
+MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int support, int cause) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  const int slot = (pad - c->support_begin) / 3;
-  const mg_real N = mg_support_resultant(c, slot, c->force, centre);
+  const int slot = (support - c->layout.support_begin) / 3;
+  const mg_real N = mg_support_resultant(c, slot, c->solution.force, centre);
   if (cause >= MG_FRICTION_EXCEEDED) return mg_patch_friction_event_value(c, slot, cause);
   if (cause >= MG_ROLLS_ONTO_RIM) return mg_pivot_event_value(c, slot, cause);
   return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);

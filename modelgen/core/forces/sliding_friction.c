@@ -12,78 +12,81 @@
 #include "model/model.h"
 
 /* Contact that a friction row group belongs to. */
-MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int grip) {
+MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint) {
   int contact = 0;
-  while (c->system->contact_grip[contact + 1] <= grip) contact++;
+  while (c->system->contact_friction[contact + 1] <= constraint) contact++;
   return contact;
 }
 
 /* Number of rows of a friction row group: 1 for spin, 2 for slip and rolling. */
-MG_INTERNAL int mg_friction_row_count(const mg_context *c, int grip) {
-  return c->system->grip_aspect[grip] == MG_SPIN ? 1 : 2;
+MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
+  return c->system->friction_kind[constraint] == MG_FRICTION_SPIN ? 1 : 2;
 }
 
 /* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->active[i] && c->run->grip[g] == MG_STICKING; k++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->active[i] && c->run->friction_mode[g] == MG_STICKING;
+           k++)
         list[n++] = mg_first_friction_row(c, i, g) + k;
   return mg_append_sticking_patch_rows(c, list, n);
 }
 
 /* Characteristic slip velocity of a row group: m/s; rad/s for spin and rolling. */
-MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int grip) {
-  return (c->system->grip_aspect[grip] == MG_SLIP ? c->system->length : 1) / c->system->time;
+MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint) {
+  return (c->system->friction_kind[constraint] == MG_FRICTION_SLIP ? c->system->length : 1) / c->system->time;
 }
 
 /* Slip velocity below which a row group counts as sticking. */
-MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int grip) {
-  return c->settings->slip_speed * mg_slip_velocity_scale(c, grip);
+MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint) {
+  return c->settings->slip_speed * mg_slip_velocity_scale(c, constraint);
 }
 
 /* Slip components s of a row group, and as value s . e along its stored slip direction e. */
-MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int grip, mg_real *slip) {
-  const int row = mg_first_friction_row(c, contact, grip);
-  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
-  slip[0] = c->d_dot[row], slip[1] = 0;
-  if (c->system->grip_aspect[grip] == MG_SPIN) return slip[0] * course[0];
-  slip[1] = c->d_dot[row + 1];
+MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip) {
+  const int row = mg_first_friction_row(c, contact, constraint);
+  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  slip[0] = c->rows.d_dot[row], slip[1] = 0;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) return slip[0] * course[0];
+  slip[1] = c->rows.d_dot[row + 1];
   return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course);
 }
 
 /* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
    points against its stored direction, so that the force stays smooth through zero slip, and is that direction
    where rounding would turn it. */
-MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int grip) {
-  const int row = mg_first_friction_row(c, contact, grip), rows = mg_friction_row_count(c, grip);
-  const mg_real *mu = c->system->grip_kinetic + 2 * grip, *course = c->run->slip_direction + 3 * grip;
-  const mg_real *t = c->tangents + 6 * contact;
-  mg_real slip[2], sign = mg_slip_along_direction(c, contact, grip, slip) < 0 ? -1 : 1;
-  const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, grip);
+MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint) {
+  const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
+  const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *course = c->run->slip_direction + 3 * constraint;
+  const mg_real *t = c->rows.tangents + 6 * contact;
+  mg_real slip[2], sign = mg_slip_along_direction(c, contact, constraint, slip) < 0 ? -1 : 1;
+  const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, constraint);
   if (rows == 1) slip[0] = course[0], sign = 1;
-  else if (c->friction.follows_angle && c->run->grip[grip] == MG_SLIP_ONSET)
-    mg_slip_direction_at_angle(c, contact, grip, c->friction.slip_angle[grip], slip), sign = 1;
+  else if (c->friction.follows_angle && c->run->friction_mode[constraint] == MG_SLIP_ONSET)
+    mg_slip_direction_at_angle(c, contact, constraint, c->friction.slip_angle[constraint], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= direction_tolerance * direction_tolerance)
     slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
   const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], weighted_slip = sqrt(a * a + b * b);
-  c->friction.force_ratio[row - c->friction_row_begin] = weighted_slip > 0 ? sign * mu[0] * a / weighted_slip : 0;
+  c->friction.force_ratio[row - c->layout.friction_row_begin] =
+      weighted_slip > 0 ? sign * mu[0] * a / weighted_slip : 0;
   if (rows == 2)
-    c->friction.force_ratio[row + 1 - c->friction_row_begin] = weighted_slip > 0 ? sign * mu[1] * b / weighted_slip : 0;
+    c->friction.force_ratio[row + 1 - c->layout.friction_row_begin] =
+        weighted_slip > 0 ? sign * mu[1] * b / weighted_slip : 0;
 }
 
 /* True if the row group of an active contact slips. */
-static int mg_is_slipping(const mg_context *c, int contact, int grip) {
-  return c->run->active[contact] && c->run->grip[grip] >= MG_SLIP_ONSET;
+static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
+  return c->run->active[contact] && c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
 }
 
 /* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   const mg_system *s = c->system;
   mg_update_slip_velocities(c);
-  for (int i = 0; i < s->n_below; i++) c->friction.force_ratio[i] = 0;
+  for (int i = 0; i < s->n_friction_row; i++) c->friction.force_ratio[i] = 0;
   for (int i = 0; i < s->n_contact; i++)
-    for (int g = s->contact_grip[i]; g < s->contact_grip[i + 1]; g++) {
+    for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
       mg_set_slip_force_ratio(c, i, g);
       for (int k = 0; k < mg_friction_row_count(c, g); k++) mg_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
@@ -96,26 +99,26 @@ MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) 
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {
-      const int body = side ? c->f[row] : c->o[row];
-      if (body != (other ? c->f : c->o)[column] || !mg_moves(c, body)) continue;
-      sum += mg_dot6(c->J + 12 * row + 6 * side, c->MJ + 12 * column + 6 * other);
+      const int body = side ? c->contacts.f[row] : c->contacts.o[row];
+      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_moves(c, body)) continue;
+      sum += mg_dot6(c->rows.J + 12 * row + 6 * side, c->rows.MJ + 12 * column + 6 * other);
     }
   return sum;
 }
 
 /* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row) {
-  return row < c->support_begin ? c->kernels->contact_kinds[c->kind[row]].rows - 1 : 0;
+  return row < c->layout.support_begin ? c->kernels->contact_kinds[c->contacts.kind[row]].rows - 1 : 0;
 }
 
 /* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
    carries both; the matrix is then not symmetric. */
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
-    const int first =
-        c->friction_row_begin + (mg_tangential_row_count(c, list[j]) ? c->system->contact_below[list[j]] : 0);
+    const int first = c->layout.friction_row_begin +
+                      (mg_tangential_row_count(c, list[j]) ? c->system->contact_friction_row[list[j]] : 0);
     for (int k = first; k < first + mg_tangential_row_count(c, list[j]); k++) {
-      const mg_real lean = c->friction.force_ratio[k - c->friction_row_begin];
+      const mg_real lean = c->friction.force_ratio[k - c->layout.friction_row_begin];
       for (int r = 0; r < n && lean != 0; r++) c->lcp.A[r + n * j] -= lean * mg_delassus_entry(c, list[r], k);
     }
   }
@@ -128,7 +131,7 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
     if (mg_slipping_slot_of_row(c, list[j]) >= 0) return 1;
   for (int j = 0; j < n; j++)
     for (int k = 0; k < mg_tangential_row_count(c, list[j]); k++)
-      if (c->friction.force_ratio[c->system->contact_below[list[j]] + k] != 0) return 1;
+      if (c->friction.force_ratio[c->system->contact_friction_row[list[j]] + k] != 0) return 1;
   return 0;
 }
 
@@ -141,8 +144,8 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
   if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
   else
-    mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z,
-                    c->lcp.work, c->lcp.iwork);
+    mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
+                    c->lcp.z, c->lcp.work, c->lcp.iwork);
   for (int r = 0; r < n; r++)
     amount[c->islands.rows[r]] =
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
@@ -153,11 +156,11 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
-      const int row = c->friction_row_begin + c->system->contact_below[i] + k;
-      const mg_real lean = c->friction.force_ratio[row - c->friction_row_begin];
+      const int row = c->layout.friction_row_begin + c->system->contact_friction_row[i] + k;
+      const mg_real lean = c->friction.force_ratio[row - c->layout.friction_row_begin];
       if (lean == 0) continue;
-      c->force[row] = -c->force[i] * lean;
-      mg_add_row_response(c, row, c->force[row], c->accel);
+      c->solution.force[row] = -c->solution.force[i] * lean;
+      mg_add_row_response(c, row, c->solution.force[row], c->bodies.acceleration);
     }
   mg_apply_patch_slip_forces(c);
 }
@@ -165,17 +168,19 @@ MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
 /* Power in W that friction puts into the moving bodies; residual slip of sticking friction does no work. */
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
-  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) {
-    if (c->force[i] == 0) continue;
-    power += c->force[i] * ((c->friction.force_ratio[i - c->friction_row_begin] != 0 ? c->d_dot[i] : 0) -
-                            mg_prescribed_gap_rate(c, i));
+  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) {
+    if (c->solution.force[i] == 0) continue;
+    power += c->solution.force[i] *
+             ((c->friction.force_ratio[i - c->layout.friction_row_begin] != 0 ? c->rows.d_dot[i] : 0) -
+              mg_prescribed_gap_rate(c, i));
   }
   return power;
 }
 
 /* Direction at an angle from the stored slip direction, in the components of its rows. */
-MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int grip, mg_real angle, mg_real *along) {
-  const mg_real *course = c->run->slip_direction + 3 * grip, *t = c->tangents + 6 * contact;
+MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
+                                            mg_real *along) {
+  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
 }

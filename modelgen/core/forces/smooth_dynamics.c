@@ -8,31 +8,33 @@
 #include "model/model.h"
 
 /* Solve the forces of the active contacts, joints and sticking friction, (J M^-1 J^T) f = -(J a + Gamma2), and
-   add M^-1 J^T f to the unconstrained accelerations in c->accel. */
+   add M^-1 J^T f to the unconstrained accelerations in c->bodies.acceleration. */
 static void mg_solve_contact_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) c->row_rate[i] = mg_row_acceleration(c, i);
-  for (int i = c->joint_row_begin; i < c->friction_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
-  c->friction.couples_normal = c->system->n_grip > 0;
+    if (c->run->active[i]) c->rows.row_rate[i] = mg_row_acceleration(c, i);
+  for (int i = c->layout.joint_row_begin; i < c->layout.friction_row_end; i++)
+    c->rows.row_rate[i] = mg_row_acceleration(c, i);
+  c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
   c->patches.pressure_rounds = 0;
-  int n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
+  int n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.force);
   while (c->friction.couples_normal && mg_has_changed_patch_pressures(c))
-    n = mg_hold_rows(c, c->run->active, c->row_rate, c->force);
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->force[c->lcp.rows[r]], c->accel);
+    n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.force);
+  for (int r = 0; r < n; r++)
+    mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
   if (c->friction.couples_normal) mg_apply_slip_forces(c);
   c->friction.couples_normal = 0;
 }
 
 /* True if pose, twist and acceleration of the body are finite. */
 static int mg_is_body_state_finite(const mg_context *c, int body) {
-  return mg_all_finite(12, c->pose + 12 * body) && mg_all_finite(6, c->twist + 6 * body) &&
-         mg_all_finite(6, c->accel + 6 * body);
+  return mg_all_finite(12, c->bodies.pose + 12 * body) && mg_all_finite(6, c->bodies.twist + 6 * body) &&
+         mg_all_finite(6, c->bodies.acceleration + 6 * body);
 }
 
 /* True if the prescribed path of a driven body is not finite at the present time. */
 MG_INTERNAL int mg_has_nonfinite_driven_path(const mg_context *c) {
-  for (int b = 0; b < c->system->n_body && c->n_driven; b++)
+  for (int b = 0; b < c->system->n_body && c->layout.n_driven; b++)
     if (mg_is_driven_body(c->system, b) && !mg_is_body_state_finite(c, b)) return 1;
   return 0;
 }
@@ -43,8 +45,9 @@ MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   mg_real power = 0;
   if (mg_has_nonfinite_driven_path(c)) return INFINITY;
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) power -= c->force[i] * mg_prescribed_gap_rate(c, i);
+    if (c->run->active[i]) power -= c->solution.force[i] * mg_prescribed_gap_rate(c, i);
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    power -= c->solution.force[i] * mg_prescribed_gap_rate(c, i);
   return power;
 }
 
@@ -57,17 +60,19 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   mg_contact_rows(c, x);
   mg_update_joint_rows(c, t);
   mg_solve_contact_forces(c);
-  for (int b = 0; b < s->n_body; b++) mg_copy_velocity(c, b, c->accel + 6 * b, x_dot + s->n_q + s->body_u[b]);
-  for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->eta_dot[k];
-  if (c->n_driven || c->has_prescribed_joint) x_dot[c->work_state] += mg_prescribed_motion_power(c);
-  if (s->n_grip) x_dot[c->work_state] += mg_friction_power(c);
+  for (int b = 0; b < s->n_body; b++)
+    mg_copy_velocity(c, b, c->bodies.acceleration + 6 * b, x_dot + s->n_q + s->body_u[b]);
+  for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->rows.eta_dot[k];
+  if (c->layout.n_driven || c->layout.has_prescribed_joint)
+    x_dot[c->layout.work_state] += mg_prescribed_motion_power(c);
+  if (s->n_friction) x_dot[c->layout.work_state] += mg_friction_power(c);
   c->run->rhs_evals++;
 }
 
 /* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
    computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
-  return mg_row_times(c, contact, c->accel) + c->gamma[contact];
+  return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
 }
 
 static int mg_root(int *parent, int body) {
@@ -81,12 +86,12 @@ static void mg_chain(mg_context *c, int n) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
   for (int r = 0; r < n; r++) {
-    const int o = c->o[c->lcp.rows[r]], f = c->f[c->lcp.rows[r]];
+    const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
     if (mg_moves(c, o) && mg_moves(c, f))
       c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {
-    const int root = mg_root(c->islands.parent, mg_moving_side(c, c->lcp.rows[r]));
+    const int root = mg_root(c->islands.parent, mg_moving_body(c, c->lcp.rows[r]));
     c->islands.next[c->lcp.rows[r]] = c->islands.head[root];
     c->islands.head[root] = c->lcp.rows[r];
   }
@@ -101,8 +106,8 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
     mg_solve_island_with_friction(c, n, amount);
     return;
   }
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_row ? c->settings->singular : 0, c->lcp.z,
-                  c->lcp.work, c->lcp.iwork);
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
+                  c->lcp.z, c->lcp.work, c->lcp.iwork);
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
 }
 
@@ -115,8 +120,8 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
     if (marked[i]) c->lcp.rows[n++] = i;
   }
   n = mg_append_joint_rows(c, c->lcp.rows, n);
-  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) amount[i] = 0;
-  if (c->system->n_grip) n = mg_append_sticking_rows(c, c->lcp.rows, n);
+  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
+  if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
   if (n == 1 && !c->friction.couples_normal) {
     const mg_real weight = mg_inverse_mass_row(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
@@ -133,5 +138,5 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
   mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
   mg_gap_rates(c);
-  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];
+  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }

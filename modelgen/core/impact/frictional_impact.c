@@ -9,8 +9,8 @@
 /* Fill the friction cone of a contact with its kinetic coefficients. */
 static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++) {
-    mg_set_cone_coefficients(c, g, c->system->grip_kinetic, 1, cone);
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
+    mg_set_cone_coefficients(c, g, c->system->friction_kinetic, 1, cone);
     c->friction.bound[g] = MG_BOUND_KINETIC;
   }
 }
@@ -20,7 +20,7 @@ static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
 static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_friction_problem p = {
       0, 0, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     if (!c->run->closed[i] || c->patches.is_covered[i]) continue;
     mg_set_kinetic_cone(c, i, c->friction.cone + MG_CONE * p.n_contact);
     p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
@@ -30,9 +30,9 @@ static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_set_support_impact_rates(c);
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
-    c->lcp.b[r] = row < c->support_begin        ? c->d_dot[row] * (1 + mg_effective_restitution(c, row))
-                  : row < c->friction_row_begin ? c->row_rate[row]
-                                                : c->d_dot[row];
+    c->lcp.b[r] = row < c->layout.support_begin        ? c->rows.d_dot[row] * (1 + mg_effective_restitution(c, row))
+                  : row < c->layout.friction_row_begin ? c->rows.row_rate[row]
+                                                       : c->rows.d_dot[row];
     c->lcp.z[r] = 0;
   }
   return p;
@@ -47,29 +47,31 @@ MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   c->run->lcp_solves++;
   if (mg_friction(&p, c->lcp.z, c->friction.marks, &report, c->friction.work, c->friction.iwork)) return -1;
   for (int k = 0; k < p.n_contact; k++) n += c->friction.cone_rows[k];
-  for (int i = c->support_begin; i < c->system->n_contact; i++) c->impulse[i] = 0;
-  for (int r = n; r < p.n; r++) c->impulse[c->lcp.rows[r]] = c->lcp.z[r];
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;
+  for (int r = n; r < p.n; r++) c->solution.impulse[c->lcp.rows[r]] = c->lcp.z[r];
   return n;
 }
 
 /* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
    and the velocities before the impact. */
 MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
-  for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+  for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
   for (int k = 0, r = 0; r < n; k++) {
     mg_real gain = 0;
     for (const int end = r + c->friction.cone_rows[k]; r < end; r++)
-      gain += c->lcp.z[r] * (c->d_dot[c->lcp.rows[r]] + mg_row_times(c, c->lcp.rows[r], c->wrench) / 2);
-    if (!(gain > c->run->gain_max)) continue;
-    c->run->gain_max = gain, c->run->gain_t = c->run->t, c->run->gain_contact = c->friction.cone_contact[k];
+      gain += c->lcp.z[r] * (c->rows.d_dot[c->lcp.rows[r]] + mg_row_times(c, c->lcp.rows[r], c->bodies.wrench) / 2);
+    if (!(gain > c->run->impact_gain_max)) continue;
+    c->run->impact_gain_max = gain, c->run->impact_gain_t = c->run->t,
+    c->run->impact_gain_contact = c->friction.cone_contact[k];
   }
 }
 
 /* Reset all friction modes after an impact, so that the slip velocities decide them again. */
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
-  for (int g = 0; g < c->system->n_grip; g++) c->run->grip[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
+  for (int g = 0; g < c->system->n_friction; g++)
+    c->run->friction_mode[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
   mg_reset_patch_friction(c);
   mg_update_slip_velocities(c);
 }

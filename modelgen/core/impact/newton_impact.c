@@ -9,14 +9,14 @@
 
 /* True if the gap closes faster than rest_speed, so that the contact may bounce. */
 MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact) {
-  return c->d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
+  return c->rows.d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
 }
 
 /* Restitution coefficient that applies at this approach velocity; 0 where the rebound, or the approach, is too
    slow to count. Without the margin of 5/4 on the approach a gap that is just being pressed closed would rebound
    for ever at restitution 1. */
 MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
-  const mg_real e = c->system->restitution[contact], approach = -c->d_dot[contact];
+  const mg_real e = c->system->restitution[contact], approach = -c->rows.d_dot[contact];
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
   return e * approach > least && 4 * approach > 5 * least && !mg_has_patch_just_opened(c, contact) ? e : 0;
 }
@@ -24,7 +24,7 @@ MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
 /* List the closed contacts that no patch covers, then the supports on hull edges; returns their number. */
 static int mg_list_impact_contacts(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->support_begin; i++)
+  for (int i = 0; i < c->layout.support_begin; i++)
     if (c->run->closed[i] && !c->patches.is_covered[i]) c->lcp.rows[n++] = i;
   return mg_append_edge_supports(c, c->lcp.rows, n);
 }
@@ -33,25 +33,25 @@ static int mg_list_impact_contacts(mg_context *c) {
    moving bodies to its work. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   const mg_system *s = c->system;
-  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
+  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    const mg_real before = c->d_dot[i], after = before + mg_row_times(c, i, c->wrench);
-    c->run->x[c->work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
+    const mg_real before = c->rows.d_dot[i], after = before + mg_row_times(c, i, c->bodies.wrench);
+    c->run->x[c->layout.work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
-      c->run->x[s->n_q + s->body_u[b] + k] += c->wrench[6 * b + k];
-  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+      c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
+  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
 /* Total time in s of the ever shorter flights that a contact closed at small approach velocity would still have
    made; 0 where hardly anything presses it. */
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
   const mg_real e = c->system->restitution[contact], closing_acceleration = -mg_row_acceleration(c, contact),
-                most = c->settings->look * c->system->time;
-  const mg_real twice_speed_after = -2 * e * c->d_dot[contact];
+                most = c->settings->time_resolution * c->system->time;
+  const mg_real twice_speed_after = -2 * e * c->rows.d_dot[contact];
   return e < 1 && twice_speed_after > 0 && closing_acceleration > mg_acceleration_tolerance(c) &&
                  twice_speed_after < most * closing_acceleration * (1 - e)
              ? twice_speed_after / (closing_acceleration * (1 - e))
@@ -61,10 +61,10 @@ MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
 /* Open the contacts that separate after the impact and report their events. */
 static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->support_begin; i++) {
-    const int separates = c->run->closed[i] && mg_row_times(c, i, c->twist) > rest;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    const int separates = c->run->closed[i] && mg_row_times(c, i, c->bodies.twist) > rest;
     if (separates && mg_is_approaching(c, i))
-      mg_apply_contact_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->d_dot[i]);
+      mg_apply_contact_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->rows.d_dot[i]);
     else if (separates) mg_apply_contact_transition(c, events, i, MG_PUSHED_OPEN, c->run->t, 0);
   }
 }
@@ -72,42 +72,42 @@ static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
 /* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
    rebound with one coefficient. */
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c) {
-  for (int i = c->support_begin; i < c->joint_row_end; i++) c->row_rate[i] = c->d_dot[i];
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_first_support(c, slot);
+  for (int i = c->layout.support_begin; i < c->layout.joint_row_end; i++) c->rows.row_rate[i] = c->rows.d_dot[i];
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    const int support = mg_first_support(c, slot);
     mg_real e = 0;
     for (int k = 0; k < 3 && c->patches.trial[slot] == 1; k++)
-      e = mg_effective_restitution(c, pad + k) > e ? mg_effective_restitution(c, pad + k) : e;
-    for (int k = 0; k < 3; k++) c->row_rate[pad + k] *= 1 + e;
+      e = mg_effective_restitution(c, support + k) > e ? mg_effective_restitution(c, support + k) : e;
+    for (int k = 0; k < 3; k++) c->rows.row_rate[support + k] *= 1 + e;
   }
 }
 
 /* Solve the impulses on closed contacts, supports and joints by Newton's restitution law. Returns how many listed
    rows can only push, -1 without a solution. */
 static int mg_solve_impulses(mg_context *c) {
-  if (c->system->n_grip) return mg_solve_frictional_impulses(c);
+  if (c->system->n_friction) return mg_solve_frictional_impulses(c);
   const int n = mg_list_impact_contacts(c);
   mg_lcp_report report;
   mg_set_support_impact_rates(c);
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    c->row_rate[i] = c->d_dot[i] * (1 + mg_effective_restitution(c, i)), c->lcp.mask[r] = 1;
+    c->rows.row_rate[i] = c->rows.d_dot[i] * (1 + mg_effective_restitution(c, i)), c->lcp.mask[r] = 1;
   }
-  if (mg_solve_contact_lcp(c, n, c->row_rate, &report) != MG_LCP_SOLVED) return -1;
-  for (int i = c->support_begin; i < c->system->n_contact; i++) c->impulse[i] = 0;
+  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return -1;
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++)
-    if (mg_is_support_contact(c, c->lcp.rows[r])) c->impulse[c->lcp.rows[r]] = c->lcp.z[r];
+    if (mg_is_support_contact(c, c->lcp.rows[r])) c->solution.impulse[c->lcp.rows[r]] = c->lcp.z[r];
   return n;
 }
 
 /* True if a closed contact approaches or the supports of a held patch move. */
 static int mg_has_impact(const mg_context *c) {
-  const mg_real drift = c->settings->drift * c->system->length / c->system->time;
-  for (int i = 0; i < c->support_begin; i++)
+  const mg_real drift = c->settings->drift_tolerance * c->system->length / c->system->time;
+  for (int i = 0; i < c->layout.support_begin; i++)
     if (c->run->closed[i] && mg_is_approaching_beyond_drift(c, i)) return 1;
-  for (int i = c->support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i] && fabs(c->d_dot[i]) > drift) return 1;
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (c->run->closed[i] && fabs(c->rows.d_dot[i]) > drift) return 1;
   return 0;
 }
 
@@ -117,11 +117,12 @@ static void mg_note_impact_chain(mg_context *c, int n) {
   int chain = -1, struck = 0;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    if (i >= c->support_begin || !(c->lcp.z[r] > 0) || !(c->system->restitution[i] > 0)) continue;
+    if (i >= c->layout.support_begin || !(c->lcp.z[r] > 0) || !(c->system->restitution[i] > 0)) continue;
     if (mg_is_approaching(c, i)) struck = 1;
     else chain = i;
   }
-  if (struck && chain >= 0 && c->run->chain_contact < 0) c->run->chain_contact = chain, c->run->chain_t = c->run->t;
+  if (struck && chain >= 0 && c->run->chain_impact_contact < 0)
+    c->run->chain_impact_contact = chain, c->run->chain_impact_t = c->run->t;
 }
 
 /* Resolve the impacts at the run's state. Faces that land flat are struck as one if the impulse presses them
@@ -142,13 +143,13 @@ MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {
     mg_mark_covered_contacts(c);
     n = mg_solve_impulses(c);
     if (n < 0) return MG_COMPLEMENTARITY;
-  } while (mg_reject_trial_patches(c, c->impulse, floor, 1) || mg_end_patches_by_impulse(c, c->impulse, floor) ||
-           mg_exchange_edge_supports(c, n));
+  } while (mg_reject_trial_patches(c, c->solution.impulse, floor, 1) ||
+           mg_end_patches_by_impulse(c, c->solution.impulse, floor) || mg_exchange_edge_supports(c, n));
   mg_note_impact_chain(c, n);
-  if (c->system->n_grip) mg_note_impact_energy_gain(c, n);
+  if (c->system->n_friction) mg_note_impact_energy_gain(c, n);
   mg_apply_impulses(c, mg_append_bilateral_rows(c, c->lcp.rows, n));
   mg_update_poses(c, c->run->t, c->run->x);
-  if (c->system->n_grip) mg_reset_friction_modes(c);
+  if (c->system->n_friction) mg_reset_friction_modes(c);
   mg_finish_edge_impacts(c, events);
   mg_open_rebounding_contacts(c, events);
   mg_release_trial_patches(c);

@@ -11,17 +11,20 @@ enum { MG_SINGLE_IMPACTS_MAX = 1000 };
    (Poisson, Stronge). */
 MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;
-  for (int i = 0; i < c->support_begin; i++) singly |= c->run->closed[i] && c->system->impact_law[i] != MG_NEWTON;
+  for (int i = 0; i < c->layout.support_begin; i++)
+    singly |= c->run->closed[i] && c->system->impact_law[i] != MG_NEWTON;
   return singly;
 }
 
 /* Closed or touching contact that approaches fastest, or -1. */
 static int mg_fastest_approaching_contact(const mg_context *c) {
-  const mg_real touching = c->settings->gap * c->system->length;
+  const mg_real touching = c->settings->contact_gap * c->system->length;
   int fastest = -1;
-  for (int i = 0; i < c->support_begin; i++) {
-    if (!mg_is_on_link(c, i) || !(c->run->closed[i] || fabs(c->d[i]) <= touching) || !mg_is_approaching(c, i)) continue;
-    if (fastest < 0 || c->d_dot[i] < c->d_dot[fastest]) fastest = i;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    if (!mg_is_on_feature_pair(c, i) || !(c->run->closed[i] || fabs(c->rows.d[i]) <= touching) ||
+        !mg_is_approaching(c, i))
+      continue;
+    if (fastest < 0 || c->rows.d_dot[i] < c->rows.d_dot[fastest]) fastest = i;
   }
   return fastest;
 }
@@ -30,10 +33,11 @@ static int mg_fastest_approaching_contact(const mg_context *c) {
 static int mg_assemble_single_impact(mg_context *c, int contact, int *contact_rows, mg_impact_path *b) {
   int n = 0;
   c->lcp.rows[n++] = contact, b->mu[0] = b->mu[1] = 0;
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1] && c->system->n_grip; g++) {
-    if (c->system->grip_aspect[g] != MG_SLIP) continue;
+  for (int g = c->system->contact_friction[contact];
+       g < c->system->contact_friction[contact + 1] && c->system->n_friction; g++) {
+    if (c->system->friction_kind[g] != MG_FRICTION_SLIP) continue;
     for (int k = 0; k < 2; k++)
-      c->lcp.rows[n++] = mg_first_friction_row(c, contact, g) + k, b->mu[k] = c->system->grip_kinetic[2 * g + k];
+      c->lcp.rows[n++] = mg_first_friction_row(c, contact, g) + k, b->mu[k] = c->system->friction_kinetic[2 * g + k];
   }
   *contact_rows = n;
   n = mg_append_joint_rows(c, c->lcp.rows, n);
@@ -47,8 +51,9 @@ static void mg_solve_joint_reactions(mg_context *c, int n, int contact_rows) {
     c->lcp.b[r] = 0, c->lcp.mask[r] = r >= contact_rows;
     for (int j = 0; j < contact_rows; j++) c->lcp.b[r] += c->lcp.A[r + (long)n * j] * c->lcp.z[j];
   }
-  mg_real *reactions = c->row_rate;
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->settings->singular, reactions, c->lcp.work, c->lcp.iwork);
+  mg_real *reactions = c->rows.row_rate;
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->settings->joint_rank_tolerance, reactions, c->lcp.work,
+                  c->lcp.iwork);
   for (int r = contact_rows; r < n; r++) c->lcp.z[r] = reactions[r];
 }
 
@@ -71,7 +76,7 @@ static mg_real mg_remove_locked_tangent(const mg_context *c, mg_real free_trace,
   mg_real *G = b->G;
   const mg_real angle = atan2(2 * G[5], G[4] - G[8]) / 2, x = cos(angle), y = sin(angle);
   const mg_real largest = x * x * G[4] + y * y * G[8] + 2 * x * y * G[5], smallest = G[4] + G[8] - largest,
-                lock_limit = c->settings->singular * free_trace;
+                lock_limit = c->settings->joint_rank_tolerance * free_trace;
   if (smallest > lock_limit) return 0;
   const mg_real along = largest > lock_limit ? x * b->velocity[1] + y * b->velocity[2] : 0,
                 normal = largest > lock_limit ? x * G[1] + y * G[2] : 0;
@@ -85,7 +90,7 @@ static mg_real mg_remove_locked_tangent(const mg_context *c, mg_real free_trace,
 static void mg_report_single_impact(mg_context *c, mg_events *events, int contact, mg_real before,
                                     mg_real closing_time) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  if (c->d_dot[contact] > rest) {
+  if (c->rows.d_dot[contact] > rest) {
     mg_apply_contact_transition(c, events, contact, MG_IMPACT_REBOUND, c->run->t, -before);
   } else if (c->events.triggered[contact] || !c->run->closed[contact]) {
     mg_apply_contact_transition(c, events, contact, MG_TOUCHES_DOWN, closing_time, -before);
@@ -95,14 +100,14 @@ static void mg_report_single_impact(mg_context *c, mg_events *events, int contac
 
 /* Resolve the impact of one contact; returns 0 where its law has no end. */
 static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contact) {
-  const mg_real before = c->d_dot[contact], e = mg_effective_restitution(c, contact);
+  const mg_real before = c->rows.d_dot[contact], e = mg_effective_restitution(c, contact);
   mg_impact_path b;
   int contact_rows;
   const int n = mg_assemble_single_impact(c, contact, &contact_rows, &b);
   const mg_real closing_time = c->run->t + (e > 0 ? 0 : mg_remaining_bounce_time(c, contact));
   const mg_real free_trace = contact_rows > 1 ? c->lcp.A[1 + (long)n] + c->lcp.A[2 + 2 * (long)n] : 0;
   mg_reduce_impact_matrix(c, n, contact_rows, &b);
-  for (int k = 0; k < 3; k++) b.velocity[k] = k < contact_rows ? c->d_dot[c->lcp.rows[k]] : 0;
+  for (int k = 0; k < 3; k++) b.velocity[k] = k < contact_rows ? c->rows.d_dot[c->lcp.rows[k]] : 0;
   const mg_real angle = contact_rows > 1 && n > contact_rows ? mg_remove_locked_tangent(c, free_trace, &b) : 0;
   if (!mg_integrate_impact_path(&b, c->system->impact_law[contact], e)) return 0;
   mg_rotate_pair(cos(angle), -sin(angle), b.velocity + 3, b.velocity + 4);
@@ -121,8 +126,8 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
 /* Open the contacts that impacts elsewhere have pushed apart; those that had just closed are not reported. */
 static void mg_open_pushed_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->support_begin; i++) {
-    if (!c->run->closed[i] || !(c->d_dot[i] > rest)) continue;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    if (!c->run->closed[i] || !(c->rows.d_dot[i] > rest)) continue;
     mg_apply_contact_transition(c, events, i, c->events.triggered[i] ? MG_IMPACT_AVOIDED : MG_PUSHED_OPEN, c->run->t,
                                 0);
     c->events.triggered[i] = 0;

@@ -6,7 +6,7 @@
 
 /* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, sums in registers. */
 static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
-  const int n = c->n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
+  const int n = c->layout.n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
   int i = 0;
   for (; i + 4 <= n; i += 4) {
     mg_real sum[4] = {0, 0, 0, 0};
@@ -28,12 +28,12 @@ static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, 
   const mg_real time = t + mg_dop_time[stage] * h;
   mg_dop_combine(c, stage, x, h, c->step.stage);
   if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
-  mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->n_states);
+  mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
 /* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
 static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->n_states;
+  const int n = c->layout.n_states;
   mg_real fifth = 0, third = 0;
   for (int i = 0; i < n; i++) {
     mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
@@ -46,7 +46,7 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
     fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }
   if (fifth == 0) return 0;
-  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->n_live_states);
+  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->layout.n_live_states);
 }
 
 /* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
@@ -61,7 +61,7 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
 
 /* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  const int n = c->n_states;
+  const int n = c->layout.n_states;
   for (int stage = 13; stage < 16; stage++) mg_dop_stage(c, stage, t, x, h);
   for (int i = 0; i < n; i++) {
     const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];

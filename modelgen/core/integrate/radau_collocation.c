@@ -5,11 +5,11 @@
 #include "integrate/radau_coefficients.h"
 
 MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage) {
-  return c->step.slopes + (1 + stage) * c->n_states;
+  return c->step.slopes + (1 + stage) * c->layout.n_states;
 }
 
 MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage) {
-  return c->step.slopes + (1 + MG_RADAU_STAGES + stage) * c->n_states;
+  return c->step.slopes + (1 + MG_RADAU_STAGES + stage) * c->layout.n_states;
 }
 
 MG_INTERNAL mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
@@ -55,7 +55,7 @@ static void mg_restage(mg_real *value, mg_real share) {
 
 /* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
-  const int n = c->n_states;
+  const int n = c->layout.n_states;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
   for (int i = from; i < to; i++) {
     const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
@@ -77,17 +77,18 @@ MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real
    the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
 MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->system;
-  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states,
-          *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->n_states;
+  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states,
+          *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
   mg_real share[MG_RADAU_STAGES], sum = 0;
   mg_lagrange(0, share);
-  for (int i = 0; i < c->n_states; i++) miss[i] = 0;
+  for (int i = 0; i < c->layout.n_states; i++) miss[i] = 0;
   for (int stage = -1; stage < MG_RADAU_STAGES; stage++) {
     const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage),
                   time = stage < 0 ? t : t + mg_stage_time(stage) * h;
     mg_update_poses(c, time, state);
     mg_free_accelerations(c, time, state, slope);
-    for (int b = 0; b < s->n_body; b++) mg_copy_velocity(c, b, c->accel + 6 * b, slope + s->n_q + s->body_u[b]);
+    for (int b = 0; b < s->n_body; b++)
+      mg_copy_velocity(c, b, c->bodies.acceleration + 6 * b, slope + s->n_q + s->body_u[b]);
     for (int i = s->n_q; i < s->n_q + s->n_u; i++) miss[i] += slope[i] * (stage < 0 ? -1 : share[stage]);
   }
   for (int i = s->n_q; i < s->n_q + s->n_u; i++) {
@@ -95,12 +96,12 @@ MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const m
     const mg_real error = mg_stage_time(0) * h * miss[i] / (c->settings->tolerance * size);
     sum += error * error;
   }
-  return sqrt(sum / c->n_live_states);
+  return sqrt(sum / c->layout.n_live_states);
 }
 
 /* The end of the step and the interpolant of the polynomial through x and the stages. */
 MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
-  const int n = c->n_states;
+  const int n = c->layout.n_states;
   for (int i = 0; i < n; i++) {
     c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
     for (int row = 0; row < MG_RADAU_STAGES; row++) {
@@ -117,7 +118,7 @@ MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real sha
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->fresh[i] == MG_START_FLAT)
+    if (c->run->rolling_start[i] == MG_START_FLAT)
       mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
 }
 

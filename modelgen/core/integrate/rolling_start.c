@@ -8,9 +8,9 @@
    states and the azimuths at the stages: for given azimuths the right-hand side is evaluated on bodies rotated to
    that tilt and azimuth rate, which is smooth and converges by substitution; the condition that the bodies do
    tilt that way is a well-conditioned linear system of seven rows a contact, h^2 A^2 k - tilt, solved by Newton's
-   method.  To start a contact: put it on its link, with eta (if it has any) at the point where the centre of
+   method.  To start a contact: put it on its feature pair, with eta (if it has any) at the point where the centre of
    pressure leaves the hull; mark it closed, active and MG_START_FLAT; write the outward direction along the plane
-   (world, unit) into run->outward; let run->h be no shorter than the characteristic time. The row of such a
+   (world, unit) into run->tilt_direction; let run->h be no shorter than the characteristic time. The row of such a
    contact has no meaning until its first step, so no complementarity problem may contain it. When the tilt
    exceeds rounding the mark is MG_START_SETTLING, and the contact is excused from bounds on its margin until the
    margin exceeds them. */
@@ -25,41 +25,44 @@
 
 #define MG_NEWTON_DIVERGED 100
 
-enum { MG_TILT_HELD = 1, MG_WITH_STIFFNESS = 2 }; /* how stages are looked at: with the lean as before; for the stiffness as well */
+enum {
+  MG_TILT_HELD = 1,
+  MG_WITH_STIFFNESS = 2
+}; /* how stages are looked at: with the lean as before; for the stiffness as well */
 
 /* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->fresh[i] == MG_START_FLAT) return 1;
+    if (c->run->rolling_start[i] == MG_START_FLAT) return 1;
   return 0;
 }
 
-/* True if the conditions of the contact's link hold and its margin is above the warning level, so that the start
-   of rolling is over. */
+/* True if the conditions of the contact's feature pair hold and its margin is above the warning level, so that the
+   start of rolling is over. */
 static int mg_is_rolling_start_over(mg_context *c, int contact) {
   const mg_real *eta = mg_contact_eta(c, c->run->x, contact);
   int which;
   mg_place_contact(c, contact, eta, c->search.placement + 32);
   return c->run->margin[contact] >= c->settings->margin_warn &&
-         mg_most_violated_condition(c, c->run->link[contact], eta, &which) >= 0;
+         mg_most_violated_condition(c, c->run->feature_pair[contact], eta, &which) >= 0;
 }
 
 /* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta) {
-  if (!c->n_eta[contact]) return 1;
-  if (mg_newton_on_link(c, contact, eta) < 0) return 0;
+  if (!c->contacts.n_eta[contact]) return 1;
+  if (mg_newton_on_feature_pair(c, contact, eta) < 0) return 0;
   for (int extra = 0; extra < 2; extra++) {
     mg_place_contact(c, contact, eta, c->search.placement + 32);
-    for (int k = 0; k < c->n_eta[contact]; k++) eta[k] = c->search.placement[32 + k];
+    for (int k = 0; k < c->contacts.n_eta[contact]; k++) eta[k] = c->search.placement[32 + k];
   }
-  return mg_all_finite(c->n_eta[contact], eta);
+  return mg_all_finite(c->contacts.n_eta[contact], eta);
 }
 
 /* Update the outward direction and the contact point of a contact that still starts from flat. */
 static void mg_continue_rolling_start(mg_context *c, int contact) {
   const mg_contact_tilt at =
       mg_tilt_at_azimuth(c, contact, c->step.rolling_starts[contact].azimuth[MG_RADAU_STAGES - 1]);
-  for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = at.along[k];
+  for (int k = 0; k < 3; k++) c->run->tilt_direction[3 * contact + k] = at.along[k];
   mg_find_rolling_point(c, c->run->t, contact, &at, c->run->x);
 }
 
@@ -74,17 +77,17 @@ static mg_real mg_rolling_step_limit(const mg_context *c, int contact) {
    step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
   int any_start = 0;
-  for (int i = 0; i < c->support_begin; i++) any_start |= c->run->fresh[i];
+  for (int i = 0; i < c->layout.support_begin; i++) any_start |= c->run->rolling_start[i];
   if (any_start) mg_update_poses(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->support_begin; i++) {
-    const int starts = c->run->fresh[i] == MG_START_FLAT;
-    if (!c->run->fresh[i]) continue;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    const int starts = c->run->rolling_start[i] == MG_START_FLAT;
+    if (!c->run->rolling_start[i]) continue;
     if (mg_is_tilt_below_flat_limit(c, i)) {
       mg_continue_rolling_start(c, i);
       continue;
     }
     const mg_real step_limit = starts ? mg_rolling_step_limit(c, i) : MG_MAX;
-    c->run->fresh[i] = mg_is_rolling_start_over(c, i) ? MG_START_NONE : MG_START_SETTLING;
+    c->run->rolling_start[i] = mg_is_rolling_start_over(c, i) ? MG_START_NONE : MG_START_SETTLING;
     if (starts && c->settings->method == MG_RK4) c->run->h = c->settings->step;
     else if (step_limit < c->run->h) c->run->h = step_limit;
   }
@@ -92,7 +95,7 @@ MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
 
 /* Copy the state of a stage, with normalised quaternions, to the stage workspace. */
 static void mg_load_stage_state(mg_context *c, int stage) {
-  for (int i = 0; i < c->n_states; i++) c->step.stage[i] = mg_stage_state(c, stage)[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = mg_stage_state(c, stage)[i];
   mg_normalise_quaternions(c, c->step.stage);
 }
 
@@ -104,7 +107,7 @@ static int mg_tilt_stage_bodies(mg_context *c, mg_real t, int stage, mg_real h, 
   for (int iteration = 0; iteration < 2; iteration++) {
     mg_update_poses(c, t, c->step.stage);
     for (int i = 0; i < c->system->n_contact; i++) {
-      if (c->run->fresh[i] != MG_START_FLAT) continue;
+      if (c->run->rolling_start[i] != MG_START_FLAT) continue;
       mg_rolling_start *onset = c->step.rolling_starts + i;
       const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
       mg_real lean[3];
@@ -129,12 +132,12 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
   mg_load_stage_state(c, stage);
   if (!mg_tilt_stage_bodies(c, t, stage, h, tilt_held, azimuth_increment)) return 0;
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (c->run->fresh[i] != MG_START_FLAT) continue;
+    if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     mg_rolling_start *onset = c->step.rolling_starts + i;
     const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
     const int tilt_lost = mg_is_tilt_lost_in_rounding(c, onset->tilt[stage]);
     onset->azimuth_noise[stage] =
-        tilt_lost ? MG_EPS / sqrt(c->settings->flat) : mg_relative_tilt_error(&at, onset->tilt[stage]);
+        tilt_lost ? MG_EPS / sqrt(c->settings->flat_angle) : mg_relative_tilt_error(&at, onset->tilt[stage]);
     mg_set_azimuth_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
     if (!(tilt_lost ? mg_find_rolling_point(c, t, i, &at, x)
                     : mg_converge_contact_point(c, i, mg_contact_eta(c, x, i))))
@@ -149,8 +152,8 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
 static void mg_note_stage_tilt_rates(mg_context *c, mg_real t, int stage) {
   mg_load_stage_state(c, stage);
   mg_update_poses(c, t, c->step.stage);
-  for (int i = 0; i < c->support_begin; i++)
-    if (c->run->fresh[i] == MG_START_FLAT) mg_note_tilt_rate(c, i, stage);
+  for (int i = 0; i < c->layout.support_begin; i++)
+    if (c->run->rolling_start[i] == MG_START_FLAT) mg_note_tilt_rate(c, i, stage);
 }
 
 /* Store the tilt rates of all starting contacts at all stages. */
@@ -161,7 +164,7 @@ static void mg_note_all_tilt_rates(mg_context *c, mg_real t, mg_real h) {
 
 /* Integrate the poses of all stages from their velocities, and store the tilt rates; returns the relative change. */
 static mg_real mg_integrate_stage_poses(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  mg_real *rate = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states;
+  mg_real *rate = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     const mg_real time = t + mg_stage_time(stage) * h;
     mg_note_stage_tilt_rates(c, time, stage);
@@ -174,11 +177,11 @@ static mg_real mg_integrate_stage_poses(mg_context *c, mg_real t, const mg_real 
 /* Derivative by the azimuth of the tilt acceleration across it, at a stage, by a difference quotient. */
 static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_real h) {
   const mg_real azimuth_increment = (mg_real)1 / 1024;
-  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states;
+  mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
   for (int perturbed = 0; perturbed < 2; perturbed++) {
     if (perturbed && !mg_tilted_stage_slope(c, t, stage, h, 1, azimuth_increment, slope)) return 0;
-    for (int i = 0; i < c->support_begin; i++) {
-      if (c->run->fresh[i] != MG_START_FLAT) continue;
+    for (int i = 0; i < c->layout.support_begin; i++) {
+      if (c->run->rolling_start[i] != MG_START_FLAT) continue;
       mg_rolling_start *onset = c->step.rolling_starts + i;
       const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage]);
       const mg_real across =
@@ -195,7 +198,7 @@ static int mg_evaluate_rolling_stage(mg_context *c, mg_real t, int stage, mg_rea
   const int first = c->system->n_q + c->system->n_u;
   if (!mg_tilted_stage_slope(c, t, stage, h, evaluation_flags & MG_TILT_HELD, 0, mg_stage_slope(c, stage))) return 0;
   mg_watch_stage(c);
-  for (int i = first; i < c->work_state; i++) mg_stage_state(c, stage)[i] = c->step.stage[i];
+  for (int i = first; i < c->layout.work_state; i++) mg_stage_state(c, stage)[i] = c->step.stage[i];
   return !(evaluation_flags & MG_WITH_STIFFNESS) || mg_find_azimuth_stiffness(c, t, stage, h);
 }
 
@@ -212,12 +215,12 @@ static int mg_iterate_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_re
   const mg_real pose_change = mg_integrate_stage_poses(c, t, x, h);
   if (!(pose_change <= *change)) *change = pose_change;
   for (int i = 0; i < s->n_contact; i++) {
-    if (c->run->fresh[i] == MG_START_FLAT) continue;
+    if (c->run->rolling_start[i] == MG_START_FLAT) continue;
     const int from = first + s->contact_eta[i];
-    const mg_real more = mg_integrate_stages(c, x, h, from, from + c->n_eta[i]);
+    const mg_real more = mg_integrate_stages(c, x, h, from, from + c->contacts.n_eta[i]);
     if (!(more <= *change)) *change = more;
   }
-  mg_integrate_stages(c, x, h, c->work_state, c->n_states);
+  mg_integrate_stages(c, x, h, c->layout.work_state, c->layout.n_states);
   return *change <= MG_MAX;
 }
 
@@ -247,7 +250,7 @@ static mg_real mg_newton_azimuth_step(mg_context *c, mg_real t, mg_real h, int c
 static mg_real mg_iterate_azimuths_and_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int evaluation_flags) {
   mg_real azimuth_effect = 0, change = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
-    const mg_real effect = c->run->fresh[i] == MG_START_FLAT ? mg_newton_azimuth_step(c, t, h, i) : 0;
+    const mg_real effect = c->run->rolling_start[i] == MG_START_FLAT ? mg_newton_azimuth_step(c, t, h, i) : 0;
     if (!(effect <= azimuth_effect)) azimuth_effect = effect;
   }
   if (!mg_iterate_rolling_stages(c, t, x, h, evaluation_flags, &change)) return (mg_real)NAN;
@@ -260,7 +263,7 @@ static int mg_guess_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_real
   mg_real change;
   if (!mg_initialise_rolling_starts(c, t, x, h)) return 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int i = 0; i < c->n_states; i++)
+    for (int i = 0; i < c->layout.n_states; i++)
       mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->step.slopes[i] : 0);
   mg_note_all_tilt_rates(c, t, h);
   return mg_iterate_rolling_stages(c, t, x, h, MG_TILT_HELD, &change) &&
@@ -271,7 +274,7 @@ static int mg_guess_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_real
 static mg_real mg_rolling_velocity_noise(const mg_context *c, mg_real h) {
   mg_real most = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (c->run->fresh[i] != MG_START_FLAT) continue;
+    if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
       const mg_real effect = 8 * c->step.rolling_starts[i].azimuth_noise[stage] *
                              fabs(c->step.rolling_starts[i].stiffness[stage]) * h * c->system->time;
@@ -312,9 +315,9 @@ static mg_real mg_solve_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_
 /* True if the state is eta of a starting contact, which is solved for, not integrated. */
 static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
   const int first = c->system->n_q + c->system->n_u;
-  for (int i = 0; i < c->support_begin; i++) {
+  for (int i = 0; i < c->layout.support_begin; i++) {
     const int from = first + c->system->contact_eta[i];
-    if (c->run->fresh[i] == MG_START_FLAT && state >= from && state < from + c->n_eta[i]) return 1;
+    if (c->run->rolling_start[i] == MG_START_FLAT && state >= from && state < from + c->contacts.n_eta[i]) return 1;
   }
   return 0;
 }
@@ -324,13 +327,13 @@ static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
-  for (int i = 0; i < c->n_states; i++) {
+  for (int i = 0; i < c->layout.n_states; i++) {
     if (mg_is_eta_of_rolling_start(c, i)) continue;
     const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
     const mg_real error = (c->step.stage[i] - half[i]) / (c->settings->tolerance * size);
     sum += error * error;
   }
-  return sqrt(sum / c->n_live_states);
+  return sqrt(sum / c->layout.n_live_states);
 }
 
 /* Solve the stages of the full step, from a longer step tried before or from a guess; returns the relative change
@@ -345,8 +348,8 @@ static mg_real mg_solve_full_rolling_step(mg_context *c, mg_real t, mg_real *x, 
 
 /* Save the azimuths and stiffnesses of the full step, or restore them. */
 static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
-  for (int i = 0; i < c->support_begin; i++)
-    for (int k = 0; k < MG_RADAU_STAGES && c->run->fresh[i] == MG_START_FLAT; k++) {
+  for (int i = 0; i < c->layout.support_begin; i++)
+    for (int k = 0; k < MG_RADAU_STAGES && c->run->rolling_start[i] == MG_START_FLAT; k++) {
       mg_rolling_start *onset = c->step.rolling_starts + i;
       mg_real *saved = onset->whole_step[k];
       if (restore) onset->azimuth[k] = saved[0], onset->stiffness[k] = saved[1];
@@ -357,7 +360,7 @@ static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
 /* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
    tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  for (int i = 0; i < c->n_states; i++) c->step.end[i] = x[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
   const mg_real full_change = mg_solve_full_rolling_step(c, t, x, h);
   c->step.rolling_step = full_change <= MG_MAX ? h : 0;
   if (!(full_change <= MG_MAX)) return MG_MAX;

@@ -10,59 +10,59 @@ static void mg_copy(mg_real *to, const mg_real *from, int n) {
 
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->system->n_contact + contact;
-  record->link[k] = c->run->link[contact];
-  if (mg_is_on_link(c, contact)) mg_place_contact(c, contact, eta, c->search.placement + 32);
+  record->feature_pair[k] = c->run->feature_pair[contact];
+  if (mg_is_on_feature_pair(c, contact)) mg_place_contact(c, contact, eta, c->search.placement + 32);
   else
     for (int j = 0; j < 14; j++) c->search.placement[j] = (mg_real)NAN;
-  record->force[k] = c->force[contact];
+  record->force[k] = c->solution.force[contact];
   record->gap[k] = c->search.placement[0];
   mg_copy(record->normal + 3 * k, c->search.placement + 5, 3);
   mg_copy(record->point_o + 3 * k, c->search.placement + 8, 3);
   mg_copy(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
-/* What the rows below make of c->force or c->d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
-static void mg_below_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
-  const mg_real *t = c->tangents + 6 * contact, *N = c->normal + 3 * contact;
-  const mg_real *rows = value + c->friction_row_begin + c->system->contact_below[contact];
+/* What the rows below make of c->solution.force or c->rows.d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
+static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
+  const mg_real *t = c->rows.tangents + 6 * contact, *N = c->rows.normal + 3 * contact;
+  const mg_real *rows = value + c->layout.friction_row_begin + c->system->contact_friction_row[contact];
   for (int k = 0; k < 3; k++)
     out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
 }
 
-static void mg_record_grips(mg_context *c, mg_record *record, int row, int contact) {
+static void mg_record_contact_friction(mg_context *c, mg_record *record, int row, int contact) {
   const long k = 3 * ((long)row * c->system->n_contact + contact);
-  const int rows = mg_is_on_link(c, contact) ? c->kernels->contact_kinds[c->kind[contact]].rows : 1;
+  const int rows = mg_is_on_feature_pair(c, contact) ? c->kernels->contact_kinds[c->contacts.kind[contact]].rows : 1;
   for (int j = 0; j < 3; j++) record->friction[k + j] = record->torque[k + j] = record->slip[k + j] = 0;
-  if (rows > 1) mg_below_vector(c, contact, c->force, 0, record->friction + k);
-  if (rows > 3) mg_below_vector(c, contact, c->force, 1, record->torque + k);
-  if (rows > 1 && c->run->closed[contact]) mg_below_vector(c, contact, c->d_dot, 0, record->slip + k);
+  if (rows > 1) mg_friction_rows_vector(c, contact, c->solution.force, 0, record->friction + k);
+  if (rows > 3) mg_friction_rows_vector(c, contact, c->solution.force, 1, record->torque + k);
+  if (rows > 1 && c->run->closed[contact]) mg_friction_rows_vector(c, contact, c->rows.d_dot, 0, record->slip + k);
 }
 
 /* What a joint does to its second body, and where it stands. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->system;
   const long k = (long)row * s->n_joint + joint;
-  const int kind = s->joint_kind[joint], first = c->joint_row_begin + s->joint_row[joint];
+  const int kind = s->joint_kind[joint], first = c->layout.joint_row_begin + s->joint_row[joint];
   mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
   for (int j = 0; j < 6; j++) wrench[j] = 0;
   for (int i = first; i < first + c->kernels->joint_kinds[kind].n_rows; i++)
-    for (int j = 0; j < 6; j++) wrench[j] += c->force[i] * c->J[12 * i + 6 + j];
+    for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
   for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
   if (!c->kernels->joint_kinds[kind].n_coordinates) return;
-  c->kernels->joint_coordinates(kind, c->pose + 12 * s->joint_a[joint], c->pose + 12 * s->joint_b[joint],
+  c->kernels->joint_coordinates(kind, c->bodies.pose + 12 * s->joint_a[joint], c->bodies.pose + 12 * s->joint_b[joint],
                                 s->parameters + s->joint_parameters[joint], coordinate);
 }
 
 /* The friction of a slot's patch at a place of the world, and how f slips past o there. */
-static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
-  const int pad = mg_first_support(c, slot);
-  const mg_real *t = c->tangents + 6 * pad, *N = c->normal + 3 * pad;
+static void mg_record_patch_friction(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
+  const int support = mg_first_support(c, slot);
+  const mg_real *t = c->rows.tangents + 6 * support, *N = c->rows.normal + 3 * support;
   mg_real point[3], turn[3], moment[3];
   for (int k = 0; k < 8; k++) out[k] = 0;
   if (mg_patch_of_slot(c, slot) < 0 || !mg_has_patch_friction(c, mg_patch_of_slot(c, slot))) return;
-  const mg_real *force = c->force + mg_first_patch_friction_row(c, slot),
-                *slip = c->d_dot + mg_first_patch_friction_row(c, slot);
-  mg_support_world_point(c, pad, point);
+  const mg_real *force = c->solution.force + mg_first_patch_friction_row(c, slot),
+                *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
+  mg_support_world_point(c, support, point);
   for (int k = 0; k < 3; k++) {
     out[k] = force[0] * t[k] + force[1] * t[3 + k], out[4 + k] = slip[0] * t[k] + slip[1] * t[3 + k];
     turn[k] = slip[2] * N[k], point[k] = at[k] - point[k];
@@ -75,12 +75,12 @@ static void mg_record_rub(const mg_context *c, int slot, const mg_real *at, mg_r
 
 /* What presses the faces of a slot's patch together, and where. */
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
-  const long k = (long)row * c->system->n_slot + slot;
+  const long k = (long)row * c->system->n_patch_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
   record->patch[k] = mg_patch_of_slot(c, slot);
   for (int j = 0; j < 4; j++) pressure[j] = j ? (mg_real)NAN : 0;
-  if (record->patch[k] >= 0) pressure[0] = mg_support_resultant(c, slot, c->force, pressure + 1);
-  mg_record_rub(c, slot, pressure + 1, record->rub + 8 * k);
+  if (record->patch[k] >= 0) pressure[0] = mg_support_resultant(c, slot, c->solution.force, pressure + 1);
+  mg_record_patch_friction(c, slot, pressure + 1, record->patch_friction + 8 * k);
 }
 
 static mg_real mg_energy_of(mg_context *c, mg_real *x) {
@@ -96,15 +96,15 @@ MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
   const mg_system *s = c->system;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;
-  mg_copy(record->pose + row * 12 * s->n_body, c->pose, 12 * s->n_body);
-  mg_copy(record->twist + row * 6 * s->n_body, c->twist, 6 * s->n_body);
+  mg_copy(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
+  mg_copy(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
   mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
-  for (int i = 0; i < s->n_contact; i++) mg_record_grips(c, record, (int)row, i);
-  for (int i = 0; i < s->n_slot; i++) mg_record_patch(c, record, (int)row, i);
+  for (int i = 0; i < s->n_contact; i++) mg_record_contact_friction(c, record, (int)row, i);
+  for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   record->energy[row] = mg_energy_of(c, x);
-  record->work[row] = x[c->work_state];
+  record->work[row] = x[c->layout.work_state];
 }
 
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {
@@ -121,7 +121,7 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
     mg_normalise_quaternions(c, c->step.stage);
-    mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->n_states);
+    mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
     mg_record_row(c, record, c->step.stage);
   }
 }

@@ -11,13 +11,14 @@
 #include "forces/forces.h"
 
 #define MG_SLIP_ONSET_UNKNOWNS \
-  4 /* unknowns of grips that begin to slip at once; more are left to small explicit steps */
+  4 /* unknowns of friction constraints that begin to slip at once; more are left to small explicit steps */
 
 #define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES)
 
 typedef struct {
-  int count, grip[MG_SLIP_ONSET_UNKNOWNS],
-      contact[MG_SLIP_ONSET_UNKNOWNS]; /* grip: -1 of a patch, whose first pad the contact is */
+  int count, constraint[MG_SLIP_ONSET_UNKNOWNS],
+      contact[MG_SLIP_ONSET_UNKNOWNS]; /* friction constraint: -1 of a patch, whose first support point the contact is
+                                        */
   int axis[MG_SLIP_ONSET_UNKNOWNS];    /* of a patch: 1, 2 across the course */
   mg_real angle[MG_RADAU_STAGES]
                [MG_SLIP_ONSET_UNKNOWNS]; /* from the course, rad; of a patch its tangent along the axis */
@@ -28,34 +29,34 @@ typedef struct {
 
 /* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
-  for (int g = 0; g < c->system->n_grip; g++)
-    if (c->run->grip[g] == MG_SLIP_ONSET) return 1;
-  for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
+  for (int g = 0; g < c->system->n_friction; g++)
+    if (c->run->friction_mode[g] == MG_SLIP_ONSET) return 1;
+  for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
     if (c->run->patch_mode[slot] == MG_SLIP_ONSET) return 1;
   return 0;
 }
 
 /* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
-  for (int g = 0; g < c->system->n_grip; g++)
-    if (c->run->grip[g] == MG_SLIP_ONSET) c->run->grip[g] = MG_SLIP_STARTING;
-  for (int slot = 0; slot < c->system->n_slot && c->system->n_grip; slot++)
+  for (int g = 0; g < c->system->n_friction; g++)
+    if (c->run->friction_mode[g] == MG_SLIP_ONSET) c->run->friction_mode[g] = MG_SLIP_STARTING;
+  for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
     if (c->run->patch_mode[slot] == MG_SLIP_ONSET) c->run->patch_mode[slot] = MG_SLIP_STARTING;
 }
 
 /* List the unknown directions of all slip onsets; returns 0 where there are none or too many. */
 static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
-  for (int g = 0; g < c->system->n_grip; g++) {
-    if (c->run->grip[g] != MG_SLIP_ONSET) continue;
+  for (int g = 0; g < c->system->n_friction; g++) {
+    if (c->run->friction_mode[g] != MG_SLIP_ONSET) continue;
     if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
-    o->contact[o->count] = mg_contact_of_friction(c, g), o->grip[o->count++] = g;
+    o->contact[o->count] = mg_contact_of_friction(c, g), o->constraint[o->count++] = g;
   }
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     if (c->run->patch_mode[slot] != MG_SLIP_ONSET) continue;
     if (o->count + 2 > MG_SLIP_ONSET_UNKNOWNS) return 0;
     for (int axis = 1; axis <= 2; axis++)
-      o->contact[o->count] = mg_first_support(c, slot), o->axis[o->count] = axis, o->grip[o->count++] = -1;
+      o->contact[o->count] = mg_first_support(c, slot), o->axis[o->count] = axis, o->constraint[o->count++] = -1;
   }
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int k = 0; k < o->count; k++) o->angle[stage][k] = 0;
@@ -66,8 +67,8 @@ static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
 static void mg_slope_with_slip_directions(mg_context *c, const mg_slip_onset *o, mg_real t, const mg_real *x,
                                           const mg_real *angle, mg_real *slope) {
   for (int k = 0; k < o->count; k++)
-    if (o->grip[k] >= 0) c->friction.slip_angle[o->grip[k]] = angle[k];
-    else c->patches.friction[(o->contact[k] - c->support_begin) / 3].slip_direction[o->axis[k] - 1] = angle[k];
+    if (o->constraint[k] >= 0) c->friction.slip_angle[o->constraint[k]] = angle[k];
+    else c->patches.friction[(o->contact[k] - c->layout.support_begin) / 3].slip_direction[o->axis[k] - 1] = angle[k];
   c->friction.follows_angle = 1;
   mg_right_hand_side(c, t, x, slope);
   c->friction.follows_angle = 0;
@@ -76,23 +77,25 @@ static void mg_slope_with_slip_directions(mg_context *c, const mg_slip_onset *o,
 /* Components of slip, or of its acceleration, along and across the direction of an unknown. */
 static void mg_resolve_slip_components(const mg_context *c, const mg_slip_onset *o, int k, mg_real angle,
                                        int accelerations, mg_real *along, mg_real *across) {
-  const int slot = (o->contact[k] - c->support_begin) / 3, is_patch = o->grip[k] < 0;
-  const int row = is_patch ? mg_first_patch_friction_row(c, slot) : mg_first_friction_row(c, o->contact[k], o->grip[k]);
+  const int slot = (o->contact[k] - c->layout.support_begin) / 3, is_patch = o->constraint[k] < 0;
+  const int row =
+      is_patch ? mg_first_patch_friction_row(c, slot) : mg_first_friction_row(c, o->contact[k], o->constraint[k]);
   mg_real e[3][3], value[3];
-  for (int i = 0; i < 2 + is_patch; i++) value[i] = accelerations ? mg_row_acceleration(c, row + i) : c->d_dot[row + i];
+  for (int i = 0; i < 2 + is_patch; i++)
+    value[i] = accelerations ? mg_row_acceleration(c, row + i) : c->rows.d_dot[row + i];
   if (is_patch) {
     value[2] *= mg_support_radius(c, slot);
     mg_patch_slip_basis(c, slot, e);
     *along = mg_dot3(value, e[0]), *across = mg_dot3(value, e[o->axis[k]]) - angle * *along;
     return;
   }
-  mg_slip_direction_at_angle(c, o->contact[k], o->grip[k], angle, e[0]);
+  mg_slip_direction_at_angle(c, o->contact[k], o->constraint[k], angle, e[0]);
   *along = value[0] * e[0][0] + value[1] * e[0][1], *across = value[1] * e[0][0] - value[0] * e[0][1];
 }
 
 /* Characteristic slip velocity of an unknown. */
 static mg_real mg_slip_onset_velocity_scale(const mg_context *c, const mg_slip_onset *o, int k) {
-  return o->grip[k] < 0 ? c->system->length / c->system->time : mg_slip_velocity_scale(c, o->grip[k]);
+  return o->constraint[k] < 0 ? c->system->length / c->system->time : mg_slip_velocity_scale(c, o->constraint[k]);
 }
 
 /* Evaluate slopes and slip at all stages; returns 0 where one is not finite. */
@@ -104,14 +107,14 @@ static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, m
     mg_watch_stage(c);
     for (int k = 0; k < o->count; k++)
       mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
-    if (!mg_all_finite(c->n_states, mg_stage_slope(c, stage))) return 0;
+    if (!mg_all_finite(c->layout.n_states, mg_stage_slope(c, stage))) return 0;
   }
   return 1;
 }
 
 /* One substitution: slopes at all stages, then states; returns the relative change or NAN. */
 static mg_real mg_iterate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->n_states) : (mg_real)NAN;
+  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->layout.n_states) : (mg_real)NAN;
 }
 
 /* Derivatives of the accelerations across slip by the angles, at all stages, by central differences. */
@@ -123,7 +126,7 @@ static void mg_find_slip_angle_stiffness(mg_context *c, mg_slip_onset *o, mg_rea
         const mg_real kept = o->angle[stage][j];
         o->angle[stage][j] += sign * turned;
         mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                                      c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->n_states);
+                                      c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states);
         o->angle[stage][j] = kept;
         for (int k = 0; k < o->count; k++) {
           mg_real along, across;
@@ -161,7 +164,7 @@ static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, cons
   const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
   mg_real previous_change = MG_MAX;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int i = 0; i < c->n_states; i++)
+    for (int i = 0; i < c->layout.n_states; i++)
       mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < 4; round++)
     if (!(mg_iterate_slip_stages(c, o, t, x, h) <= MG_MAX)) return 0;
@@ -195,9 +198,9 @@ static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
    to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
-  for (int i = 0; i < c->n_states; i++) c->step.end[i] = x[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
   if (!mg_list_slip_onsets(c, &onset) || !mg_solve_slip_stages(c, &onset, t, x, h / 2)) return MG_MAX;
-  for (int i = 0; i < c->n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
   if (!mg_solve_slip_stages(c, &onset, t, x, h) || !mg_is_slip_established(c, &onset)) return MG_MAX;
   mg_collocated(c, x);
   return c->settings->method == MG_RK4 ? 0 : mg_half_step_difference(c, x, c->step.settled);

@@ -11,7 +11,7 @@ MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_has_rolling_st
 /* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
-  if (c->system->n_grip && mg_has_slip_onset(c)) {
+  if (c->system->n_friction && mg_has_slip_onset(c)) {
     const mg_real error = mg_take_slip_onset_step(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
     if (error <= MG_MAX / 2 || (c->settings->method == MG_DOP853 && h > least)) return error;
     mg_finish_slip_onsets(c);
@@ -30,13 +30,13 @@ MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_r
 /* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_normalise_quaternions(c, c->step.end);
-  mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->n_states);
+  mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->layout.n_states);
   mg_gap_rates(c);
 }
 
 /* The cubic through both ends of the step and their slopes. */
 MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->n_states, end = mg_end_row(c);
+  const int n = c->layout.n_states, end = mg_end_row(c);
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
     const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
@@ -53,7 +53,7 @@ MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_re
 
 /* The state at t + theta h. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
-  const int n = c->n_states;
+  const int n = c->layout.n_states;
   for (int i = 0; i < n; i++) {
     mg_real y = 0;
     for (int row = 6; row >= 0; row--) y = (y + c->step.interpolant[row * n + i]) * (row % 2 ? 1 - theta : theta);
@@ -64,11 +64,12 @@ MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real t
 /* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 MG_INTERNAL void mg_watch_stage(mg_context *c) {
   if (c->step.sign_changed) return;
-  const mg_real deep = -c->settings->gap * c->system->length;
+  const mg_real deep = -c->settings->contact_gap * c->system->length;
   if (mg_has_patch_event(c)) c->step.sign_changed = 1;
-  for (int i = 0; i < c->support_begin; i++)
-    if (c->run->closed[i] ? c->run->active[i] && c->force[i] < 0 : c->d[i] < deep) c->step.sign_changed = 1;
-  if (c->system->n_grip && mg_has_any_friction_event(c)) c->step.sign_changed = 1;
+  for (int i = 0; i < c->layout.support_begin; i++)
+    if (c->run->closed[i] ? c->run->active[i] && c->solution.force[i] < 0 : c->rows.d[i] < deep)
+      c->step.sign_changed = 1;
+  if (c->system->n_friction && mg_has_any_friction_event(c)) c->step.sign_changed = 1;
 }
 
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {

@@ -12,24 +12,24 @@ static void mg_world_to_local_direction(const mg_real *pose, const mg_real *worl
 
 /* True if the tilt is so small that rounding of the poses hides its direction. */
 MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt) {
-  return tilt < c->settings->flat * c->settings->flat;
+  return tilt < c->settings->flat_angle * c->settings->flat_angle;
 }
 
 /* Normal N in the axes of o and of f while the faces lay flat: the face normals of the patch, or the present N of
    a rim without one. Needs the placement there. */
 static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_start *onset) {
   mg_real least = MG_MAX, face[2][12];
-  mg_world_to_local_direction(c->pose + 12 * c->o[contact], c->search.placement + 5, onset->normal);
-  mg_world_to_local_direction(c->pose + 12 * c->f[contact], c->search.placement + 5, onset->axis);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], c->search.placement + 5, onset->normal);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 5, onset->axis);
   for (int patch = 0; patch < c->system->n_patch; patch++) {
-    if (!mg_is_link_in_patch(c, patch, c->run->link[contact])) continue;
-    const int swapped = mg_patch_body(c, patch, 0) != c->o[contact];
+    if (!mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[contact])) continue;
+    const int swapped = mg_patch_body(c, patch, 0) != c->contacts.o[contact];
     for (int side = 0; side < 2; side++) mg_face_pose(c, patch, side != swapped, face[side]);
     const mg_real sine = mg_sine_between(face[0] + 9, face[1] + 9);
     if (mg_dot3(face[0] + 9, face[1] + 9) > 0 || sine >= least) continue;
     least = sine;
-    mg_world_to_local_direction(c->pose + 12 * c->o[contact], face[0] + 9, onset->normal);
-    mg_world_to_local_direction(c->pose + 12 * c->f[contact], face[1] + 9, onset->axis);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], face[0] + 9, onset->normal);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], face[1] + 9, onset->axis);
     for (int k = 0; k < 3; k++) onset->axis[k] *= -1;
   }
 }
@@ -38,15 +38,15 @@ static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_st
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_update_poses(c, t, x);
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (c->run->fresh[i] != MG_START_FLAT) continue;
-    if (!mg_is_free_body(c, c->f[i]) && !mg_is_free_body(c, c->o[i])) return 0;
+    if (c->run->rolling_start[i] != MG_START_FLAT) continue;
+    if (!mg_is_free_body(c, c->contacts.f[i]) && !mg_is_free_body(c, c->contacts.o[i])) return 0;
     mg_rolling_start *onset = c->step.rolling_starts + i;
     mg_place_contact(c, i, mg_contact_eta(c, x, i), c->search.placement + 32);
     mg_find_flat_normals(c, i, onset);
-    mg_world_to_local_direction(c->pose + 12 * c->o[i], c->run->outward + 3 * i, onset->outward);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], c->run->tilt_direction + 3 * i, onset->outward);
     const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, 0);
     const mg_real present_tilt = mg_dot3(at.along, at.tilt);
-    mg_world_to_local_direction(c->pose + 12 * c->o[i], at.tilt, onset->tilt_start);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], at.tilt, onset->tilt_start);
     for (int k = 0; k < 3 && mg_is_tilt_lost_in_rounding(c, present_tilt); k++)
       onset->tilt_start[k] = (present_tilt > 0 ? present_tilt : 0) * onset->outward[k];
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
@@ -59,7 +59,7 @@ MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *
 /* Tilt of a contact and its frame at an azimuth, at the present poses. */
 MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth) {
   const mg_rolling_start *onset = c->step.rolling_starts + contact;
-  const mg_real *o = c->pose + 12 * c->o[contact], *f = c->pose + 12 * c->f[contact];
+  const mg_real *o = c->bodies.pose + 12 * c->contacts.o[contact], *f = c->bodies.pose + 12 * c->contacts.f[contact];
   mg_contact_tilt at;
   mg_real out[3], aside[3], axis[3];
   mg_to_world(o, onset->normal, 0, at.normal), mg_to_world(o, onset->outward, 0, out),
@@ -77,8 +77,8 @@ MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact,
 /* Angular velocity of f relative to o, world axes. */
 static void mg_relative_angular_velocity(const mg_context *c, int contact, mg_real *out) {
   mg_real o[3], f[3];
-  mg_to_world(c->pose + 12 * c->o[contact], c->twist + 6 * c->o[contact] + 3, 0, o);
-  mg_to_world(c->pose + 12 * c->f[contact], c->twist + 6 * c->f[contact] + 3, 0, f);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.o[contact], c->bodies.twist + 6 * c->contacts.o[contact] + 3, 0, o);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[contact], c->bodies.twist + 6 * c->contacts.f[contact] + 3, 0, f);
   for (int k = 0; k < 3; k++) out[k] = f[k] - o[k];
 }
 
@@ -87,9 +87,9 @@ MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage) {
   mg_rolling_start *onset = c->step.rolling_starts + contact;
   mg_real turning[3], axis[3], rate[3];
   mg_relative_angular_velocity(c, contact, turning);
-  mg_to_world(c->pose + 12 * c->f[contact], onset->axis, 0, axis);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[contact], onset->axis, 0, axis);
   mg_cross_product(turning, axis, rate);
-  mg_world_to_local_direction(c->pose + 12 * c->o[contact], rate, onset->tilt_rate[stage]);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], rate, onset->tilt_rate[stage]);
 }
 
 /* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
@@ -100,17 +100,18 @@ MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, m
     const mg_real weight = h * mg_collocation_weight(stage, j);
     for (int k = 0; k < 3; k++) local[k] += weight * onset->tilt_rate[j][k];
   }
-  mg_to_world(c->pose + 12 * c->o[contact], local, 0, tilt);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.o[contact], local, 0, tilt);
 }
 
 /* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                    mg_real *x) {
-  const int turns_f = mg_is_free_body(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
+  const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
+            body = turns_f ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real change[3], turn[3], angle[3];
   for (int k = 0; k < 3; k++) change[k] = (turns_f ? 1 : -1) * (tilt * at->along[k] - at->tilt[k]);
   mg_cross_product(at->normal, change, turn);
-  mg_world_to_local_direction(c->pose + 12 * body, turn, angle);
+  mg_world_to_local_direction(c->bodies.pose + 12 * body, turn, angle);
   mg_rotate_quaternion(x + c->system->body_q[body] + 3, angle);
 }
 
@@ -125,13 +126,14 @@ MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real ti
    body that spins about N turns with it. */
 MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                      mg_real rate, mg_real *x) {
-  const int turns_f = mg_is_free_body(c, c->f[contact]), body = turns_f ? c->f[contact] : c->o[contact];
+  const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
+            body = turns_f ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real along[3], turning[3];
   mg_relative_angular_velocity(c, contact, turning);
   const mg_real spin = mg_dot3(turning, at->normal), now = mg_dot3(turning, at->along);
   const mg_real change = (turns_f ? 1 : -1) * (tilt * (spin - rate) - now);
   mg_real *w = x + c->system->n_q + c->system->body_u[body] + 3;
-  mg_world_to_local_direction(c->pose + 12 * body, at->along, along);
+  mg_world_to_local_direction(c->bodies.pose + 12 * body, at->along, along);
   for (int k = 0; k < 3; k++) w[k] += change * along[k];
 }
 
@@ -140,9 +142,9 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
                                                      const mg_real *direction) {
   mg_real sum = 0, turn[3];
   for (int side = 0; side < 2; side++) {
-    const int body = side ? c->f[contact] : c->o[contact];
+    const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
     if (!mg_is_free_body(c, body)) continue;
-    mg_to_world(c->pose + 12 * body, slope + c->system->n_q + c->system->body_u[body] + 3, 0, turn);
+    mg_to_world(c->bodies.pose + 12 * body, slope + c->system->n_q + c->system->body_u[body] + 3, 0, turn);
     sum += (side ? 1 : -1) * mg_dot3(turn, direction);
   }
   return sum;
@@ -151,15 +153,16 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
 /* Find the point of f on which it rolls while rounding hides its tilt, by tilting it more; returns 0 where it
    fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x) {
-  const int body = mg_is_free_body(c, c->f[contact]) ? c->f[contact] : c->o[contact];
+  const int body = mg_is_free_body(c, c->contacts.f[contact]) ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real kept[4], *turn = x + c->system->body_q[body] + 3;
   for (int k = 0; k < 4; k++) kept[k] = turn[k];
-  mg_rotate_to_tilt(c, contact, at, sqrt(c->settings->flat), x);
+  mg_rotate_to_tilt(c, contact, at, sqrt(c->settings->flat_angle), x);
   mg_normalise_quaternions(c, x);
   mg_update_poses(c, t, x);
   const int found = mg_converge_contact_point(c, contact, mg_contact_eta(c, x, contact));
   mg_place_contact(c, contact, mg_contact_eta(c, x, contact), c->search.placement + 32);
-  mg_world_to_local_point(c->pose + 12 * c->f[contact], c->search.placement + 11, c->run->point + 3 * contact);
+  mg_world_to_local_point(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 11,
+                          c->run->point + 3 * contact);
   for (int k = 0; k < 4; k++) turn[k] = kept[k];
   mg_update_poses(c, t, x);
   return found;

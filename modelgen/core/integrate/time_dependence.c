@@ -20,7 +20,7 @@ enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, M
 /* True if the load depends on time or on the state. */
 static int mg_is_load_variable(const mg_system *s, int load) {
   const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[load];
-  return kind->timed || kind->felt;
+  return kind->depends_on_time || kind->depends_on_state;
 }
 
 /* Number of functions of time, including those of loads that depend on the state. */
@@ -40,7 +40,7 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) {
     const mg_load_kind *kind = s->kernels->load_kinds + s->load_kind[i];
-    count += kind->felt && (kind->timed || !timed);
+    count += kind->depends_on_state && (kind->depends_on_time || !timed);
   }
   return count;
 }
@@ -50,7 +50,7 @@ MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_OF_IN
 
 /* Row of the sample memory: first value, last value, least, largest and so on. */
 static mg_real *mg_time_sample_row(const mg_context *c, int which) {
-  return c->step.time_samples + (long)which * c->n_timed;
+  return c->step.time_samples + (long)which * c->layout.n_timed;
 }
 
 /* Evaluate all functions of time at t; bodies that move by forces are where they are, or, for `way` > 0, on the
@@ -64,16 +64,16 @@ static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_leng
   }
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_driven_body(s, b)) continue;
-    mg_real *pose = c->pose + 12 * b;
-    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->twist + 6 * b,
-                          c->accel + 6 * b);
+    mg_real *pose = c->bodies.pose + 12 * b;
+    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->bodies.twist + 6 * b,
+                          c->bodies.acceleration + 6 * b);
     for (int k = 0; k < 12; k++) *value++ = pose[k];
   }
-  if (c->has_prescribed_joint) mg_update_joint_rows(c, t);
+  if (c->layout.has_prescribed_joint) mg_update_joint_rows(c, t);
   for (int j = 0; j < s->n_joint; j++) {
     const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
     for (int k = 0; k < kind->n_rows && kind->prescribed; k++)
-      *value++ = c->d[c->joint_row_begin + s->joint_row[j] + k];
+      *value++ = c->rows.d[c->layout.joint_row_begin + s->joint_row[j] + k];
   }
   for (int i = 0; i < s->n_load; i++) {
     if (!mg_is_load_variable(s, i)) continue;
@@ -114,13 +114,13 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
   mg_real *from = mg_time_sample_row(c, MG_FROM), *to = mg_time_sample_row(c, MG_TO),
           *low = mg_time_sample_row(c, MG_LOW);
   mg_real *high = mg_time_sample_row(c, MG_HIGH), *excess = mg_time_sample_row(c, MG_OVER);
-  for (int i = 0; i < c->n_timed; i++) low[i] = MG_MAX, high[i] = -MG_MAX;
+  for (int i = 0; i < c->layout.n_timed; i++) low[i] = MG_MAX, high[i] = -MG_MAX;
   for (int k = 1; k <= sample_count; k++) {
     mg_sample_time_functions(c, t + k * h / sample_count, step_length, to);
-    for (int i = 0; i < c->n_timed && k < sample_count; i++)
+    for (int i = 0; i < c->layout.n_timed && k < sample_count; i++)
       low[i] = fmin(low[i], to[i]), high[i] = fmax(high[i], to[i]);
   }
-  for (int i = 0; i < c->n_timed; i++) {
+  for (int i = 0; i < c->layout.n_timed; i++) {
     excess[i] = fmax(excess[i], fmax(high[i] - fmax(from[i], to[i]), fmin(from[i], to[i]) - low[i]));
     mg_time_sample_row(c, MG_LEAST)[i] = fmin(mg_time_sample_row(c, MG_LEAST)[i], to[i]);
     mg_time_sample_row(c, MG_MOST)[i] = fmax(mg_time_sample_row(c, MG_MOST)[i], to[i]);
@@ -130,18 +130,18 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
 
 /* True if the samples that a step h takes show all that the functions of time do in it. */
 static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_length) {
-  const mg_real sample_count = h / (c->settings->look * c->system->time);
+  const mg_real sample_count = h / (c->settings->time_resolution * c->system->time);
   if (sample_count > MG_TIME_SAMPLES_MAX) return 0;
   mg_real *excess = mg_time_sample_row(c, MG_OVER), *least = mg_time_sample_row(c, MG_LEAST),
           *most = mg_time_sample_row(c, MG_MOST);
   mg_sample_time_functions(c, c->run->t, step_length, mg_time_sample_row(c, MG_FROM));
-  for (int i = 0; i < c->n_timed; i++) excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_FROM)[i];
+  for (int i = 0; i < c->layout.n_timed; i++) excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_FROM)[i];
   for (int k = 0; k < MG_TIME_PARTS; k++) {
     const mg_real part = mg_sampled[k + 1] - mg_sampled[k];
     mg_sample_step_part(c, c->run->t + mg_sampled[k] * h, part * h, step_length, (int)(part * sample_count) + 1);
   }
   mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_WEIGHT));
-  for (int i = 0; i < c->n_timed; i++) {
+  for (int i = 0; i < c->layout.n_timed; i++) {
     const mg_real rounding = 64 * MG_EPS * fmax(fabs(least[i]), fabs(most[i]));
     const int hides = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
     if (hides && excess[i] * mg_time_sample_row(c, MG_WEIGHT)[i] > 1) return 0;
@@ -151,17 +151,17 @@ static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_le
 
 /* Step in s below which functions of time are not checked. */
 static mg_real mg_unchecked_step_length(const mg_context *c) {
-  return c->settings->look * c->system->time / MG_SAMPLE_SPACING;
+  return c->settings->time_resolution * c->system->time / MG_SAMPLE_SPACING;
 }
 
 /* Halve the step h until its samples resolve the functions of time, not below look * time. Needs the poses at the
    run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
   const mg_real least = mg_unchecked_step_length(c);
-  if (c->n_timed <= 12 * c->n_steady_loads || h <= least) return h;
+  if (c->layout.n_timed <= 12 * c->layout.n_steady_loads || h <= least) return h;
   while (h > least && !mg_is_step_resolved_in_time(c, h, 0)) h /= 2;
-  if (c->n_driven) mg_update_poses(c, c->run->t, c->run->x);
-  if (c->has_prescribed_joint) mg_update_joint_rows(c, c->run->t);
+  if (c->layout.n_driven) mg_update_poses(c, c->run->t, c->run->x);
+  if (c->layout.has_prescribed_joint) mg_update_joint_rows(c, c->run->t);
   return h;
 }
 
@@ -169,7 +169,7 @@ MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
    end of the step as it was. The cubic interpolant knows only the ends; the better one is tried as well because
    it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h) {
-  if (!c->n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
+  if (!c->layout.n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
   mg_make_cubic(c, c->run->x, h);
   int shows = mg_is_step_resolved_in_time(c, h, h);
   if (shows && !mg_is_collocated(c)) {

@@ -21,9 +21,10 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   for (int b = 0; b < s->n_body; b++) {
     const int kind = mg_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
     const mg_real *q = x + s->body_q[b], *u = x + s->n_q + s->body_u[b];
-    mg_real *pose = c->pose + 12 * b, *twist = c->twist + 6 * b;
+    mg_real *pose = c->bodies.pose + 12 * b, *twist = c->bodies.twist + 6 * b;
     if (motion == MG_DRIVEN)
-      c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], pose, twist, c->accel + 6 * b);
+      c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], pose, twist,
+                            c->bodies.acceleration + 6 * b);
     if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
     if (motion == MG_POINT)
       for (int i = 0; i < 3; i++) pose[i] = q[i];
@@ -35,8 +36,9 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
-  c->kernels->load_wrench(s->load_kind[load], &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b,
-                          c->twist + 6 * b, s->parameters + s->load_parameters[load], wrench, wrench + 6);
+  c->kernels->load_wrench(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
+                          c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
+                          wrench, wrench + 6);
 }
 
 static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
@@ -48,26 +50,26 @@ static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
     const int body = side ? b : a;
     if (body < 0 || !mg_moves(c, body)) continue;
     for (int i = 0; i < c->kernels->body_kinds[mg_kind_of(c, body)].n_u; i++) {
-      c->wrench[6 * body + i] += wrench[6 * side + i];
-      *power += wrench[6 * side + i] * c->twist[6 * body + i];
+      c->bodies.wrench[6 * body + i] += wrench[6 * side + i];
+      *power += wrench[6 * side + i] * c->bodies.twist[6 * body + i];
     }
   }
 }
 
-/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->accel. */
+/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->bodies.acceleration. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_real power = 0;
   if (s->n_load) {
-    for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+    for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
     for (int i = 0; i < s->n_load; i++) mg_load(c, t, i, &power);
   }
   for (int b = 0; b < s->n_body; b++)
     if (mg_moves(c, b))
-      c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->wrench + 6 * b,
+      c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->bodies.wrench + 6 * b,
                               s->gravity, s->parameters + s->body_parameters[b], x_dot + s->body_q[b],
-                              c->accel + 6 * b);
-  x_dot[c->work_state] = power;
+                              c->bodies.acceleration + 6 * b);
+  x_dot[c->layout.work_state] = power;
 }
 
 /* Brings every quaternion back to unit length. */
@@ -80,9 +82,9 @@ MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
   }
 }
 
-MG_INTERNAL int mg_moving_side(const mg_context *c, int contact) {
-  const int o = c->o[contact];
-  return mg_moves(c, o) ? o : c->f[contact];
+MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
+  const int o = c->contacts.o[contact];
+  return mg_moves(c, o) ? o : c->contacts.f[contact];
 }
 
 /* True if the body moves freely in six degrees of freedom. */

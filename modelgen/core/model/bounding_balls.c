@@ -6,35 +6,37 @@
 static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
                                 const mg_real *centre_f, mg_real radius_f) {
   mg_real a[3], b[3];
-  mg_to_world(c->pose + 12 * o, centre_o, 1, a);
-  mg_to_world(c->pose + 12 * f, centre_f, 1, b);
+  mg_to_world(c->bodies.pose + 12 * o, centre_o, 1, a);
+  mg_to_world(c->bodies.pose + 12 * f, centre_f, 1, b);
   const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   return sqrt(mg_dot3(span, span)) - radius_o - radius_f;
 }
 
-/* Between the shapes of a link; 0 where one has no bound. */
-static mg_real mg_clearance(const mg_context *c, int link) {
-  const mg_real *o = mg_side_numbers(c, link, 0), *f = mg_side_numbers(c, link, 1);
+/* Between the shapes of a feature pair; 0 where one has no bound. */
+static mg_real mg_clearance(const mg_context *c, int feature_pair) {
+  const mg_real *o = mg_feature_numbers(c, feature_pair, 0), *f = mg_feature_numbers(c, feature_pair, 1);
   mg_real centre_o[3], centre_f[3];
-  if (o[MG_BOUND] >= MG_MAX / 2 || f[MG_BOUND] >= MG_MAX / 2) return 0;
-  mg_to_world(o + MG_PLACEMENT, o + MG_CENTRE, 1, centre_o);
-  mg_to_world(f + MG_PLACEMENT, f + MG_CENTRE, 1, centre_f);
-  return mg_between_balls(c, mg_side_body(c, link, 0), centre_o, o[MG_BOUND], mg_side_body(c, link, 1), centre_f,
-                          f[MG_BOUND]);
+  if (o[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2 || f[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2) return 0;
+  mg_to_world(o + MG_FEATURE_PLACEMENT, o + MG_FEATURE_BALL_CENTRE, 1, centre_o);
+  mg_to_world(f + MG_FEATURE_PLACEMENT, f + MG_FEATURE_BALL_CENTRE, 1, centre_f);
+  return mg_between_balls(c, mg_feature_body(c, feature_pair, 0), centre_o, o[MG_FEATURE_BALL_RADIUS],
+                          mg_feature_body(c, feature_pair, 1), centre_f, f[MG_FEATURE_BALL_RADIUS]);
 }
 
-MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int link) {
-  return mg_clearance(c, link) > c->settings->reach * c->system->length;
+MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
+  return mg_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
 }
 
 /* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   const mg_real *ball = c->system->pair_ball + 8 * pair;
-  const int first = c->system->pair_link[pair];
+  const int first = c->system->pair_feature_pair[pair];
   mg_real clear = MG_MAX, whole = 0;
   if (ball[3] >= 0 && ball[7] >= 0)
-    whole = mg_between_balls(c, mg_side_body(c, first, 0), ball, ball[3], mg_side_body(c, first, 1), ball + 4, ball[7]);
-  for (int link = first; link < c->system->pair_link[pair + 1]; link++) clear = fmin(clear, mg_clearance(c, link));
+    whole = mg_between_balls(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
+                             ball[7]);
+  for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
+    clear = fmin(clear, mg_clearance(c, feature_pair));
   return fmax(fmax(clear, whole), 0);
 }
 
@@ -46,9 +48,9 @@ static mg_real mg_extent(const mg_context *c, int pair, int body) {
 
 /* Of a body that extends so far from its centre of mass, as another body sees it. */
 static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
-  const mg_real *pose = c->pose + 12 * from, *of = c->pose + 12 * seen;
-  const mg_real *a = c->twist + 6 * from, *b = c->twist + 6 * seen, *da = c->accel + 6 * from,
-                *db = c->accel + 6 * seen;
+  const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
+  const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,
+                *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
   mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
   for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
   mg_to_world(pose, a + 3, 0, own), mg_to_world(pose, da + 3, 0, down), mg_to_world(of, b + 3, 0, w),
@@ -63,7 +65,8 @@ static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_
 /* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
    end the parts no farther than the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair) {
-  const int first = c->system->pair_link[pair], o = mg_side_body(c, first, 0), f = mg_side_body(c, first, 1);
+  const int first = c->system->pair_feature_pair[pair], o = mg_feature_body(c, first, 0),
+            f = mg_feature_body(c, first, 1);
   const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
   const mg_motion_bound of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->system->length : extent_f);
   if (extent_o < 0) return of_f;

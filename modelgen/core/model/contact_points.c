@@ -3,10 +3,11 @@
 
 /* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
-  const int kind = c->kind[contact];
+  const int kind = c->contacts.kind[contact];
   mg_real *p = c->search.placement;
-  c->kernels->contact_place(kind, c->pose + 12 * c->o[contact], c->pose + 12 * c->f[contact], eta,
-                            mg_contact_parameters(c, contact), eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
+  c->kernels->contact_place(kind, c->bodies.pose + 12 * c->contacts.o[contact],
+                            c->bodies.pose + 12 * c->contacts.f[contact], eta, mg_contact_parameters(c, contact),
+                            eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);
   return c->kernels->contact_kinds[kind].n_eta;
 }
 
@@ -22,9 +23,9 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   mg_update_poses(c, t, x);
   for (int i = 0; i < s->n_contact; i++) {
     mg_real *eta = mg_contact_eta(c, x, i), *next = c->search.placement + 32;
-    if (!mg_is_on_link(c, i)) continue;
+    if (!mg_is_on_feature_pair(c, i)) continue;
     const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_flat_limit(c, i);
-    c->d[i] = c->search.placement[0];
+    c->rows.d[i] = c->search.placement[0];
     c->run->margin[i] = mg_placement_margin(c);
     for (int k = 0; k < n && !flat; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return 0;
@@ -35,11 +36,11 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
 }
 
 static int mg_settled(const mg_context *c) {
-  return c->search.placement[1] <= c->settings->residual * c->system->length &&
-         c->search.placement[2] <= c->settings->residual;
+  return c->search.placement[1] <= c->settings->extremality_residual * c->system->length &&
+         c->search.placement[2] <= c->settings->extremality_residual;
 }
 
-MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta) {
+MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta) {
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place_contact(c, contact, eta, next);
@@ -54,5 +55,6 @@ MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta) {
 
 /* True for a contact starting from flat whose tilt is still below the angle `flat`. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact) {
-  return c->run->fresh[contact] == MG_START_FLAT && mg_find_flat_patch_of_contact(c, contact, c->settings->flat) >= 0;
+  return c->run->rolling_start[contact] == MG_START_FLAT &&
+         mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle) >= 0;
 }

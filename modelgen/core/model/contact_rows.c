@@ -4,45 +4,48 @@
 
 /* Rotate t1, t2 and their rows to the principal axes of anisotropic friction; they stay where the axis is along
    N. */
-static void mg_align_tangents_to_friction(mg_context *c, int contact, int grip) {
-  const int row = mg_first_friction_row(c, contact, grip);
-  mg_real along[3], *t = c->tangents + 6 * contact;
-  mg_to_world(c->pose + 12 * c->system->grip_body[grip], c->system->grip_direction + 3 * grip, 0, along);
+static void mg_align_tangents_to_friction(mg_context *c, int contact, int constraint) {
+  const int row = mg_first_friction_row(c, contact, constraint);
+  mg_real along[3], *t = c->rows.tangents + 6 * contact;
+  mg_to_world(c->bodies.pose + 12 * c->system->friction_body[constraint],
+              c->system->friction_direction + 3 * constraint, 0, along);
   const mg_real x = mg_dot3(t, along), y = mg_dot3(t + 3, along), size = sqrt(x * x + y * y);
   if (!(size > 0)) return;
   for (int k = 0; k < 3; k++) mg_rotate_pair(x / size, y / size, t + k, t + 3 + k);
-  for (int k = 0; k < 12; k++) mg_rotate_pair(x / size, y / size, c->J + 12 * row + k, c->J + 12 * (row + 1) + k);
-  mg_rotate_pair(x / size, y / size, c->gamma + row, c->gamma + row + 1);
+  for (int k = 0; k < 12; k++)
+    mg_rotate_pair(x / size, y / size, c->rows.J + 12 * row + k, c->rows.J + 12 * (row + 1) + k);
+  mg_rotate_pair(x / size, y / size, c->rows.gamma + row, c->rows.gamma + row + 1);
 }
 
 /* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N
    and t2 turn round, and slip along t1 and rolling about t2 change sign. */
 static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
                              const mg_real *block) {
-  mg_real *normal = c->normal + 3 * contact;
-  for (int i = 0; i < c->kernels->contact_kinds[c->kind[contact]].rows; i++) {
-    const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
+  mg_real *normal = c->rows.normal + 3 * contact;
+  for (int i = 0; i < c->kernels->contact_kinds[c->contacts.kind[contact]].rows; i++) {
+    const int row = i ? c->layout.friction_row_begin + c->system->contact_friction_row[contact] + i - 1 : contact;
     const mg_real sign = turned && (i == 1 || i == 4) ? -1 : 1;
-    mg_real *J = c->J + 12 * row;
+    mg_real *J = c->rows.J + 12 * row;
     for (int k = 0; k < 12; k++) J[k] = 0;
     for (int k = 0; k < point->n_o; k++) J[turned ? 6 + k : k] = sign * block[point->n_o * i + k];
     for (int k = 0; k < point->n_f; k++) J[turned ? k : 6 + k] = sign * block[36 + point->n_f * i + k];
-    c->gamma[row] = sign * block[72 + i];
+    c->rows.gamma[row] = sign * block[72 + i];
   }
   for (int k = 0; k < 3 && turned; k++) normal[k] = -normal[k];
-  for (int k = 3; k < 6 && turned && c->tangents; k++) c->tangents[6 * contact + k] *= -1;
-  if (!c->tangents) return;
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
-    if (c->system->grip_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
+  for (int k = 3; k < 6 && turned && c->rows.tangents; k++) c->rows.tangents[6 * contact + k] *= -1;
+  if (!c->rows.tangents) return;
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
+    if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-/* The link of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
-static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
+/* The feature pair of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
+static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_link) {
   const mg_system *s = c->system;
-  for (int link = c->support_link_begin + 3 * patch + 1; link >= c->support_link_begin + 3 * patch; link--)
-    if (c->kernels->contact_kinds[s->link_kind[link]].rows >=
-        c->kernels->contact_kinds[s->link_kind[contact_link]].rows)
-      return link;
+  for (int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + 1;
+       feature_pair >= c->layout.support_feature_pair_begin + 3 * patch; feature_pair--)
+    if (c->kernels->contact_kinds[s->feature_pair_kind[feature_pair]].rows >=
+        c->kernels->contact_kinds[s->feature_pair_kind[contact_link]].rows)
+      return feature_pair;
   return -1;
 }
 
@@ -50,64 +53,69 @@ static int mg_rim_link(const mg_context *c, int patch, int contact_link) {
    point where it begins to roll, which its own equations do not tell. */
 static int mg_begins_to_roll(mg_context *c, int contact) {
   const mg_system *s = c->system;
-  const mg_real lost = c->settings->flat * c->settings->flat;
-  const int patch = c->run->fresh[contact] == MG_START_FLAT ? mg_find_flat_patch_of_contact(c, contact, lost) : -1;
-  const int link = patch < 0 ? -1 : mg_rim_link(c, patch, c->run->link[contact]);
-  if (link < 0) return 0;
-  const int kind = s->link_kind[link], n = c->kernels->contact_kinds[kind].n_parameters, o = s->link_o[link],
-            f = s->link_f[link];
+  const mg_real lost = c->settings->flat_angle * c->settings->flat_angle;
+  const int patch =
+      c->run->rolling_start[contact] == MG_START_FLAT ? mg_find_flat_patch_of_contact(c, contact, lost) : -1;
+  const int feature_pair = patch < 0 ? -1 : mg_rim_feature_pair(c, patch, c->run->feature_pair[contact]);
+  if (feature_pair < 0) return 0;
+  const int kind = s->feature_pair_kind[feature_pair], n = c->kernels->contact_kinds[kind].n_parameters,
+            o = s->feature_pair_o[feature_pair], f = s->feature_pair_f[feature_pair];
   mg_real none[1], world[3], block[78];
-  for (int k = 0; k < n - 3; k++) c->point_parameters[k] = s->parameters[s->link_parameters[link] + k];
-  mg_to_world(c->pose + 12 * c->f[contact], c->run->point + 3 * contact, 1, world);
-  mg_world_to_local_point(c->pose + 12 * f, world, c->point_parameters + n - 3);
-  c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f, 0,
-                            c->point_parameters, c->d + contact, block, block + 36, block + 72, none,
-                            c->normal + 3 * contact, c->tangents ? c->tangents + 6 * contact : 0);
-  mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->o[contact], block);
+  for (int k = 0; k < n - 3; k++)
+    c->contacts.point_parameters[k] = s->parameters[s->feature_pair_parameters[feature_pair] + k];
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[contact], c->run->point + 3 * contact, 1, world);
+  mg_world_to_local_point(c->bodies.pose + 12 * f, world, c->contacts.point_parameters + n - 3);
+  c->kernels->contact_rates(kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f,
+                            c->bodies.twist + 6 * f, 0, c->contacts.point_parameters, c->rows.d + contact, block,
+                            block + 36, block + 72, none, c->rows.normal + 3 * contact,
+                            c->rows.tangents ? c->rows.tangents + 6 * contact : 0);
+  mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->contacts.o[contact], block);
   return 1;
 }
 
 /* Copy the rows that the kernel of a contact gave into the row arrays of all contacts. */
 static void mg_scatter_contact_rows(mg_context *c, int contact) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   for (int i = 0; i < kind->rows; i++) {
-    const int row = i ? c->friction_row_begin + c->system->contact_below[contact] + i - 1 : contact;
-    for (int k = 0; k < kind->n_o; k++) c->J[12 * row + k] = c->kernel_rows[kind->n_o * i + k];
-    for (int k = 0; k < kind->n_f; k++) c->J[12 * row + 6 + k] = c->kernel_rows[36 + kind->n_f * i + k];
-    c->gamma[row] = c->settings->use_gamma ? c->kernel_rows[72 + i] : 0;
+    const int row = i ? c->layout.friction_row_begin + c->system->contact_friction_row[contact] + i - 1 : contact;
+    for (int k = 0; k < kind->n_o; k++) c->rows.J[12 * row + k] = c->rows.kernel_rows[kind->n_o * i + k];
+    for (int k = 0; k < kind->n_f; k++) c->rows.J[12 * row + 6 + k] = c->rows.kernel_rows[36 + kind->n_f * i + k];
+    c->rows.gamma[row] = c->settings->use_gamma ? c->rows.kernel_rows[72 + i] : 0;
   }
-  for (int g = c->system->contact_grip[contact]; g < c->system->contact_grip[contact + 1]; g++)
-    if (c->system->grip_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
+    if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
 MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
   for (int i = 0; i < s->n_contact; i++) {
-    const int kind = c->kind[i], o = c->o[i], f = c->f[i], below = c->kernels->contact_kinds[kind].rows > 1;
-    if (c->run->link[i] < 0 || (c->run->fresh[i] && mg_begins_to_roll(c, i))) continue;
-    c->kernels->contact_rates(kind, c->pose + 12 * o, c->twist + 6 * o, c->pose + 12 * f, c->twist + 6 * f,
-                              x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->d + i,
-                              below ? c->kernel_rows : c->J + 12 * i, below ? c->kernel_rows + 36 : c->J + 12 * i + 6,
-                              below ? c->kernel_rows + 72 : c->gamma + i, c->eta_dot + s->contact_eta[i],
-                              c->normal + 3 * i, below ? c->tangents + 6 * i : 0);
+    const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
+              below = c->kernels->contact_kinds[kind].rows > 1;
+    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_begins_to_roll(c, i))) continue;
+    c->kernels->contact_rates(
+        kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f, c->bodies.twist + 6 * f,
+        x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->rows.d + i,
+        below ? c->rows.kernel_rows : c->rows.J + 12 * i, below ? c->rows.kernel_rows + 36 : c->rows.J + 12 * i + 6,
+        below ? c->rows.kernel_rows + 72 : c->rows.gamma + i, c->rows.eta_dot + s->contact_eta[i],
+        c->rows.normal + 3 * i, below ? c->rows.tangents + 6 * i : 0);
     if (below) mg_scatter_contact_rows(c, i);
-    if (!c->settings->use_gamma) c->gamma[i] = 0;
+    if (!c->settings->use_gamma) c->rows.gamma[i] = 0;
   }
 }
 
 /* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->kind[contact];
-  const mg_real *J = c->J + 12 * contact;
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
+  const mg_real *J = c->rows.J + 12 * contact;
   mg_real sum = 0;
-  if (contact >= c->joint_row_begin)
-    return mg_dot6(J, per_body + 6 * c->o[contact]) + mg_dot6(J + 6, per_body + 6 * c->f[contact]);
-  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->o[contact]);
-  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->f[contact]);
+  if (contact >= c->layout.joint_row_begin)
+    return mg_dot6(J, per_body + 6 * c->contacts.o[contact]) + mg_dot6(J + 6, per_body + 6 * c->contacts.f[contact]);
+  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->contacts.o[contact]);
+  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->contacts.f[contact]);
   return sum;
 }
 
-static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ) {
+static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {
   const mg_real x = J[3], y = J[4], z = J[5];
   for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
   if (w[2] == 0 && w[3] == 0 && w[6] == 0) {
@@ -120,17 +128,17 @@ static inline void mg_weigh_side(const mg_real *w, const mg_real *J, mg_real *MJ
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
 MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact) {
   const mg_system *s = c->system;
-  const int o = c->o[contact], f = c->f[contact];
-  mg_real *J = c->J + 12 * contact, *MJ = c->MJ + 12 * contact, sum = 0;
-  if (mg_moves(c, o)) mg_weigh_side(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
-  if (mg_moves(c, f)) mg_weigh_side(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
+  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
+  mg_real *J = c->rows.J + 12 * contact, *MJ = c->rows.MJ + 12 * contact, sum = 0;
+  if (mg_moves(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
+  if (mg_moves(c, f)) mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
   return sum;
 }
 
 /* per_body += M^-1 J_i^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
-  const int o = c->o[contact], f = c->f[contact];
-  const mg_real *MJ = c->MJ + 12 * contact;
+  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
+  const mg_real *MJ = c->rows.MJ + 12 * contact;
   if (mg_moves(c, o))
     for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
   if (mg_moves(c, f))
@@ -138,7 +146,7 @@ MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount,
 }
 
 static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int contact, int body) {
-  return rows + 12 * contact + (c->f[contact] == body ? 6 : 0);
+  return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
@@ -147,12 +155,12 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
-      const int body = side ? c->f[list[r]] : c->o[list[r]];
-      const mg_real *J = mg_half(c, c->J, list[r], body);
+      const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
+      const mg_real *J = mg_half(c, c->rows.J, list[r], body);
       for (int k = c->islands.incident_begin[body]; k < c->islands.incident_begin[body + 1]; k++) {
         const int column = c->lcp.column[c->islands.incident[k]];
         if (column < 0) continue;
-        const mg_real *MJ = mg_half(c, c->MJ, c->islands.incident[k], body);
+        const mg_real *MJ = mg_half(c, c->rows.MJ, c->islands.incident[k], body);
         c->lcp.A[r + n * column] += mg_dot6(J, MJ);
       }
     }
@@ -161,34 +169,35 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
 
 /* The part of d_dot that driven bodies and given motions make. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
-  mg_real rate = c->time_rate[contact];
+  mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
-    const int body = side ? c->f[contact] : c->o[contact];
+    const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
     if (c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
-      rate += mg_dot6(c->J + 12 * contact + 6 * side, c->twist + 6 * body);
+      rate += mg_dot6(c->rows.J + 12 * contact + 6 * side, c->bodies.twist + 6 * body);
   }
   return rate;
 }
 
 MG_INTERNAL void mg_gap_rates(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
-    c->d_dot[i] = mg_row_times(c, i, c->twist) + c->time_rate[i];
-  if (c->system->n_grip) mg_update_slip_velocities(c);
+  for (int i = 0; i < c->system->n_contact; i++) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
+  if (c->system->n_friction) mg_update_slip_velocities(c);
 }
 
 /* First row of a friction row group of a contact. */
-MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int grip) {
-  return c->friction_row_begin + c->system->contact_below[contact] + c->system->grip_row[grip];
+MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint) {
+  return c->layout.friction_row_begin + c->system->contact_friction_row[contact] + c->system->friction_row[constraint];
 }
 
-/* Attach the tangential rows of a contact to the bodies of its link and clear them. */
+/* Attach the tangential rows of a contact to the bodies of its feature pair and clear them. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
-  const int *row_range = c->system->contact_below + contact, first = c->friction_row_begin + row_range[0];
+  const int *row_range = c->system->contact_friction_row + contact, first = c->layout.friction_row_begin + row_range[0];
   for (int i = 0; i < row_range[1] - row_range[0]; i++) {
-    c->o[first + i] = c->o[contact], c->f[first + i] = c->f[contact], c->lcp.column[first + i] = -1;
-    for (int k = 0; k < 12; k++) c->J[12 * (first + i) + k] = c->MJ[12 * (first + i) + k] = 0;
-    c->gamma[first + i] = c->d_dot[first + i] = c->force[first + i] = 0;
+    c->contacts.o[first + i] = c->contacts.o[contact], c->contacts.f[first + i] = c->contacts.f[contact],
+                          c->lcp.column[first + i] = -1;
+    for (int k = 0; k < 12; k++) c->rows.J[12 * (first + i) + k] = c->rows.MJ[12 * (first + i) + k] = 0;
+    c->rows.gamma[first + i] = c->rows.d_dot[first + i] = c->solution.force[first + i] = 0;
   }
 }
 
@@ -200,5 +209,6 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 
 /* Compute slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
-  for (int i = c->friction_row_begin; i < c->friction_row_end; i++) c->d_dot[i] = mg_row_times(c, i, c->twist);
+  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++)
+    c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
 }

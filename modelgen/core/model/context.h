@@ -12,15 +12,15 @@
 #define MG_COARSE 9         /* and during a run */
 #define MG_SAMPLES 289      /* MG_GRID squared */
 #define MG_SAMPLE_SIZE 9    /* of a sample: in its shape's axes, in its body's, its direction there */
-#define MG_STARTS 8         /* of Newton's method on one link */
+#define MG_STARTS 8         /* of Newton's method on one feature pair */
 #define MG_MINIMA 24        /* closest points of one pair */
-#define MG_LEAVES_FEATURE 3 /* mark in c->events.triggered: the contact leaves its link */
+#define MG_LEAVES_FEATURE 3 /* mark in c->events.triggered: the contact leaves its feature pair */
 #define MG_PASSES_BORDER \
   4 /* mark in c->events.triggered: it stays, but passes a border beyond which others may begin */
 
 #define MG_NONFINITE_STEP_CUT ((mg_real)0.2) /* part of a step that is tried after one without a finite end */
 #define MG_PRESSURE_AT_EDGE \
-  5 /* mark in c->events.triggered of a slot's first pad: the centre of pressure leaves the hull */
+  5 /* mark in c->events.triggered of a slot's first support point: the centre of pressure leaves the hull */
 #define MG_FACES_SEPARATE 6 /* the same: no force is left between the faces */
 #define MG_ROLLS_ONTO_RIM 7 /* the same: an imaginary edge gives way to the rim */
 #define MG_FLAT_AGAIN 8     /* the same: or to the face, which is flat again */
@@ -40,7 +40,7 @@ typedef struct { /* a point of a shape: its chart coordinates, in the shape's ax
   mg_real uv[2], local[3], point[3], direction[3];
 } mg_sample;
 
-typedef struct { /* where Newton's method starts on one link, the likeliest first */
+typedef struct { /* where Newton's method starts on one feature pair, the likeliest first */
   int count;
   mg_real merit[MG_STARTS], eta[MG_STARTS][6];
 } mg_newton_starts;
@@ -50,7 +50,7 @@ typedef struct {
 } mg_event_margin; /* bounds of what is left before an event; MG_MAX: nothing is watched */
 
 typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
-  int link, undecided;
+  int feature_pair, undecided;
   mg_real d, margin, point[3], normal[3], eta[6];
 } mg_minimum;
 
@@ -106,24 +106,25 @@ typedef struct { /* rank of the joint rows */
 
 typedef struct {                     /* friction of single contacts */
   mg_real *force_ratio;              /* per friction row: force of slip over -N */
-  mg_real *slip_angle;               /* per grip: rad, direction of slip from run->slip_direction */
+  mg_real *slip_angle;               /* per friction constraint: rad, direction of slip from run->slip_direction */
   int couples_normal, follows_angle; /* while forces are sought: slipping rows follow N; and slip_angle */
-  int *triggered, *mode_before;      /* per grip: its event has triggered; its mode at the start of the step */
-  int *bound, *is_yielding;          /* per grip: MG_BOUND_..; its force exceeds the bound */
-  mg_real *slip_time_left;           /* per grip: s, that slip which was stopped would have lasted */
-  mg_real *cone, *work;              /* MG_CONE a contact; memory of the solver */
+  int *triggered,
+      *mode_before;         /* per friction constraint: its event has triggered; its mode at the start of the step */
+  int *bound, *is_yielding; /* per friction constraint: MG_BOUND_..; its force exceeds the bound */
+  mg_real *slip_time_left;  /* per friction constraint: s, that slip which was stopped would have lasted */
+  mg_real *cone, *work;     /* MG_CONE a contact; memory of the solver */
   int *cone_contact, *cone_first, *cone_rows, *marks, *iwork; /* per contact of the problem */
 } mg_friction_workspace;
 
 typedef struct { /* planar contacts: the patch looked at last, and one record a slot */
   mg_arc *arcs;  /* boundaries of a patch */
-  mg_regions regions;
+  mg_region_pair regions;
   mg_real *hull_memory;
   mg_hull hull;
   int hull_patch;                    /* the patch whose hull is laid, or -1 */
   mg_real deepest, deepest_point[2]; /* m: largest margin found inside that hull, and its point */
   mg_patch_friction *friction;       /* per slot */
-  mg_pressure pressure;
+  mg_winkler_pressure_field pressure;
   mg_boundary_strip *strips;
   long strip_capacity;
   mg_real *reduced_problem; /* friction problem without bilateral rows */
@@ -133,7 +134,7 @@ typedef struct { /* planar contacts: the patch looked at last, and one record a 
 } mg_patch_workspace;
 
 typedef struct {      /* search for closest points */
-  mg_sample *samples; /* of both sides of a link: 2 MG_SAMPLES */
+  mg_sample *samples; /* of both sides of a feature pair: 2 MG_SAMPLES */
   mg_real *merit;     /* of the samples of o with their best mate */
   int *mate;
   mg_real *table;    /* samples kept between searches, MG_SAMPLE_SIZE each */
@@ -159,38 +160,70 @@ typedef struct { /* one step of the integrator */
 typedef struct {      /* events of one step */
   int *triggered;     /* per contact: 0, 1, or MG_LEAVES_FEATURE .. */
   int *within_border; /* per contact: within its watched borders at the start of the step; MG_PASSES_BORDER: on one */
-  int *broken_condition;    /* per contact: the condition that leads it off its link */
+  int *broken_condition;    /* per contact: the condition that leads it off its feature pair */
   mg_real *gap_before;      /* per contact 2: d and d_dot where the step, or the part looked at, begins */
   int *gap_dips;            /* per contact: MG_GAP_MAY_CLOSE .. within that part */
   mg_event_margin *margins; /* what is left before events at samples of a step, then now: per contact, per slot
-                               (force, margin of the centre of pressure, friction), per grip */
+                               (force, margin of the centre of pressure, friction), per friction constraint */
   int *is_near;             /* per contact: takes part in a step of time-stepping */
   mg_singular_passage passage;
 } mg_event_workspace;
+
+typedef struct {
+  int joint_row_begin, joint_row_end;       /* rows of joints */
+  int friction_row_begin, friction_row_end; /* rows of friction */
+  int support_begin;                        /* contacts from here on are support points of patches */
+  int support_feature_pair_begin;           /* feature pairs from here on are those of support points */
+  int n_states;                             /* length of x */
+  int work_state;                           /* index of the work in x */
+  int n_live_states;                        /* states without the eta of contacts on no feature pair */
+  int n_driven, n_moving;                   /* bodies of given motion; bodies that forces move */
+  int has_prescribed_joint;                 /* the motion of a joint is a function of time */
+  int n_timed;                              /* functions of time */
+  int n_state_loads, n_steady_loads;        /* loads that depend on the state; those of them that do not on time */
+} mg_layout;                                /* order of rows: contacts, a spare contact, joints, friction */
+
+typedef struct {
+  mg_real *pose;         /* per body 12: position of the centre of mass, m, and rotation matrix by columns */
+  mg_real *twist;        /* per body 6: velocity, world axes, m/s, and angular velocity, body axes, rad/s */
+  mg_real *acceleration; /* per body 6: rate of the twist, without contact forces until those are found */
+  mg_real *wrench;       /* per body 6: force, world axes, N, and torque, body axes, N m */
+} mg_body_workspace;
+
+typedef struct {        /* rows of constraints: one per contact, joint row and friction row */
+  mg_real *J, *MJ;      /* per row 12, body o then f: J and M^-1 J^T */
+  mg_real *d;           /* per row: gap or joint error, m or rad */
+  mg_real *gamma;       /* per row: velocity term Gamma2 of d's second derivative */
+  mg_real *d_dot;       /* per row: first derivative of d */
+  mg_real *time_rate;   /* per row: the part of d_dot by functions of time */
+  mg_real *row_rate;    /* per row: second derivative of d, or the velocity asked for in an impact or correction */
+  mg_real *normal;      /* per contact 3: N, world axes */
+  mg_real *tangents;    /* per contact 6: t1, t2, world axes */
+  mg_real *eta_dot;     /* n_eta: rate of the closest-point coordinates */
+  mg_real *kernel_rows; /* rows of one contact as its kernel writes them: 6, 6 and 1 a row */
+} mg_row_workspace;
+
+typedef struct {
+  mg_real *force;   /* per row: N or N m */
+  mg_real *impulse; /* per row: N s or N m s */
+} mg_row_solution;
+
+typedef struct {                                 /* per contact: kind and bodies of its feature pair */
+  int *kind, *o, *f;                             /* index of the contact kind; bodies o and f */
+  int *n_eta, *parameters;                       /* length of eta, 0 on no feature pair; offset into parameters */
+  mg_real point_parameters[MG_POINT_PARAMETERS]; /* parameters of a support point's contact */
+} mg_contact_view;
 
 typedef struct {
   const mg_system *system;
   const mg_kernels *kernels;
   const mg_settings *settings;
   mg_run *run;
-  /* Rows: contacts, a spare, joints in [joint_row_begin, joint_row_end), friction in [friction_row_begin,
-   * friction_row_end). */
-  int joint_row_begin, joint_row_end, friction_row_begin, friction_row_end;
-  int support_begin, support_link_begin; /* contacts and links from there on are support points of patches */
-  int n_states, work_state,
-      n_live_states;      /* length of x; index of the work; states without those of contacts on no link */
-  int n_driven, n_moving; /* driven bodies; bodies that forces move */
-  int has_prescribed_joint;
-  int n_timed, n_state_loads, n_steady_loads; /* functions of time; loads that depend on the state; those of them that
-                                                 do not depend on time */
-  mg_real *pose, *twist, *accel, *wrench;     /* per body 12, 6, 6, 6; accel without, then with contact forces */
-  mg_real *J, *MJ;                            /* per row 12, o then f: J and M^-1 J^T */
-  mg_real *d, *gamma, *d_dot, *time_rate;     /* per row: gap, Gamma2, gap velocity, its part by time alone */
-  mg_real *normal, *tangents;                 /* per contact 3; 6 */
-  mg_real *kernel_rows;                       /* rows of one contact as its kernel gives them: 6, 6 and 1 a row */
-  mg_real *force, *row_rate, *impulse, *eta_dot; /* per row 1, 1, 1; n_eta */
-  int *kind, *o, *f, *n_eta, *parameters;        /* per contact: of its link; n_eta 0 on no link */
-  mg_real point_parameters[MG_POINT_PARAMETERS]; /* of a support point's contact */
+  mg_layout layout;
+  mg_body_workspace bodies;
+  mg_row_workspace rows;
+  mg_row_solution solution;
+  mg_contact_view contacts;
   mg_lcp_workspace lcp;
   mg_island_workspace islands;
   mg_joint_workspace joints;
@@ -209,7 +242,7 @@ typedef struct { /* two shapes of a contact kind, where they are */
 
 typedef struct {             /* what Newton's method is asked for */
   mg_real length, tolerance; /* a residual below (small * length, small) */
-  const mg_real *reach;      /* how far each entry of eta may go in one step */
+  const mg_real *step_limit; /* how far each entry of eta may go in one step */
 } mg_newton_goal;
 
 typedef struct { /* their separation function along a normal */

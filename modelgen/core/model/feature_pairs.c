@@ -1,9 +1,9 @@
-/* Which link each contact is on, copied to where the loops over contacts look. */
-/* How far a contact is from leaving its link: inequalities of its points, its normal and its eta. */
+/* Which feature pair each contact is on, copied to where the loops over contacts look. */
+/* How far a contact is from leaving its feature pair: inequalities of its points, its normal and its eta. */
 #include "model/model.h"
 #include "base/base.h"
 
-MG_INTERNAL int mg_is_on_link(const mg_context *c, int contact) { return c->run->link[contact] >= 0; }
+MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact) { return c->run->feature_pair[contact] >= 0; }
 
 static int mg_eta_room(const mg_context *c, int contact) {
   const mg_system *s = c->system;
@@ -14,94 +14,97 @@ MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact
   return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
 }
 
-/* The parameters of a contact's kind; the point of a pad is the run's. */
+/* The parameters of a contact's kind; the point of a support point is the run's. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
-  const mg_real *held = c->system->parameters + c->parameters[contact];
+  const mg_real *held = c->system->parameters + c->contacts.parameters[contact];
   if (!mg_is_support_contact(c, contact)) return held;
-  const int n = c->kernels->contact_kinds[c->kind[contact]].n_parameters;
-  for (int k = 0; k < n - 3; k++) c->point_parameters[k] = held[k];
-  for (int k = 0; k < 3; k++) c->point_parameters[n - 3 + k] = c->run->point[3 * contact + k];
-  return c->point_parameters;
+  const int n = c->kernels->contact_kinds[c->contacts.kind[contact]].n_parameters;
+  for (int k = 0; k < n - 3; k++) c->contacts.point_parameters[k] = held[k];
+  for (int k = 0; k < 3; k++) c->contacts.point_parameters[n - 3 + k] = c->run->point[3 * contact + k];
+  return c->contacts.point_parameters;
 }
 
-/* Makes a contact, or the spare one behind the last, stand on a link. */
-MG_INTERNAL void mg_place_on_link(mg_context *c, int contact, int link) {
+/* Makes a contact, or the spare one behind the last, stand on a feature pair. */
+MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair) {
   const mg_system *s = c->system;
-  c->kind[contact] = s->link_kind[link], c->parameters[contact] = s->link_parameters[link];
-  c->o[contact] = s->link_o[link], c->f[contact] = s->link_f[link];
+  c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
+  c->contacts.parameters[contact] = s->feature_pair_parameters[feature_pair];
+  c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
 }
 
-/* No condition ends or watches a contact on the link. */
-MG_INTERNAL int mg_is_unconditional_link(const mg_context *c, int link) {
-  return c->system->link_condition[link] == c->system->link_condition[link + 1];
+/* No condition ends or watches a contact on the feature pair. */
+MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
+  return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
 
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
 
-/* Each contact of the pair has a link for good; else they share the pair's links. */
-MG_INTERNAL int mg_has_own_links(const mg_context *c, int pair) {
-  return c->system->contact_link[mg_pair_first_contact(c, pair)] >= 0;
+/* Each contact of the pair has a feature pair for good; else they share the pair's feature pairs. */
+MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
+  return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
-/* What each entry of eta on a link is measured against. */
-MG_INTERNAL void mg_eta_scale(const mg_context *c, int link, mg_real *scale) {
+/* What each entry of eta on a feature pair is measured against. */
+MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale) {
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, link, side), n = mg_carried[carrier];
+    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
     const int charted = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
-      *scale++ = k < charted           ? mg_side_numbers(c, link, side)[MG_SPAN + k]
+      *scale++ = k < charted           ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
                  : carrier == MG_LOCAL ? c->system->length
                                        : 1;
   }
 }
 
-/* A contact on no link is infinitely far away, so that no loop over contacts needs to ask. */
-MG_INTERNAL void mg_read_link(mg_context *c, int contact) {
+/* A contact on no feature pair is infinitely far away, so that no loop over contacts needs to ask. */
+MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact) {
   const mg_system *s = c->system;
-  const int held = c->run->link[contact], link = held < 0 ? s->pair_link[s->contact_pair[contact]] : held;
-  mg_place_on_link(c, contact, link);
-  c->n_live_states -= c->n_eta[contact];
-  c->n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->kind[contact]].n_eta;
-  c->n_live_states += c->n_eta[contact];
-  if (c->n_eta[contact]) mg_eta_scale(c, link, mg_contact_eta(c, c->step.scale, contact));
-  for (int k = 0; k < 12; k++) c->J[12 * contact + k] = c->MJ[12 * contact + k] = 0;
-  for (int k = 0; k < mg_eta_room(c, contact); k++) c->eta_dot[s->contact_eta[contact] + k] = 0;
-  c->gamma[contact] = c->d_dot[contact] = c->force[contact] = 0;
-  if (s->n_grip) mg_reset_friction_rows(c, contact);
-  if (held < 0) c->d[contact] = MG_MAX, c->run->margin[contact] = 1;
+  const int held = c->run->feature_pair[contact],
+            feature_pair = held < 0 ? s->pair_feature_pair[s->contact_pair[contact]] : held;
+  mg_place_on_feature_pair(c, contact, feature_pair);
+  c->layout.n_live_states -= c->contacts.n_eta[contact];
+  c->contacts.n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta;
+  c->layout.n_live_states += c->contacts.n_eta[contact];
+  if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, mg_contact_eta(c, c->step.scale, contact));
+  for (int k = 0; k < 12; k++) c->rows.J[12 * contact + k] = c->rows.MJ[12 * contact + k] = 0;
+  for (int k = 0; k < mg_eta_room(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
+  c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;
+  if (s->n_friction) mg_reset_friction_rows(c, contact);
+  if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
 }
 
-/* Puts the contact on a link with this eta, or on none (-1). */
-MG_INTERNAL void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta) {
+/* Puts the contact on a feature pair with this eta, or on none (-1). */
+MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
   mg_real *kept = mg_contact_eta(c, c->run->x, contact);
-  c->run->link[contact] = link;
-  mg_read_link(c, contact);
-  for (int k = 0; k < mg_eta_room(c, contact); k++) kept[k] = k < c->n_eta[contact] ? eta[k] : 0;
-  if (link < 0) c->run->closed[contact] = c->run->active[contact] = c->run->fresh[contact] = 0;
+  c->run->feature_pair[contact] = feature_pair;
+  mg_read_feature_pair(c, contact);
+  for (int k = 0; k < mg_eta_room(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
+  if (feature_pair < 0) c->run->closed[contact] = c->run->active[contact] = c->run->rolling_start[contact] = 0;
 }
 
-MG_INTERNAL const mg_real *mg_side_numbers(const mg_context *c, int link, int side) {
-  return c->system->numbers + c->system->side_numbers[2 * link + side];
+MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side) {
+  return c->system->numbers + c->system->feature_numbers[2 * feature_pair + side];
 }
 
-MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side) {
-  return side ? c->system->link_f[link] : c->system->link_o[link];
+MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side) {
+  return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
 }
 
-MG_INTERNAL int mg_parametrisation(const mg_context *c, int link, int side) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->link_kind[link];
-  return side ? kind->carrier_f : kind->carrier_o;
+MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
+  return side ? kind->parametrisation_f : kind->parametrisation_o;
 }
 
-static void mg_direction_in(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
-  mg_rotate_back(c->pose + 12 * mg_side_body(c, link, side) + 3, world, local);
-  mg_rotate_back(mg_side_numbers(c, link, side) + MG_PLACEMENT + 3, local, local);
+static void mg_direction_in(const mg_context *c, int feature_pair, int side, const mg_real *world, mg_real *local) {
+  mg_rotate_back(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side) + 3, world, local);
+  mg_rotate_back(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT + 3, local, local);
 }
 
-/* A point of the world in the axes of the shape on one side of a link. */
-MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int link, int side, const mg_real *world, mg_real *local) {
-  const mg_real *pose = c->pose + 12 * mg_side_body(c, link, side),
-                *place = mg_side_numbers(c, link, side) + MG_PLACEMENT;
+/* A point of the world in the axes of the shape on one side of a feature pair. */
+MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
+                                        mg_real *local) {
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side),
+                *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT;
   mg_real arm[3];
   for (int k = 0; k < 3; k++) arm[k] = world[k] - pose[k];
   mg_rotate_back(pose + 3, arm, arm);
@@ -111,10 +114,10 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int link, int side,
 
 /* The parameter of a curve at a point of it that eta does not tell: on a straight edge its first axis, on a circle or
    an ellipse the angle. */
-static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg_real *point) {
+static mg_real mg_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
   const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
-  const int shape = c->system->side_shape[2 * link + side];
-  const mg_real *parameters = c->system->parameters + c->system->side_parameters[2 * link + side];
+  const int shape = c->system->feature_shape[2 * feature_pair + side];
+  const mg_real *parameters = c->system->parameters + c->system->feature_parameters[2 * feature_pair + side];
   mg_real x[3], y[3], T[3];
   c->kernels->shape_point(shape, turns[0], parameters, x, T);
   if (!(x[0] > 0)) return point[0];
@@ -122,18 +125,18 @@ static mg_real mg_parameter_at(const mg_context *c, int link, int side, const mg
   return atan2(point[1] / y[1], point[0] / x[0]);
 }
 
-static int mg_is_charted(const mg_context *c, int link, int side) {
-  const int carrier = mg_parametrisation(c, link, side);
+static int mg_is_charted(const mg_context *c, int feature_pair, int side) {
+  const int carrier = mg_parametrisation(c, feature_pair, side);
   return carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
 }
 
 /* The chart coordinates of one side; those of a plane or of a curve that eta does not tell are its first axes: an arc
    of a rounded corner needs no ends on a plane, for its circle lies within the corner. */
-static void mg_coordinates(const mg_context *c, int link, int side, const mg_real *eta, const mg_real *point,
+static void mg_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta, const mg_real *point,
                            mg_real *uv) {
-  const mg_real *own = eta + (side ? mg_carried[mg_parametrisation(c, link, 0)] : 0);
-  uv[0] = mg_is_charted(c, link, side) ? own[0] : point[0];
-  uv[1] = mg_parametrisation(c, link, side) == MG_CHART ? own[1] : point[1];
+  const mg_real *own = eta + (side ? mg_carried[mg_parametrisation(c, feature_pair, 0)] : 0);
+  uv[0] = mg_is_charted(c, feature_pair, side) ? own[0] : point[0];
+  uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
 static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
@@ -142,13 +145,14 @@ static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
 }
 
 /* -N.w, w = a T x z + b z the direction from an edge into a face beside it, at a point of it with coordinates uv. */
-static mg_real mg_wing(const mg_context *c, int link, int side, const mg_real *a, const mg_real *x, const mg_real *uv,
-                       const mg_real *N) {
+static mg_real mg_wing(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
+                       const mg_real *uv, const mg_real *N) {
   const mg_system *s = c->system;
-  const mg_real at[2] = {mg_is_charted(c, link, side) ? uv[0] : mg_parameter_at(c, link, side, x), uv[1]};
+  const mg_real at[2] = {mg_is_charted(c, feature_pair, side) ? uv[0] : mg_parameter_at(c, feature_pair, side, x),
+                         uv[1]};
   mg_real point[3], T[3];
-  c->kernels->shape_point(s->side_shape[2 * link + side], at, s->parameters + s->side_parameters[2 * link + side],
-                          point, T);
+  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], at,
+                          s->parameters + s->feature_parameters[2 * feature_pair + side], point, T);
   return -(a[0] * (T[1] * N[0] - T[0] * N[1]) / sqrt(mg_dot3(T, T)) + a[1] * N[2]);
 }
 
@@ -157,57 +161,58 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot3(cross, cross));
 }
 
-MG_INTERNAL mg_real mg_link_condition(const mg_context *c, int link, int k, const mg_real *eta) {
+MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta) {
   const mg_system *s = c->system;
   const mg_real *a = s->numbers + s->condition_numbers[k];
-  const int side = s->condition_side[k];
+  const int side = s->condition_feature[k];
   mg_real x[3], N[3], uv[2];
-  mg_point_in_shape_axes(c, link, side, c->search.placement + (side ? 11 : 8), x);
-  mg_direction_in(c, link, side, c->search.placement + 5, N);
+  mg_point_in_shape_axes(c, feature_pair, side, c->search.placement + (side ? 11 : 8), x);
+  mg_direction_in(c, feature_pair, side, c->search.placement + 5, N);
   for (int i = 0; i < 3 && side; i++) N[i] = -N[i];
-  mg_coordinates(c, link, side, eta, x, uv);
+  mg_coordinates(c, feature_pair, side, eta, x, uv);
   switch (s->condition_kind[k]) {
-    case MG_QUADRIC:
+    case MG_CONDITION_QUADRIC:
       return mg_quadric(a, x) / s->length;
-    case MG_PARAMETER:
-      return a[1] * (uv[(int)a[0]] - a[2]) / mg_side_numbers(c, link, side)[MG_SPAN + (int)a[0]];
-    case MG_DISC:
+    case MG_CONDITION_PARAMETER:
+      return a[1] * (uv[(int)a[0]] - a[2]) / mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + (int)a[0]];
+    case MG_CONDITION_DISC:
       return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
-    case MG_WING:
-      return mg_wing(c, link, side, a, x, uv, N);
-    case MG_TILT:
-      return a[3] * (mg_sine_between(a, N) - c->settings->flat);
+    case MG_CONDITION_WING:
+      return mg_wing(c, feature_pair, side, a, x, uv, N);
+    case MG_CONDITION_TILT:
+      return a[3] * (mg_sine_between(a, N) - c->settings->flat_angle);
     default:
       return -mg_dot3(a, N);
   }
 }
 
-/* The least of the conditions of a link at eta, and which it is, among those that are watched only or among the
+/* The least of the conditions of a feature pair at eta, and which it is, among those that are watched only or among the
    others; needs mg_place_contact there. */
-MG_INTERNAL mg_real mg_least_link_condition(const mg_context *c, int link, const mg_real *eta, int watched,
-                                            int *which) {
+MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
+                                                    int watched, int *which) {
   mg_real least = MG_MAX;
   *which = -1;
-  for (int k = c->system->link_condition[link]; k < c->system->link_condition[link + 1]; k++) {
-    if ((c->system->condition_next[k] == MG_WATCHED) != watched) continue;
-    const mg_real value = mg_link_condition(c, link, k, eta);
+  for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
+       k++) {
+    if ((c->system->condition_feature_pair[k] == MG_BEYOND_WATCHED) != watched) continue;
+    const mg_real value = mg_feature_pair_condition(c, feature_pair, k, eta);
     if (value < least) least = value, *which = k;
   }
   return least;
 }
 
-MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int link, const mg_real *eta, int *which) {
-  return mg_least_link_condition(c, link, eta, 0, which);
+MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which) {
+  return mg_least_feature_pair_condition(c, feature_pair, eta, 0, which);
 }
 
-MG_INTERNAL int mg_has_signs(const mg_context *c, int link) {
-  return mg_parametrisation(c, link, 0) == MG_SIGN || mg_parametrisation(c, link, 1) == MG_SIGNED_CURVE;
+MG_INTERNAL int mg_has_signs(const mg_context *c, int feature_pair) {
+  return mg_parametrisation(c, feature_pair, 0) == MG_SIGN || mg_parametrisation(c, feature_pair, 1) == MG_SIGNED_CURVE;
 }
 
 /* No condition on the normal tells the outside. */
-MG_INTERNAL int mg_has_no_outside(const mg_context *c, int link) {
+MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
-  for (int k = s->link_condition[link]; k < s->link_condition[link + 1]; k++)
-    if (s->condition_kind[k] == MG_WING || s->condition_kind[k] == MG_DIRECTION) return 0;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_kind[k] == MG_CONDITION_WING || s->condition_kind[k] == MG_CONDITION_DIRECTION) return 0;
   return 1;
 }

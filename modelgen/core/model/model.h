@@ -25,7 +25,7 @@ enum {
 enum {
   MG_TRIAL_ON_EDGE = 2,
   MG_TRIAL_TORN_OFF = 3
-}; /* marks in c->patches.trial: the slot's pads stand on points of the edge; and had rested flat */
+}; /* marks in c->patches.trial: the slot's support points stand on points of the edge; and had rested flat */
 
 /* bodies.c */
 MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
@@ -35,31 +35,33 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
-MG_INTERNAL int mg_moving_side(const mg_context *c, int contact);
+MG_INTERNAL int mg_moving_body(const mg_context *c, int contact);
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
 /* feature_pairs.c */
-MG_INTERNAL int mg_is_on_link(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
-MG_INTERNAL void mg_place_on_link(mg_context *c, int contact, int link);
-MG_INTERNAL int mg_is_unconditional_link(const mg_context *c, int link);
+MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
+MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
-MG_INTERNAL int mg_has_own_links(const mg_context *c, int pair);
-MG_INTERNAL void mg_eta_scale(const mg_context *c, int link, mg_real *scale);
-MG_INTERNAL void mg_read_link(mg_context *c, int contact);
-MG_INTERNAL void mg_set_link(mg_context *c, int contact, int link, const mg_real *eta);
-MG_INTERNAL const mg_real *mg_side_numbers(const mg_context *c, int link, int side);
-MG_INTERNAL int mg_side_body(const mg_context *c, int link, int side);
-MG_INTERNAL int mg_parametrisation(const mg_context *c, int link, int side);
-MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int link, int side, const mg_real *world, mg_real *local);
+MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
+MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
+MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact);
+MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
+MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
+MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
+MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
+MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
+                                        mg_real *local);
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
-MG_INTERNAL mg_real mg_link_condition(const mg_context *c, int link, int k, const mg_real *eta);
-MG_INTERNAL mg_real mg_least_link_condition(const mg_context *c, int link, const mg_real *eta, int watched, int *which);
-MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int link, const mg_real *eta, int *which);
-MG_INTERNAL int mg_has_signs(const mg_context *c, int link);
-MG_INTERNAL int mg_has_no_outside(const mg_context *c, int link);
+MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
+MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
+                                                    int watched, int *which);
+MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
+MG_INTERNAL int mg_has_signs(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contact_rows.c */
 MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x);
@@ -69,7 +71,7 @@ MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount,
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 MG_INTERNAL void mg_gap_rates(mg_context *c);
-MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int grip);
+MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
@@ -85,11 +87,11 @@ MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_rea
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
-MG_INTERNAL int mg_newton_on_link(mg_context *c, int contact, mg_real *eta);
+MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta);
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
-MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int link);
+MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
 
@@ -99,21 +101,21 @@ MG_INTERNAL int mg_first_support(const mg_context *c, int slot);
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot);
 MG_INTERNAL int mg_slot_of_patch(const mg_context *c, int patch);
 MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch);
-MG_INTERNAL int mg_is_link_in_patch(const mg_context *c, int patch, int link);
+MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int feature_pair);
 MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
-MG_INTERNAL int mg_is_link_for_flat_faces(const mg_context *c, int link);
-MG_INTERNAL int mg_is_link_for_tilted_faces(const mg_context *c, int link);
-MG_INTERNAL int mg_is_distant_flat_link(const mg_context *c, int contact);
+MG_INTERNAL int mg_is_feature_pair_of_flat_faces(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_is_feature_pair_of_tilted_faces(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact);
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c);
 MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact);
-MG_INTERNAL int mg_is_link_covered(const mg_context *c, int link);
+MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair);
 MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair);
 MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair);
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch);
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
-MG_INTERNAL const mg_real *mg_support_point_of_link(const mg_context *c, int link);
+MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c, int feature_pair);
 MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch);
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot);
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);

@@ -16,10 +16,10 @@ static const struct {
     [MG_PUSHED_OPEN] = {0, MG_EVENT_LIFT_OFF},
     [MG_LIFTS_OFF] = {0, MG_EVENT_LIFT_OFF},
     [MG_CONTACT_APPEARS] = {0, MG_EVENT_APPEAR},
-    [MG_FEATURE_CHANGES] = {MG_MODE_UNCHANGED, MG_EVENT_WALK},
+    [MG_FEATURE_CHANGES] = {MG_MODE_UNCHANGED, MG_EVENT_FEATURE_CHANGE},
     [MG_CONTACT_VANISHES] = {0, MG_EVENT_VANISH},
-    [MG_PATCH_BEGINS] = {MG_MODE_UNCHANGED, MG_EVENT_FLAT},
-    [MG_PATCH_TURNS_OVER_EDGE] = {MG_MODE_UNCHANGED, MG_EVENT_TIP},
+    [MG_PATCH_BEGINS] = {MG_MODE_UNCHANGED, MG_EVENT_FACE_REST},
+    [MG_PATCH_TURNS_OVER_EDGE] = {MG_MODE_UNCHANGED, MG_EVENT_EDGE_TURN},
     [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
@@ -29,7 +29,7 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   if (events->count >= events->capacity) return;
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
-  events->link[k] = c->run->link[contact];
+  events->feature_pair[k] = c->run->feature_pair[contact];
 }
 
 /* Apply one row of the transition table to a contact: set it closed or open and report the event of the
@@ -38,7 +38,7 @@ MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, i
                                              mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_MODE_UNCHANGED && closed != c->run->closed[contact])
-    c->run->closed[contact] = closed, c->run->active[contact] = c->run->fresh[contact] = 0;
+    c->run->closed[contact] = closed, c->run->active[contact] = c->run->rolling_start[contact] = 0;
   if (event != MG_NO_EVENT) mg_append_event(c, events, t, event, contact, speed);
 }
 

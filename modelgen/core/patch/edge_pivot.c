@@ -9,13 +9,13 @@
 
 /* Move the supports of a slot onto an edge between two world points. Needs the patch still held. */
 static void mg_move_supports_to_edge(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
-  const int pad = mg_first_support(c, slot);
-  const mg_real *pose = c->pose + 12 * c->f[pad];
+  const int support = mg_first_support(c, slot);
+  const mg_real *pose = c->bodies.pose + 12 * c->contacts.f[support];
   mg_real inner_point[3];
-  for (int end = 0; end < 2; end++) mg_world_to_local_point(pose, ends[end], c->run->point + 3 * (pad + end));
+  for (int end = 0; end < 2; end++) mg_world_to_local_point(pose, ends[end], c->run->point + 3 * (support + end));
   for (int k = 0; k < 3; k++) inner_point[k] = (ends[0][k] + ends[1][k] - c->system->length * outward[k]) / 2;
-  mg_world_to_local_point(pose, inner_point, c->run->point + 3 * (pad + 2));
-  c->run->closed[pad + 2] = c->run->active[pad + 2] = 0;
+  mg_world_to_local_point(pose, inner_point, c->run->point + 3 * (support + 2));
+  c->run->closed[support + 2] = c->run->active[support + 2] = 0;
 }
 
 /* Hold the tangent of a smooth rim at a world point, the imaginary edge of section 5.3. */
@@ -32,7 +32,7 @@ MG_INTERNAL void mg_hold_tangent_edge(mg_context *c, int slot, const mg_real *wo
 /* Hold a straight side of the hull. */
 MG_INTERNAL void mg_hold_hull_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   mg_move_supports_to_edge(c, slot, ends, outward);
-  c->run->fresh[mg_first_support(c, slot)] = MG_ON_STRAIGHT_EDGE;
+  c->run->rolling_start[mg_first_support(c, slot)] = MG_ON_STRAIGHT_EDGE;
 }
 
 /* Close the contact at a world point, which follows the edge. */
@@ -40,17 +40,17 @@ static void mg_start_contact_from_edge(mg_context *c, int patch, const mg_real *
   const int contact = mg_find_contact_at_point(c, patch, world);
   if (contact < 0) return;
   mg_close_contact(c, contact);
-  c->run->fresh[contact] = MG_START_SETTLING;
+  c->run->rolling_start[contact] = MG_START_SETTLING;
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
 /* End the held edge: the contacts at its ends, or at its middle, take over. */
 MG_INTERNAL void mg_end_edge_pivot(mg_context *c, int slot, mg_events *events) {
-  const int pad = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
+  const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
             on_hull_side = mg_is_hull_side_pivot(c, slot);
   mg_minima found;
   mg_real ends[2][3], middle[3];
-  for (int end = 0; end < 2; end++) mg_support_world_point(c, pad + end, ends[end]);
+  for (int end = 0; end < 2; end++) mg_support_world_point(c, support + end, ends[end]);
   for (int k = 0; k < 3; k++) middle[k] = (ends[0][k] + ends[1][k]) / 2;
   mg_release_patch(c, slot);
   mg_restore_covered_contacts(c, patch, &found);

@@ -40,17 +40,18 @@ static mg_real mg_least_field_over_hull(mg_context *c, int patch, const mg_real 
   const mg_hull *h = &c->patches.hull;
   for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
-    const mg_real here = mg_field_value_at(field, h->vertices[e->u].point);
-    if (here < least) least = here, mg_read_support_point(h, e->u, at);
+    const mg_real here = mg_field_value_at(field, h->vertices[e->from_vertex].point);
+    if (here < least) least = here, mg_read_support_point(h, e->from_vertex, at);
     if (!e->direction) continue;
-    const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->u : e->v), *b = h->vertices + a->next;
+    const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->from_vertex : e->to_vertex),
+                         *b = h->vertices + a->next;
     if (!(mg_dot2(field + 1, a->tangent) < 0 && mg_dot2(field + 1, b->tangent) > 0)) continue;
     mg_real p[2], T[2];
-    const mg_real t = mg_zero_on_arc(h->arcs + a->track, MG_ZERO_SUPPORT, field + 1, a->t, a->t_end);
-    mg_arc_point(h->arcs + a->track, t, p, T);
+    const mg_real t = mg_zero_on_arc(h->arcs + a->arc, MG_ZERO_SUPPORT, field + 1, a->t, a->t_end);
+    mg_arc_point(h->arcs + a->arc, t, p, T);
     if (!(mg_field_value_at(field, p) < least)) continue;
     least = mg_field_value_at(field, p);
-    const mg_support_point found = {h->arcs[a->track].side, a->track, -1, t, 0, {p[0], p[1]}};
+    const mg_support_point found = {h->arcs[a->arc].side, a->arc, -1, t, 0, {p[0], p[1]}};
     *at = found;
   }
   return least;
@@ -60,28 +61,29 @@ static mg_real mg_least_field_over_hull(mg_context *c, int patch, const mg_real 
 static int mg_place_support_on_edge(mg_context *c, int slot, const mg_support_point *at) {
   const int first = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real hull[12], world[3];
-  int pad = first;
-  while (pad < first + 3 && c->run->closed[pad]) pad++;
-  if (pad == first + 3) return 0;
+  int support = first;
+  while (support < first + 3 && c->run->closed[support]) support++;
+  if (support == first + 3) return 0;
   mg_hull_pose(c, patch, hull);
   mg_hull_point_to_world(hull, at, world);
-  mg_world_to_local_point(c->pose + 12 * c->f[pad], world, c->run->point + 3 * pad);
-  c->run->closed[pad] = 1;
+  mg_world_to_local_point(c->bodies.pose + 12 * c->contacts.f[support], world, c->run->point + 3 * support);
+  c->run->closed[support] = 1;
   return 1;
 }
 
 /* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
    returns 0 where the hull is polygonal, the face already rolls, or the approach is too slow to tilt it. */
 MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
-  const int pad = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
+  const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real before[3];
   mg_support_point at;
-  if (c->system->n_grip || mg_is_edge_pivot(c, slot) || mg_is_patch_rolling_start(c, patch)) return 0;
+  if (c->system->n_friction || mg_is_edge_pivot(c, slot) || mg_is_patch_rolling_start(c, patch)) return 0;
   if (mg_overlay_patch_regions(c, patch) < 3 || !mg_has_curved_hull_edge(&c->patches.hull)) return 0;
-  mg_normal_velocity_field(c, patch, c->twist, before);
+  mg_normal_velocity_field(c, patch, c->bodies.twist, before);
   const mg_real fastest = mg_least_field_over_hull(c, patch, before, &at) * c->system->time / c->system->length;
-  if (c->patches.trial[slot] && fastest < -c->settings->rest_speed && fastest * fastest < c->settings->flat) return 0;
-  for (int k = 0; k < 3; k++) c->run->closed[pad + k] = c->run->active[pad + k] = 0;
+  if (c->patches.trial[slot] && fastest < -c->settings->rest_speed && fastest * fastest < c->settings->flat_angle)
+    return 0;
+  for (int k = 0; k < 3; k++) c->run->closed[support + k] = c->run->active[support + k] = 0;
   c->patches.trial[slot] = c->patches.trial[slot] ? MG_TRIAL_ON_EDGE : MG_TRIAL_TORN_OFF;
   mg_place_support_on_edge(c, slot, &at);
   mg_evaluate_run_state(c);
@@ -90,8 +92,8 @@ MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
 
 /* Compute the velocity changes of all bodies by the listed impulses. */
 static void mg_apply_impulse_velocity_change(mg_context *c, int size) {
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
+  for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
 }
 
 /* Largest violation of Newton's restitution law along the hull edge, and its point. */
@@ -101,8 +103,8 @@ static mg_real mg_worst_restitution_violation(mg_context *c, int slot, mg_suppor
                 rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real before[3], after[3], rebound[3];
   mg_support_point other;
-  mg_normal_velocity_field(c, patch, c->twist, before);
-  mg_normal_velocity_field(c, patch, c->wrench, after);
+  mg_normal_velocity_field(c, patch, c->bodies.twist, before);
+  mg_normal_velocity_field(c, patch, c->bodies.wrench, after);
   for (int k = 0; k < 3; k++) after[k] += before[k], rebound[k] = after[k] + e * before[k];
   const mg_real least = mg_least_field_over_hull(c, patch, after, at),
                 rebound_least = mg_least_field_over_hull(c, patch, rebound, &other);
@@ -114,12 +116,12 @@ static mg_real mg_worst_restitution_violation(mg_context *c, int slot, mg_suppor
 /* One step of the exchange: free the supports that do not push and put one at the worst violation; returns how
    many moved. */
 MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
-  const mg_real missed = -c->settings->border * c->system->length / c->system->time;
+  const mg_real missed = -c->settings->feature_border * c->system->length / c->system->time;
   int count = 0;
   mg_apply_impulse_velocity_change(c, mg_append_bilateral_rows(c, c->lcp.rows, n));
   for (int r = 0; r < n; r++)
     if (mg_is_support_on_edge(c, c->lcp.rows[r]) && !(c->lcp.z[r] > 0)) c->run->closed[c->lcp.rows[r]] = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_support_point at;
     if (c->patches.trial[slot] >= MG_TRIAL_ON_EDGE && mg_worst_restitution_violation(c, slot, &at) < missed)
       count += mg_place_support_on_edge(c, slot, &at);
@@ -130,7 +132,7 @@ MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
 
 /* Append the supports on hull edges to a list of unilateral rows; returns its length. */
 MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
-  for (int i = c->support_begin; i < c->system->n_contact; i++)
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_support_on_edge(c, i)) list[n++] = i;
   return n;
 }
@@ -140,18 +142,19 @@ MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
 static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_boundary *brink) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real field[3];
-  mg_normal_velocity_field(c, patch, c->twist, field);
+  mg_normal_velocity_field(c, patch, c->bodies.twist, field);
   const mg_real least = mg_least_field_over_hull(c, patch, field, brink->at),
                 steep = sqrt(mg_dot2(field + 1, field + 1));
   if (least > rest || !(steep * c->system->length > rest)) return brink->n = 0;
   brink->margin = 0, brink->normal[0] = -field[1] / steep, brink->normal[1] = -field[2] / steep;
   for (int i = 0; i < c->patches.hull.n_edge; i++) {
     const mg_hull_edge *e = c->patches.hull.edges + i;
-    const mg_real u = mg_field_value_at(field, c->patches.hull.vertices[e->u].point),
-                  v = mg_field_value_at(field, c->patches.hull.vertices[e->v].point);
-    if (e->direction || u > rest || v > rest || e->length <= MG_SHORT_SIDE * c->patches.hull.regions->shared) continue;
-    mg_read_support_point(&c->patches.hull, e->u, brink->at),
-        mg_read_support_point(&c->patches.hull, e->v, brink->at + 1);
+    const mg_real u = mg_field_value_at(field, c->patches.hull.vertices[e->from_vertex].point),
+                  v = mg_field_value_at(field, c->patches.hull.vertices[e->to_vertex].point);
+    if (e->direction || u > rest || v > rest || e->length <= MG_SHORT_SIDE * c->patches.hull.regions->coincidence)
+      continue;
+    mg_read_support_point(&c->patches.hull, e->from_vertex, brink->at),
+        mg_read_support_point(&c->patches.hull, e->to_vertex, brink->at + 1);
     return brink->n = 2;
   }
   return brink->n = 1;
@@ -160,31 +163,32 @@ static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_bou
 /* Open, without an event, the covered contacts that separate: they were struck with their face. */
 static void mg_open_covered_contacts(mg_context *c, int slot) {
   const int patch = mg_patch_of_slot(c, slot);
-  for (int i = 0; i < c->support_begin; i++)
-    if (c->run->closed[i] && mg_is_link_in_patch(c, patch, c->run->link[i]) && mg_row_times(c, i, c->twist) > 0)
+  for (int i = 0; i < c->layout.support_begin; i++)
+    if (c->run->closed[i] && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]) &&
+        mg_row_times(c, i, c->bodies.twist) > 0)
       c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
 }
 
 /* Finish the impacts on hull edges: the faces separate, or tip over the edge where they stay. */
 MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
               was_resting = c->patches.trial[slot] == MG_TRIAL_TORN_OFF;
     mg_nearest_boundary brink;
     mg_real speed = 0;
     int struck = was_resting;
     if (c->patches.trial[slot] < MG_TRIAL_ON_EDGE) continue;
     for (int k = 0; k < 3; k++) {
-      if (c->run->closed[pad + k] && -c->d_dot[pad + k] > speed) speed = -c->d_dot[pad + k];
-      struck |= c->run->closed[pad + k];
+      if (c->run->closed[support + k] && -c->rows.d_dot[support + k] > speed) speed = -c->rows.d_dot[support + k];
+      struck |= c->run->closed[support + k];
     }
     if (!struck) continue;
     mg_open_covered_contacts(c, slot);
     mg_request_pair_searches(c, patch);
     const int stays = mg_find_lasting_edge_contact(c, patch, &brink);
     if (was_resting)
-      mg_apply_contact_transition(c, events, pad, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
-    else mg_apply_contact_transition(c, events, pad, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
+      mg_apply_contact_transition(c, events, support, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
+    else mg_apply_contact_transition(c, events, support, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
     if (!stays) continue;
     mg_release_covered_contacts(c);
     c->patches.trial[slot] = 0;
@@ -194,5 +198,5 @@ MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
 
 /* True if the gap closes faster than the drift tolerance; also an approach too slow to bounce is stopped. */
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact) {
-  return c->d_dot[contact] < -c->settings->drift * c->system->length / c->system->time;
+  return c->rows.d_dot[contact] < -c->settings->drift_tolerance * c->system->length / c->system->time;
 }

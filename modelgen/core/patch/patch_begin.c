@@ -1,6 +1,6 @@
 /* Begin of planar contact: faces that lie flat on each other are held on trial and released where the resulting
-   forces or impulses would end the patch at once. Writes links and modes of support contacts, the trial marks and
-   the event list. */
+   forces or impulses would end the patch at once. Writes feature pairs and modes of support contacts, the trial marks
+   and the event list. */
 #include "patch/patch.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -9,7 +9,7 @@
 /* Velocity along N of a body's material point at a world point. */
 MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
                                                 const mg_real *N) {
-  const mg_real *pose = c->pose + 12 * body, *twist = twists + 6 * body;
+  const mg_real *pose = c->bodies.pose + 12 * body, *twist = twists + 6 * body;
   mg_real spin[3], arm[3];
   mg_to_world(pose, twist + 3, 0, spin);
   for (int k = 0; k < 3; k++) arm[k] = at[k] - pose[k];
@@ -28,12 +28,13 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
   mg_face_pose(c, patch, 1, f);
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
   for (int k = 0; k < 3; k++) {
-    const int link = c->support_link_begin + 3 * patch + k, body = s->link_f[link];
-    mg_to_world(c->pose + 12 * body, mg_support_point_of_link(c, link), 1, at);
+    const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + k,
+              body = s->feature_pair_f[feature_pair];
+    mg_to_world(c->bodies.pose + 12 * body, mg_support_point_of_feature_pair(c, feature_pair), 1, at);
     mg_world_to_local_point(o, at, x);
     if (fabs(x[2]) > touching) return 0;
-    const mg_real speed = mg_point_speed_along_normal(c, c->twist, body, at, o + 9) -
-                          mg_point_speed_along_normal(c, c->twist, s->link_o[link], at, o + 9);
+    const mg_real speed = mg_point_speed_along_normal(c, c->bodies.twist, body, at, o + 9) -
+                          mg_point_speed_along_normal(c, c->bodies.twist, s->feature_pair_o[feature_pair], at, o + 9);
     if (!moving && fabs(speed) > rest) return 0;
   }
   return mg_overlay_patch_regions(c, patch) > 2;
@@ -41,21 +42,22 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
 
 /* True if the contact lies in a patch whose faces lie on each other. */
 MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {
-  const int patch = mg_find_flat_patch_of_contact(c, contact, c->settings->flat);
+  const int patch = mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle);
   return patch >= 0 && mg_is_patch_flat(c, patch, c->settings->start_gap * c->system->length, 1);
 }
 
-/* Mark the contacts on links that a held patch covers. */
+/* Mark the contacts on feature pairs that a held patch covers. */
 MG_INTERNAL void mg_mark_covered_contacts(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
-    c->patches.is_covered[i] = i < c->support_begin && mg_is_on_link(c, i) && mg_is_link_covered(c, c->run->link[i]);
+    c->patches.is_covered[i] = i < c->layout.support_begin && mg_is_on_feature_pair(c, i) &&
+                               mg_is_feature_pair_covered(c, c->run->feature_pair[i]);
 }
 
 /* Hold every free patch that lies flat, on trial; returns their number. */
 MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, int moving) {
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) c->patches.trial[slot] = 0;
-  for (int patch = 0; patch < c->system->n_patch && c->settings->planar; patch++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.trial[slot] = 0;
+  for (int patch = 0; patch < c->system->n_patch && c->settings->planar_contacts; patch++) {
     if (mg_slot_of_patch(c, patch) >= 0) continue;
     const int slot = mg_find_free_slot(c, patch);
     if (slot < 0 || c->patches.barred[slot] == patch || (moving && mg_has_patch_friction(c, patch)) ||
@@ -70,7 +72,7 @@ MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, i
 
 /* Release all patches held on trial. */
 MG_INTERNAL void mg_release_trial_patches(mg_context *c) {
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (c->patches.trial[slot]) c->patches.trial[slot] = 0, mg_release_patch(c, slot);
 }
 
@@ -79,9 +81,10 @@ MG_INTERNAL void mg_release_trial_patches(mg_context *c) {
 MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
   int count = 0;
   mg_real margin;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     if (c->patches.trial[slot] != 1) continue;
-    if (!mg_find_patch_end_cause(c, slot, amount, floor, &margin) && margin > c->settings->border * c->system->length)
+    if (!mg_find_patch_end_cause(c, slot, amount, floor, &margin) &&
+        margin > c->settings->feature_border * c->system->length)
       continue;
     count++;
     if (impulses && mg_move_patch_to_edge(c, slot)) continue;
@@ -91,18 +94,18 @@ MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg
   return count;
 }
 
-/* Take the contacts that held patches cover off their links. */
+/* Take the contacts that held patches cover off their feature pairs. */
 MG_INTERNAL void mg_release_covered_contacts(mg_context *c) {
   const mg_real none[6] = {0};
   mg_mark_covered_contacts(c);
-  for (int i = 0; i < c->support_begin; i++)
-    if (c->patches.is_covered[i]) mg_set_link(c, i, -1, none), c->events.triggered[i] = 0;
+  for (int i = 0; i < c->layout.support_begin; i++)
+    if (c->patches.is_covered[i]) mg_set_feature_pair(c, i, -1, none), c->events.triggered[i] = 0;
 }
 
 /* Slot held on trial if no other slot holds a patch, else -1. */
 static int mg_find_only_trial_slot(const mg_context *c) {
   int alone = -1;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     if (mg_patch_of_slot(c, slot) < 0) continue;
     if (alone >= 0) return -1;
     alone = slot;
@@ -113,18 +116,18 @@ static int mg_find_only_trial_slot(const mg_context *c) {
 /* Tip the only trial patch over its curved hull edge at once where the forces press outside the hull; returns 1
    if it did. Polygons need no such step: their vertices are closed contacts already. */
 static int mg_tip_trial_patch(mg_context *c, mg_events *events) {
-  const int slot = mg_find_only_trial_slot(c), pad = slot < 0 ? 0 : mg_first_support(c, slot);
+  const int slot = mg_find_only_trial_slot(c), support = slot < 0 ? 0 : mg_first_support(c, slot);
   mg_real margin;
   if (slot < 0) return 0;
-  const int cause = mg_find_patch_end_cause(c, slot, c->force, mg_force_tolerance(c), &margin);
+  const int cause = mg_find_patch_end_cause(c, slot, c->solution.force, mg_force_tolerance(c), &margin);
   if (mg_has_patch_friction(c, mg_patch_of_slot(c, slot))) return 0;
-  if (cause == MG_FACES_SEPARATE || margin > c->settings->border * c->system->length ||
+  if (cause == MG_FACES_SEPARATE || margin > c->settings->feature_border * c->system->length ||
       !mg_is_tipping_on_curve(c, slot))
     return 0;
   mg_release_covered_contacts(c);
   c->patches.trial[slot] = 0, c->patches.barred[slot] = mg_patch_of_slot(c, slot);
-  mg_apply_contact_transition(c, events, pad, MG_PATCH_BEGINS, c->run->t, 0);
-  mg_apply_contact_transition(c, events, pad, MG_PATCH_TURNS_OVER_EDGE, c->run->t, 0);
+  mg_apply_contact_transition(c, events, support, MG_PATCH_BEGINS, c->run->t, 0);
+  mg_apply_contact_transition(c, events, support, MG_PATCH_TURNS_OVER_EDGE, c->run->t, 0);
   mg_tip_patch(c, slot);
   mg_evaluate_run_state(c);
   return 1;
@@ -134,7 +137,7 @@ static int mg_tip_trial_patch(mg_context *c, mg_events *events) {
    they cover are released. */
 MG_INTERNAL void mg_begin_flat_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_hold_flat_patches_on_trial(c, touching, 0)) return;
-  if (c->system->n_grip) mg_evaluate_run_state(c);
+  if (c->system->n_friction) mg_evaluate_run_state(c);
   do {
     mg_mark_covered_contacts(c);
     if (mg_solve_active_set(c, c->patches.is_covered)) {
@@ -142,9 +145,9 @@ MG_INTERNAL void mg_begin_flat_patches(mg_context *c, mg_events *events, mg_real
       return;
     }
     if (mg_tip_trial_patch(c, events)) return;
-  } while (mg_reject_trial_patches(c, c->force, mg_force_tolerance(c), 0));
+  } while (mg_reject_trial_patches(c, c->solution.force, mg_force_tolerance(c), 0));
   mg_release_covered_contacts(c);
-  for (int slot = 0; slot < c->system->n_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (c->patches.trial[slot])
       mg_apply_contact_transition(c, events, mg_first_support(c, slot), MG_PATCH_BEGINS, c->run->t, 0);
 }

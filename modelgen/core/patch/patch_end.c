@@ -1,5 +1,5 @@
 /* End of planar contact: the faces separate, or tip over the boundary of their hull; the contacts that the patch
-   covered are restored, and those on which the face tips are closed. Writes links and modes of contacts, the
+   covered are restored, and those on which the face tips are closed. Writes feature pairs and modes of contacts, the
    start of rolling and the next step length of the run. */
 #include "patch/patch.h"
 #include "base/base.h"
@@ -9,37 +9,37 @@
 #include "forces/forces.h"
 #include "features/features.h"
 
-/* Search the links that a patch covered and open a contact at each minimum found; `flat`: also on links for faces
-   that lie flat. */
-static void mg_search_covered_links(mg_context *c, int patch, int flat, mg_minima *found) {
+/* Search the feature pairs that a patch covered and open a contact at each minimum found; `flat`: also on feature pairs
+   for faces that lie flat. */
+static void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, mg_minima *found) {
   const mg_system *s = c->system;
   found->count = 0;
-  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1]; k++)
-    if (flat || !mg_is_link_for_flat_faces(c, s->covered[k]))
-      mg_search_link(c, s->covered[k], MG_COARSE, 1, -c->settings->start_gap * s->length, found);
+  for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1]; k++)
+    if (flat || !mg_is_feature_pair_of_flat_faces(c, s->covered_feature_pair[k]))
+      mg_search_feature_pair(c, s->covered_feature_pair[k], MG_COARSE, 1, -c->settings->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
-    const int pair = s->link_pair[each->link];
+    const int pair = s->feature_pair_owner[each->feature_pair];
     if (!mg_is_minimum_accepted(c, each)) continue;
     const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
-    mg_set_link(c, slot, each->link, each->eta);
-    c->d[slot] = each->d;
+    mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
+    c->rows.d[slot] = each->d;
   }
 }
 
 /* Restore the contacts that a patch covered; with friction its faces count as flat still, so that contacts stand
    on points of them. */
 MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima *found) {
-  mg_search_covered_links(c, patch, mg_has_patch_friction(c, patch), found);
+  mg_search_covered_feature_pairs(c, patch, mg_has_patch_friction(c, patch), found);
 }
 
 /* Contact, among those that the patch covers, at a world point, or -1. */
 MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world) {
-  mg_real least = c->settings->apart * c->system->length, next[6];
+  mg_real least = c->settings->search_merge_distance * c->system->length, next[6];
   int nearest = -1;
-  for (int i = 0; i < c->support_begin; i++) {
-    if (!mg_is_on_link(c, i) || !mg_is_patch_of_pair(c, patch, c->system->contact_pair[i])) continue;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    if (!mg_is_on_feature_pair(c, i) || !mg_is_patch_of_pair(c, patch, c->system->contact_pair[i])) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     const mg_real arm[3] = {c->search.placement[11] - world[0], c->search.placement[12] - world[1],
                             c->search.placement[13] - world[2]};
@@ -52,21 +52,24 @@ MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real
 /* Set a contact closed and active. */
 MG_INTERNAL void mg_close_contact(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
-/* True if the link joins a plane and a curve that passes the world point at parameter t; then eta of the link
-   there. */
-static int mg_is_rim_link_at_point(mg_context *c, int link, mg_real t, const mg_real *world, mg_real *eta) {
+/* True if the feature pair joins a plane and a curve that passes the world point at parameter t; then eta of the
+   feature pair there. */
+static int mg_is_rim_feature_pair_at_point(mg_context *c, int feature_pair, mg_real t, const mg_real *world,
+                                           mg_real *eta) {
   const mg_system *s = c->system;
   const mg_real uv[2] = {t, 0};
   mg_sample sample[2];
   for (int side = 0; side < 2; side++) {
-    if (c->kernels->shape_kinds[s->side_shape[2 * link + side]].dimension != 1) continue;
-    mg_sample_at(c, link, side, uv, sample + side);
+    if (c->kernels->shape_kinds[s->feature_shape[2 * feature_pair + side]].dimension != 1) continue;
+    mg_sample_at(c, feature_pair, side, uv, sample + side);
     const mg_real *x = sample[side].point, arm[3] = {x[0] - world[0], x[1] - world[1], x[2] - world[2]};
-    if (c->kernels->shape_kinds[s->side_shape[2 * link + !side]].foot != MG_FLAT) return 0;
-    if (mg_dot3(arm, arm) > c->settings->apart * s->length * c->settings->apart * s->length) return 0;
-    mg_point_in_shape_axes(c, link, !side, world, sample[!side].local);
+    if (c->kernels->shape_kinds[s->feature_shape[2 * feature_pair + !side]].nearest_point != MG_NEAREST_PLANE) return 0;
+    if (mg_dot3(arm, arm) >
+        c->settings->search_merge_distance * s->length * c->settings->search_merge_distance * s->length)
+      return 0;
+    mg_point_in_shape_axes(c, feature_pair, !side, world, sample[!side].local);
     for (int k = 0; k < 2; k++) sample[!side].uv[k] = sample[!side].local[k];
-    mg_start_eta(c, link, sample, sample + 1, eta);
+    mg_start_eta(c, feature_pair, sample, sample + 1, eta);
     return 1;
   }
   return 0;
@@ -88,19 +91,19 @@ static void mg_start_rim_contact(mg_context *c, int patch, const mg_support_poin
   const mg_system *s = c->system;
   mg_minimum found = {0};
   int contact = -1;
-  for (int k = s->patch_cover[patch]; k < s->patch_cover[patch + 1] && contact < 0; k++) {
-    found.link = s->covered[k];
-    const int same_direction = mg_is_rim_link_at_point(c, found.link, at->t, world, found.eta);
-    if (!same_direction && !mg_is_rim_link_at_point(c, found.link, -at->t, world, found.eta))
+  for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1] && contact < 0; k++) {
+    found.feature_pair = s->covered_feature_pair[k];
+    const int same_direction = mg_is_rim_feature_pair_at_point(c, found.feature_pair, at->t, world, found.eta);
+    if (!same_direction && !mg_is_rim_feature_pair_at_point(c, found.feature_pair, -at->t, world, found.eta))
       continue; /* or the other way round */
-    contact = mg_find_contact_for_minimum(c, s->link_pair[found.link], &found);
+    contact = mg_find_contact_for_minimum(c, s->feature_pair_owner[found.feature_pair], &found);
   }
   if (contact < 0) return;
-  mg_set_link(c, contact, found.link, found.eta);
-  const mg_real *pose = c->pose + 12 * c->f[contact];
+  mg_set_feature_pair(c, contact, found.feature_pair, found.eta);
+  const mg_real *pose = c->bodies.pose + 12 * c->contacts.f[contact];
   mg_world_to_local_point(pose, world, c->run->point + 3 * contact);
-  for (int k = 0; k < 3; k++) c->run->outward[3 * contact + k] = outward[k];
-  c->run->fresh[contact] = MG_START_FLAT;
+  for (int k = 0; k < 3; k++) c->run->tilt_direction[3 * contact + k] = outward[k];
+  c->run->rolling_start[contact] = MG_START_FLAT;
   c->run->h = mg_rolling_start_step(c);
   mg_close_contact(c, contact);
 }
@@ -115,7 +118,7 @@ static int mg_is_closed_loop(const mg_context *c, int arc) {
     c->kernels->shape_point(s->arc_shape[arc], uv, s->parameters + s->arc_parameters[arc], point[end], tangent);
   }
   for (int k = 0; k < 3; k++) arm[k] = point[1][k] - point[0][k];
-  return sqrt(mg_dot3(arm, arm)) < c->settings->apart * s->length;
+  return sqrt(mg_dot3(arm, arm)) < c->settings->search_merge_distance * s->length;
 }
 
 /* True for an extreme point inside a curve, not at its end or at a crossing. */
@@ -123,7 +126,7 @@ static int mg_is_smooth_boundary_point(const mg_context *c, int patch, const mg_
   const mg_system *s = c->system;
   const int arc = s->patch_arc[patch] + at->arc;
   const mg_real *ends = s->numbers + s->arc_numbers[arc] + 12;
-  const mg_real near = c->settings->apart * fabs(ends[1] - ends[0]);
+  const mg_real near = c->settings->search_merge_distance * fabs(ends[1] - ends[0]);
   const int alone = mg_is_closed_loop(c, arc);
   return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
@@ -134,10 +137,11 @@ MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point
   mg_to_world(o, local, 1, world);
 }
 
-/* Close all contacts on links that the patch covers. */
+/* Close all contacts on feature pairs that the patch covers. */
 static void mg_close_covered_contacts(mg_context *c, int patch) {
-  for (int i = 0; i < c->support_begin; i++)
-    if (mg_is_on_link(c, i) && mg_is_link_in_patch(c, patch, c->run->link[i])) mg_close_contact(c, i);
+  for (int i = 0; i < c->layout.support_begin; i++)
+    if (mg_is_on_feature_pair(c, i) && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]))
+      mg_close_contact(c, i);
 }
 
 /* True if the extreme point lies on a curve of f, where the contact has no equations while the faces are flat. */
@@ -163,7 +167,7 @@ static int mg_hold_pivot_edge(mg_context *c, int slot, const mg_nearest_boundary
 MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  mg_support_resultant(c, slot, c->force, centre);
+  mg_support_resultant(c, slot, c->solution.force, centre);
   mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
   int curved = 0;
   for (int k = 0; k < brink.n; k++) curved |= mg_is_curved_boundary_point(c, brink.at + k);
@@ -184,7 +188,8 @@ MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_bound
   const int on_points = has_friction && brink->n == 2 &&
                         (mg_is_curved_boundary_point(c, brink->at) || mg_is_curved_boundary_point(c, brink->at + 1));
   mg_release_patch(c, slot);
-  mg_search_covered_links(c, patch, has_friction && (on_points || !mg_is_curved_boundary_point(c, brink->at)), &found);
+  mg_search_covered_feature_pairs(c, patch, has_friction && (on_points || !mg_is_curved_boundary_point(c, brink->at)),
+                                  &found);
   if (on_points) {
     mg_close_covered_contacts(c, patch);
     return;
@@ -201,7 +206,7 @@ MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_bound
 MG_INTERNAL void mg_tip_patch(mg_context *c, int slot) {
   mg_real centre[3];
   mg_nearest_boundary brink;
-  mg_support_resultant(c, slot, c->force, centre);
+  mg_support_resultant(c, slot, c->solution.force, centre);
   mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
   mg_tip_patch_at(c, slot, &brink);
 }
@@ -212,7 +217,7 @@ MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse,
   mg_minima found;
   mg_real margin, centre[3];
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0 || c->patches.trial[slot] || fabs(mg_support_resultant(c, slot, impulse, centre)) <= floor) continue;
     if (!mg_find_patch_end_cause(c, slot, impulse, floor, &margin)) continue;
@@ -230,8 +235,8 @@ MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse,
 MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
   mg_minima found;
   int count = 0, struck = 0;
-  for (int i = 0; i < c->support_begin; i++) struck |= c->run->closed[i] && mg_is_approaching_beyond_drift(c, i);
-  for (int slot = 0; slot < c->system->n_slot && struck; slot++) {
+  for (int i = 0; i < c->layout.support_begin; i++) struck |= c->run->closed[i] && mg_is_approaching_beyond_drift(c, i);
+  for (int slot = 0; slot < c->system->n_patch_slot && struck; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     mg_release_patch(c, slot);
@@ -246,13 +251,14 @@ MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
 MG_INTERNAL int mg_end_patches(mg_context *c, mg_events *events) {
   mg_minima found;
   int count = 0;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
-    const int pad = mg_first_support(c, slot), cause = c->events.triggered[pad], patch = mg_patch_of_slot(c, slot);
-    c->events.triggered[pad] = 0;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    const int support = mg_first_support(c, slot), cause = c->events.triggered[support],
+              patch = mg_patch_of_slot(c, slot);
+    c->events.triggered[support] = 0;
     if (cause >= MG_FRICTION_EXCEEDED) c->patches.friction[slot].triggered = 1;
     if (!cause || patch < 0 || cause >= MG_FRICTION_EXCEEDED) continue;
     if (cause < MG_ROLLS_ONTO_RIM)
-      mg_apply_contact_transition(c, events, pad,
+      mg_apply_contact_transition(c, events, support,
                                   cause == MG_PRESSURE_AT_EDGE ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
     c->patches.barred[slot] = cause == MG_FLAT_AGAIN ? -1 : patch;
     if (cause == MG_PRESSURE_AT_EDGE) mg_tip_patch(c, slot);

@@ -11,19 +11,19 @@ static int mg_add_spot(mg_hull *h, int track, int cut, mg_real t) {
     return -1;
   }
   mg_hull_vertex *s = h->vertices + h->n_vertex;
-  s->track = track, s->intersection = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
+  s->arc = track, s->intersection = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
   mg_arc_point(h->arcs + track, t, s->point, s->tangent);
   return h->n_vertex++;
 }
 
 /* The ends of a piece and, of a curve, the ends of the spans between. */
 static void mg_spot_piece(mg_hull *h, const mg_boundary_piece *piece) {
-  const mg_placed_arc *k = h->arcs + piece->track;
-  int last = mg_add_spot(h, piece->track, piece->intersection[0], piece->t[0]);
+  const mg_placed_arc *k = h->arcs + piece->arc;
+  int last = mg_add_spot(h, piece->arc, piece->intersection[0], piece->t[0]);
   for (int i = k->span; i < k->span + k->n_span && last >= 0; i++) {
-    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->spans[i].b, piece->t[1]) : piece->t[1];
-    if (t <= piece->t[0] || h->spans[i].a >= piece->t[1]) continue;
-    const int end = t == piece->t[1], spot = mg_add_spot(h, piece->track, end ? piece->intersection[1] : -1, t);
+    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->spans[i].t_end, piece->t[1]) : piece->t[1];
+    if (t <= piece->t[0] || h->spans[i].t_begin >= piece->t[1]) continue;
+    const int end = t == piece->t[1], spot = mg_add_spot(h, piece->arc, end ? piece->intersection[1] : -1, t);
     if (!k->straight) h->vertices[last].next = spot, h->vertices[last].t_end = t;
     last = spot;
   }
@@ -34,7 +34,7 @@ static void mg_spot_all(mg_hull *h) {
   for (int i = 0; i < h->n_piece; i++) mg_spot_piece(h, h->pieces + i);
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *cut = h->intersections + i;
-    const int spot = mg_add_spot(h, cut->track[1], i, cut->t[1]);
+    const int spot = mg_add_spot(h, cut->arc[1], i, cut->t[1]);
     if (spot >= 0) h->vertices[spot].point[0] = cut->point[0], h->vertices[spot].point[1] = cut->point[1];
   }
 }
@@ -59,7 +59,7 @@ static void mg_sort_spots(mg_hull *h, int n) {
 
 /* Spots that are one with one further left are left out and noted as its twins, in a ring. */
 static int mg_join_twins(mg_hull *h, int n) {
-  const mg_real near = 2 * MG_COINCIDENCE_FACTOR * h->regions->shared;
+  const mg_real near = 2 * MG_COINCIDENCE_FACTOR * h->regions->coincidence;
   int kept = 0;
   for (int i = 0; i < n; i++) {
     const int spot = h->order[i];
@@ -91,8 +91,8 @@ static int mg_is_flat(const mg_hull *h, int p, int q, int r) {
   const mg_real *a = h->vertices[p].point, *b = h->vertices[q].point, *c = h->vertices[r].point;
   const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, rest[2] = {c[0] - b[0], c[1] - b[1]};
   const mg_real whole[2] = {c[0] - a[0], c[1] - a[1]}, length = sqrt(mg_dot2(whole, whole));
-  if (!h->arcs[h->vertices[q].track].straight || mg_dot2(part, rest) <= 0) return 0;
-  return mg_cross2(part, whole) <= h->regions->shared * length;
+  if (!h->arcs[h->vertices[q].arc].straight || mg_dot2(part, rest) <= 0) return 0;
+  return mg_cross2(part, whole) <= h->regions->coincidence * length;
 }
 
 /* Andrew's monotone chain (Inf. Proc. Letters 9, 1979); returns the number of corners, left behind the order. */
@@ -141,9 +141,9 @@ static int mg_joined(const mg_hull *h, int *u, int *v) {
 }
 
 static void mg_make_edge(const mg_hull *h, mg_hull_edge *e, int u, int v) {
-  e->u = u, e->v = v;
-  e->direction = mg_joined(h, &e->u, &e->v);
-  const mg_hull_vertex *a = h->vertices + e->u, *b = h->vertices + e->v;
+  e->from_vertex = u, e->to_vertex = v;
+  e->direction = mg_joined(h, &e->from_vertex, &e->to_vertex);
+  const mg_hull_vertex *a = h->vertices + e->from_vertex, *b = h->vertices + e->to_vertex;
   const mg_real chord[2] = {b->point[0] - a->point[0], b->point[1] - a->point[1]};
   e->length = sqrt(mg_dot2(chord, chord));
   e->normal[0] = e->length > 0 ? chord[1] / e->length : 0, e->normal[1] = e->length > 0 ? -chord[0] / e->length : 0;
@@ -167,23 +167,23 @@ static void mg_make_edges(mg_hull *h) {
 static int mg_find_top(const mg_hull *h, int spot, const mg_real *n, mg_real *t) {
   const mg_hull_vertex *s = h->vertices + spot, *to = h->vertices + s->next;
   if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
-  *t = mg_zero_on_arc(h->arcs + s->track, MG_ZERO_SUPPORT, n, s->t, s->t_end);
+  *t = mg_zero_on_arc(h->arcs + s->arc, MG_ZERO_SUPPORT, n, s->t, s->t_end);
   return *t != s->t && *t != s->t_end;
 }
 
 /* Adds the point of a curve that is farthest beyond a straight side; returns whether there is one. */
-static int mg_raise_side(mg_hull *h, const mg_hull_edge *e, int n) {
-  const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->vertices[e->u].point);
+static int mg_split_at_farthest_point(mg_hull *h, const mg_hull_edge *e, int n) {
+  const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->vertices[e->from_vertex].point);
   mg_real best = 2 * MG_EPS * h->size, best_t = 0;
   int from = -1;
   for (int i = 0; i < n; i++) {
     mg_real t, p[2], T[2];
     if (h->vertices[i].next < 0 || !mg_find_top(h, i, n_, &t)) continue;
-    mg_arc_point(h->arcs + h->vertices[i].track, t, p, T);
+    mg_arc_point(h->arcs + h->vertices[i].arc, t, p, T);
     if (mg_dot2(n_, p) - floor > best) best = mg_dot2(n_, p) - floor, best_t = t, from = i;
   }
   if (from < 0) return 0;
-  const int added = mg_add_spot(h, h->vertices[from].track, -1, best_t);
+  const int added = mg_add_spot(h, h->vertices[from].arc, -1, best_t);
   if (added < 0) return 0;
   h->vertices[added].next = h->vertices[from].next, h->vertices[added].t_end = h->vertices[from].t_end;
   h->vertices[from].next = added, h->vertices[from].t_end = best_t;
@@ -200,16 +200,16 @@ static void mg_settle_tangent(mg_hull *h, int spot, const mg_real *n) {
   mg_real t;
   if (!mg_find_top(h, before, n, &t) && !mg_find_top(h, spot, n, &t)) return;
   s->t = h->vertices[before].t_end = t;
-  mg_arc_point(h->arcs + s->track, t, s->point, s->tangent);
+  mg_arc_point(h->arcs + s->arc, t, s->point, s->tangent);
 }
 
 static void mg_settle_tangents(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) {
     mg_hull_edge *e = h->edges + i;
-    if (e->direction || e->length <= MG_SHORT_SIDE * h->regions->shared) continue;
-    mg_settle_tangent(h, e->u, e->normal), mg_settle_tangent(h, e->v, e->normal);
+    if (e->direction || e->length <= MG_SHORT_SIDE * h->regions->coincidence) continue;
+    mg_settle_tangent(h, e->from_vertex, e->normal), mg_settle_tangent(h, e->to_vertex, e->normal);
   }
-  for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edges + i, h->edges[i].u, h->edges[i].v);
+  for (int i = 0; i < h->n_edge; i++) mg_make_edge(h, h->edges + i, h->edges[i].from_vertex, h->edges[i].to_vertex);
 }
 
 MG_INTERNAL void mg_make_hull(mg_hull *h) {
@@ -219,7 +219,8 @@ MG_INTERNAL void mg_make_hull(mg_hull *h) {
     const int n = h->n_vertex;
     int raised = 0;
     for (int i = 0; i < h->n_edge; i++)
-      if (!h->edges[i].direction && h->edges[i].length > 0) raised += mg_raise_side(h, h->edges + i, h->n_vertex);
+      if (!h->edges[i].direction && h->edges[i].length > 0)
+        raised += mg_split_at_farthest_point(h, h->edges + i, h->n_vertex);
     if (!raised || h->n_vertex == n) break;
     mg_make_edges(h);
   }

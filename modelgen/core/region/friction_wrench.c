@@ -22,7 +22,7 @@ typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d
 #define MG_TWIST_STEPS 80
 
 typedef struct {
-  const mg_pressure *press;
+  const mg_winkler_pressure_field *press;
   mg_real radius, from[3],
       across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
 } mg_search_plane;
@@ -74,13 +74,13 @@ static void mg_add_curve(mg_ring *g, const mg_placed_arc *k, mg_real t0, mg_real
 }
 
 /* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
-static void mg_go_round_ring(const mg_pressure *p, mg_ring *g) {
+static void mg_go_round_ring(const mg_winkler_pressure_field *p, mg_ring *g) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
-    if (s->straight) mg_add_straight(g, s->P, s->Q);
-    else mg_add_curve(g, p->hull->arcs + s->track, s->t[0], s->t[1], s->P, s->Q, sqrt(MG_EPS) * p->reach);
-    if (s->ends[0]) mg_add_straight(g, p->line_foot, s->P);
-    if (s->ends[1]) mg_add_straight(g, s->Q, p->line_foot);
+    if (s->straight) mg_add_straight(g, s->begin, s->end);
+    else mg_add_curve(g, p->hull->arcs + s->arc, s->t[0], s->t[1], s->begin, s->end, sqrt(MG_EPS) * p->reach);
+    if (s->ends[0]) mg_add_straight(g, p->line_foot, s->begin);
+    if (s->ends[1]) mg_add_straight(g, s->end, p->line_foot);
   }
 }
 
@@ -105,8 +105,8 @@ static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, 
 }
 
 /* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
-static void mg_add_ray(const mg_pressure *p, const mg_real *twist, int n, mg_real weight, const mg_real *x,
-                       mg_real G[3][3]) {
+static void mg_add_ray(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real weight,
+                       const mg_real *x, mg_real G[3][3]) {
   static const mg_real few[2][MG_FEW_NODES] = {
       {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
        (mg_real)0.930568155797026287611973},
@@ -120,14 +120,14 @@ static void mg_add_ray(const mg_pressure *p, const mg_real *twist, int n, mg_rea
   }
 }
 
-static void mg_rub_far(const mg_pressure *p, const mg_real *twist, int n, mg_real G[3][3]) {
+static void mg_add_far_friction(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real G[3][3]) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
     for (int j = 0; j < MG_NODES; j++) {
-      mg_real x[2], T[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+      mg_real x[2], T[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]};
       if (s->straight)
-        for (int k = 0; k < 2; k++) x[k] = s->P[k] + mg_node[j] * T[k];
-      else mg_arc_point(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+        for (int k = 0; k < 2; k++) x[k] = s->begin[k] + mg_node[j] * T[k];
+      else mg_arc_point(p->hull->arcs + s->arc, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
       const mg_real arm[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]},
                     whole = s->straight ? 1 : s->t[1] - s->t[0];
       mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
@@ -135,11 +135,11 @@ static void mg_rub_far(const mg_pressure *p, const mg_real *twist, int n, mg_rea
   }
 }
 
-MG_INTERNAL void mg_friction_matrix(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]) {
+MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg_real *twist, mg_real G[3][3]) {
   const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->reach;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
   if (away >= MG_FAR_CENTRE * turn) {
-    mg_rub_far(p, twist, away < MG_PURE_TRANSLATION * turn ? MG_NODES : MG_FEW_NODES, G);
+    mg_add_far_friction(p, twist, away < MG_PURE_TRANSLATION * turn ? MG_NODES : MG_FEW_NODES, G);
     return;
   }
   const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
@@ -153,7 +153,7 @@ static void mg_twist_of(const mg_search_plane *s, const mg_real *y, mg_real *twi
 }
 
 /* What a twist rubs, and how that grows with y. */
-static mg_real mg_rubs_at(const mg_search_plane *s, const mg_real *y, mg_real *slope) {
+static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, mg_real *slope) {
   mg_real twist[3], force[3], G[3][3], power = 0;
   mg_twist_of(s, y, twist);
   twist[2] /= s->radius;
@@ -195,7 +195,7 @@ static mg_real mg_step_down(const mg_search_plane *s, mg_real power, const mg_re
   const mg_real fall = slope[0] * step[0] + slope[1] * step[1];
   for (mg_real part = 1; part > sqrt(MG_EPS); part /= 2) {
     for (int k = 0; k < 2; k++) next[k] = y[k] + part * step[k];
-    found = mg_rubs_at(s, next, slope_next);
+    found = mg_friction_power_at(s, next, slope_next);
     if (found > power + part * fall / 10000 + 4 * MG_EPS * power) continue;
     for (int k = 0; k < 2; k++) step[k] *= part, y[k] = next[k];
     return found;
@@ -215,7 +215,7 @@ static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *gr
   H[2] += more * step[1] * step[1] - 2 * Hg[1] * step[1] / curve;
 }
 
-MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_pressure *p, const mg_real *wrench, mg_real radius,
+MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_winkler_pressure_field *p, const mg_real *wrench, mg_real radius,
                                            mg_real *twist) {
   const mg_real force[3] = {wrench[0], wrench[1], wrench[2] / radius};
   const mg_real size = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
@@ -225,7 +225,7 @@ MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_pressure *p, const mg_real *
   if (!(size > 0)) return 0;
   const mg_real unit[3] = {force[0] / size, force[1] / size, force[2] / size};
   mg_open_plane(&s, unit);
-  mg_real power = mg_rubs_at(&s, y, slope), H[3] = {1 / power, 0, 1 / power};
+  mg_real power = mg_friction_power_at(&s, y, slope), H[3] = {1 / power, 0, 1 / power};
   for (int i = 0; i < MG_TWIST_STEPS && fabs(slope[0]) + fabs(slope[1]) > 64 * MG_EPS * power; i++) {
     mg_real step[2] = {-H[0] * slope[0] - H[1] * slope[1], -H[1] * slope[0] - H[2] * slope[1]};
     power = mg_step_down(&s, power, slope, y, step, next);

@@ -11,23 +11,24 @@ typedef struct { /* the nearest point so far: at parameter t of the curve from u
 static void mg_try_spots(const mg_hull *h, const mg_real *x, mg_nearest_side *best) {
   mg_real least = MG_MAX;
   for (int i = 0; i < h->n_edge; i++) {
-    const mg_real *p = h->vertices[h->edges[i].u].point, arm[2] = {p[0] - x[0], p[1] - x[1]},
+    const mg_real *p = h->vertices[h->edges[i].from_vertex].point, arm[2] = {p[0] - x[0], p[1] - x[1]},
                   square = mg_dot2(arm, arm);
     if (square < least) least = square, best->edge = i;
   }
-  best->spot = h->edges[best->edge].u, best->t = h->vertices[best->spot].t, best->curve = 0,
+  best->spot = h->edges[best->edge].from_vertex, best->t = h->vertices[best->spot].t, best->curve = 0,
   best->distance = sqrt(least);
 }
 
 /* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
 static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
   const mg_hull_edge *e = h->edges + edge;
-  const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->u : e->v), *b = h->vertices + a->next;
+  const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->from_vertex : e->to_vertex),
+                       *b = h->vertices + a->next;
   const mg_real from[2] = {a->point[0] - x[0], a->point[1] - x[1]}, to[2] = {b->point[0] - x[0], b->point[1] - x[1]};
   if (!(mg_dot2(from, a->tangent) < 0 && mg_dot2(to, b->tangent) > 0)) return 0;
   mg_real p[2], T[2];
-  const mg_real t = mg_zero_on_arc(h->arcs + a->track, MG_ZERO_FOOT, x, a->t, a->t_end);
-  mg_arc_point(h->arcs + a->track, t, p, T);
+  const mg_real t = mg_zero_on_arc(h->arcs + a->arc, MG_ZERO_FOOT, x, a->t, a->t_end);
+  mg_arc_point(h->arcs + a->arc, t, p, T);
   const mg_real arm[2] = {x[0] - p[0], x[1] - p[1]}, distance = sqrt(mg_dot2(arm, arm));
   if (distance <= best->distance) {
     const mg_nearest_side found = {distance, t, edge, -1, 1};
@@ -39,14 +40,14 @@ static int mg_try_curve(const mg_hull *h, int edge, const mg_real *x, mg_nearest
 /* The same for a straight side. */
 static int mg_try_side(const mg_hull *h, int edge, const mg_real *x, mg_nearest_side *best) {
   const mg_hull_edge *e = h->edges + edge;
-  const mg_real *p = h->vertices[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
+  const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
   const mg_real along = mg_cross2(arm, e->normal) * -1, off = mg_dot2(arm, e->normal);
   if (along > 0 && along < e->length && fabs(off) < best->distance) {
     const mg_nearest_side found = {fabs(off), 0, edge, -1, 0};
     *best = found;
   }
   const mg_real rounding = 4 * MG_EPS * h->size * ((fabs(arm[0]) + fabs(arm[1])) / e->length + 1);
-  return e->length > MG_SHORT_SIDE * h->regions->shared && off > rounding;
+  return e->length > MG_SHORT_SIDE * h->regions->coincidence && off > rounding;
 }
 
 /* Whether x is beyond the tangent at an end of a curved side. */
@@ -65,11 +66,12 @@ static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_side *
   mg_try_spots(h, x, best);
   for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
-    const mg_real *p = h->vertices[e->u].point, arm[2] = {x[0] - p[0], x[1] - p[1]}, off = mg_dot2(arm, e->normal);
+    const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]},
+                  off = mg_dot2(arm, e->normal);
     const mg_real least = off > 0 ? off - e->height : -off;
     if (off < -rounding && least >= best->distance) continue;
     if (e->direction) {
-      outside |= mg_is_beyond(h, e, e->u, x) || mg_is_beyond(h, e, e->v, x);
+      outside |= mg_is_beyond(h, e, e->from_vertex, x) || mg_is_beyond(h, e, e->to_vertex, x);
       if (least < best->distance) outside |= mg_try_curve(h, i, x, best);
     } else outside |= mg_try_side(h, i, x, best);
   }
@@ -82,9 +84,9 @@ MG_INTERNAL void mg_read_support_point(const mg_hull *h, int spot, mg_support_po
     if (h->vertices[i].intersection >= 0) own = i;
   const mg_hull_vertex *s = h->vertices + own;
   const mg_intersection *cut = s->intersection >= 0 ? h->intersections + s->intersection : 0;
-  const int side = h->arcs[s->track].side;
-  at->side = side, at->arc = s->track, at->t = s->t;
-  at->crossing_arc = cut ? cut->track[!side] : -1, at->crossing_t = cut ? cut->t[!side] : 0;
+  const int side = h->arcs[s->arc].side;
+  at->side = side, at->arc = s->arc, at->t = s->t;
+  at->crossing_arc = cut ? cut->arc[!side] : -1, at->crossing_t = cut ? cut->t[!side] : 0;
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
@@ -98,7 +100,7 @@ static void mg_side_normal(const mg_hull_edge *e, const mg_real *T, mg_real *nor
  */
 static int mg_leads_past(const mg_hull *h, const mg_hull_edge *e, int spot, int last, const mg_real *way,
                          mg_real *normal) {
-  if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->shared)) return 0;
+  if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->coincidence)) return 0;
   mg_side_normal(e, h->vertices[spot].tangent, normal);
   return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
 }
@@ -110,8 +112,8 @@ static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const 
   const mg_hull_edge *next = h->edges + near->edge, *last = h->edges + (near->edge + h->n_edge - 1) % h->n_edge;
   const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
   const mg_real way[2] = {sign * (p[0] - x[0]) / near->distance, sign * (p[1] - x[1]) / near->distance};
-  if (h->n_edge > 1 && (mg_leads_past(h, last, last->v, 1, way, brink->normal) ||
-                        mg_leads_past(h, next, next->u, 0, way, brink->normal)))
+  if (h->n_edge > 1 && (mg_leads_past(h, last, last->to_vertex, 1, way, brink->normal) ||
+                        mg_leads_past(h, next, next->from_vertex, 0, way, brink->normal)))
     return;
   brink->normal[0] = way[0], brink->normal[1] = way[1];
 }
@@ -119,21 +121,21 @@ static void mg_spot_normal(const mg_hull *h, const mg_nearest_side *near, const 
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
 static void mg_tell_brink(const mg_hull *h, const mg_nearest_side *near, const mg_real *x, mg_nearest_boundary *brink) {
   const mg_hull_edge *e = h->edges + near->edge;
-  const mg_real *own = h->vertices[near->spot >= 0 ? near->spot : e->u].tangent;
+  const mg_real *own = h->vertices[near->spot >= 0 ? near->spot : e->from_vertex].tangent;
   mg_real T[2] = {own[0], own[1]};
   brink->n = 1;
   if (near->spot >= 0) {
     mg_read_support_point(h, near->spot, brink->at);
   } else if (near->curve) {
     mg_support_point *at = brink->at;
-    mg_read_support_point(h, e->u, at);
-    at->arc = h->vertices[e->u].track, at->side = h->arcs[at->arc].side, at->t = near->t, at->crossing_arc = -1;
+    mg_read_support_point(h, e->from_vertex, at);
+    at->arc = h->vertices[e->from_vertex].arc, at->side = h->arcs[at->arc].side, at->t = near->t, at->crossing_arc = -1;
     mg_arc_point(h->arcs + at->arc, near->t, at->point, T);
   } else {
     brink->n = 2;
-    mg_read_support_point(h, e->u, brink->at), mg_read_support_point(h, e->v, brink->at + 1);
+    mg_read_support_point(h, e->from_vertex, brink->at), mg_read_support_point(h, e->to_vertex, brink->at + 1);
   }
-  const int is_off = near->spot >= 0 && near->distance > h->regions->shared;
+  const int is_off = near->spot >= 0 && near->distance > h->regions->coincidence;
   if (is_off) mg_spot_normal(h, near, x, brink);
   else mg_side_normal(e, T, brink->normal);
 }

@@ -15,22 +15,22 @@ typedef struct {
 static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_real t) {
   const mg_placed_arc *k = h->arcs + track;
   const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
-  const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->shared, middle = (k->t0 + k->t1) / 2;
-  if (t <= middle && mg_distance2(first->P, point) <= near) return k->t0;
-  if (t >= middle && mg_distance2(last->Q, point) <= near) return k->t1;
+  const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->coincidence, middle = (k->t0 + k->t1) / 2;
+  if (t <= middle && mg_distance2(first->begin, point) <= near) return k->t0;
+  if (t >= middle && mg_distance2(last->end, point) <= near) return k->t1;
   return t;
 }
 
 static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_real *point) {
   mg_intersection cut;
   for (int side = 0; side < 2; side++) {
-    cut.track[side] = track[side], cut.point[side] = point[side];
+    cut.arc[side] = track[side], cut.point[side] = point[side];
     cut.t[side] = mg_snapped(h, track[side], point, t[side]);
   }
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *other = h->intersections + i;
-    const int same = other->track[0] == track[0] && other->track[1] == track[1];
-    if (same && mg_distance2(other->point, point) <= 4 * h->regions->shared) return;
+    const int same = other->arc[0] == track[0] && other->arc[1] == track[1];
+    if (same && mg_distance2(other->point, point) <= 4 * h->regions->coincidence) return;
   }
   if (h->n_intersection == h->intersection_capacity) h->overflow = 1;
   else h->intersections[h->n_intersection++] = cut;
@@ -40,18 +40,18 @@ static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_
 static void mg_try_end(mg_hull *h, int ending, int last, int other) {
   const mg_placed_arc *e = h->arcs + ending, *k = h->arcs + other;
   const mg_arc_span *s = h->spans + e->span + (last ? e->n_span - 1 : 0);
-  const mg_real *p = last ? s->Q : s->P, shared = MG_COINCIDENCE_FACTOR * h->regions->shared;
+  const mg_real *p = last ? s->end : s->begin, shared = MG_COINCIDENCE_FACTOR * h->regions->coincidence;
   for (int i = k->span; i < k->span + k->n_span; i++) {
     const mg_arc_span *cell = h->spans + i;
-    const mg_real chord[2] = {cell->Q[0] - cell->P[0], cell->Q[1] - cell->P[1]};
-    const mg_real arm[2] = {p[0] - cell->P[0], p[1] - cell->P[1]}, length = sqrt(mg_dot2(chord, chord));
+    const mg_real chord[2] = {cell->end[0] - cell->begin[0], cell->end[1] - cell->begin[1]};
+    const mg_real arm[2] = {p[0] - cell->begin[0], p[1] - cell->begin[1]}, length = sqrt(mg_dot2(chord, chord));
     const mg_real along = mg_dot2(arm, chord) / length, off = fabs(mg_cross2(chord, arm)) / length;
     if (along < -cell->turn * length - shared || along > (1 + cell->turn) * length + shared) continue;
     if (off > cell->turn * length + shared) continue;
     const mg_real part = fmin(fmax(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
-    t[k->side] =
-        k->straight ? cell->a + part * (cell->b - cell->a) : mg_zero_on_arc(k, MG_ZERO_FOOT, p, cell->a, cell->b);
+    t[k->side] = k->straight ? cell->t_begin + part * (cell->t_end - cell->t_begin)
+                             : mg_zero_on_arc(k, MG_ZERO_FOOT, p, cell->t_begin, cell->t_end);
     t[e->side] = last ? e->t1 : e->t0;
     mg_arc_point(k, t[k->side], point, T);
     if (mg_distance2(point, p) > shared) continue;
@@ -62,13 +62,15 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
 
 /* Whether the curve of one span may come near the other: bounding boxes. */
 static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
-  const mg_real slack = shared + (mg_distance2(x->P, x->Q) * x->turn + mg_distance2(y->P, y->Q) * y->turn) / 2;
+  const mg_real slack =
+      shared + (mg_distance2(x->begin, x->end) * x->turn + mg_distance2(y->begin, y->end) * y->turn) / 2;
   for (int k = 0; k < 2; k++) {
-    if (fmin(x->P[k], x->Q[k]) > fmax(y->P[k], y->Q[k]) + slack) return 0;
-    if (fmin(y->P[k], y->Q[k]) > fmax(x->P[k], x->Q[k]) + slack) return 0;
+    if (fmin(x->begin[k], x->end[k]) > fmax(y->begin[k], y->end[k]) + slack) return 0;
+    if (fmin(y->begin[k], y->end[k]) > fmax(x->begin[k], x->end[k]) + slack) return 0;
   }
-  const mg_real d[2] = {x->Q[0] - x->P[0], x->Q[1] - x->P[1]}, length = sqrt(mg_dot2(d, d));
-  const mg_real p[2] = {y->P[0] - x->P[0], y->P[1] - x->P[1]}, q[2] = {y->Q[0] - x->P[0], y->Q[1] - x->P[1]};
+  const mg_real d[2] = {x->end[0] - x->begin[0], x->end[1] - x->begin[1]}, length = sqrt(mg_dot2(d, d));
+  const mg_real p[2] = {y->begin[0] - x->begin[0], y->begin[1] - x->begin[1]},
+                q[2] = {y->end[0] - x->begin[0], y->end[1] - x->begin[1]};
   const mg_real a = mg_cross2(d, p), b = mg_cross2(d, q);
   return fmin(a, b) <= slack * length && fmax(a, b) >= -slack * length;
 }
@@ -76,42 +78,42 @@ static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared
 /* Spans whose tangents have no direction in common cross at most once: Newton's method. */
 static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
   const mg_arc_span *s[2] = {x, y};
-  const int track[2] = {x->track, y->track};
+  const int track[2] = {x->arc, y->arc};
   mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
   for (int i = 0; i < 50; i++) {
     for (int k = 0; k < 2; k++) mg_arc_point(h->arcs + track[k], t[k], c[k], T[k]);
     for (int k = 0; k < 2; k++) apart[k] = c[1][k] - c[0][k];
     const mg_real det = mg_cross2(T[0], T[1]), size = mg_dot2(apart, apart);
-    if (det == 0 || (size >= last && size <= h->regions->shared * h->regions->shared)) break;
+    if (det == 0 || (size >= last && size <= h->regions->coincidence * h->regions->coincidence)) break;
     last = size;
     int still = 0;
     const mg_real step[2] = {mg_cross2(apart, T[1]) / det, mg_cross2(apart, T[0]) / det};
     for (int k = 0; k < 2; k++) {
-      const mg_real half = (s[k]->b - s[k]->a) / 2, low = fmax(s[k]->a - half, h->arcs[track[k]].t0);
-      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->b + half, h->arcs[track[k]].t1));
+      const mg_real half = (s[k]->t_end - s[k]->t_begin) / 2, low = fmax(s[k]->t_begin - half, h->arcs[track[k]].t0);
+      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->t_end + half, h->arcs[track[k]].t1));
       still += moved == t[k], t[k] = moved;
     }
     if (still == 2) break;
   }
   for (int k = 0; k < 2; k++) {
-    const mg_real slack = 4 * h->regions->shared / sqrt(mg_dot2(T[k], T[k]));
-    if (t[k] < s[k]->a - slack || t[k] > s[k]->b + slack) return;
+    const mg_real slack = 4 * h->regions->coincidence / sqrt(mg_dot2(T[k], T[k]));
+    if (t[k] < s[k]->t_begin - slack || t[k] > s[k]->t_end + slack) return;
   }
   const mg_real middle[2] = {(c[0][0] + c[1][0]) / 2, (c[0][1] + c[1][1]) / 2};
-  if (mg_dot2(apart, apart) <= h->regions->shared * h->regions->shared) mg_add_cut(h, track, t, middle);
+  if (mg_dot2(apart, apart) <= h->regions->coincidence * h->regions->coincidence) mg_add_cut(h, track, t, middle);
 }
 
 /* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
 static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t, mg_real *gap) {
-  const mg_placed_arc *k = h->arcs + x->track, *other = h->arcs + y->track;
-  const mg_real ends[2] = {mg_zero_on_arc(k, MG_ZERO_FOOT, y->P, x->a, x->b),
-                           mg_zero_on_arc(k, MG_ZERO_FOOT, y->Q, x->a, x->b)};
-  if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->a) + fabs(x->b))) return 0;
+  const mg_placed_arc *k = h->arcs + x->arc, *other = h->arcs + y->arc;
+  const mg_real ends[2] = {mg_zero_on_arc(k, MG_ZERO_FOOT, y->begin, x->t_begin, x->t_end),
+                           mg_zero_on_arc(k, MG_ZERO_FOOT, y->end, x->t_begin, x->t_end)};
+  if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->t_begin) + fabs(x->t_end))) return 0;
   for (int i = 0; i < 5; i++) {
     mg_real p[2], q[2], T[2];
     s[i] = ends[0] + i * (ends[1] - ends[0]) / 4;
     mg_arc_point(k, s[i], p, T);
-    t[i] = mg_zero_on_arc(other, MG_ZERO_FOOT, p, y->a, y->b);
+    t[i] = mg_zero_on_arc(other, MG_ZERO_FOOT, p, y->t_begin, y->t_end);
     mg_arc_point(other, t[i], q, T);
     const mg_real arm[2] = {p[0] - q[0], p[1] - q[1]};
     gap[i] = mg_cross2(T, arm) / sqrt(mg_dot2(T, T));
@@ -121,11 +123,11 @@ static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y,
 
 /* A gap that closes at an end is a cut there: what follows may not see it. */
 static void mg_try_closed(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t, mg_real gap) {
-  const int track[2] = {x->track, y->track};
+  const int track[2] = {x->arc, y->arc};
   const mg_real at[2] = {s, t};
   mg_real point[2], T[2];
-  if (fabs(gap) > h->regions->shared) return;
-  mg_arc_point(h->arcs + x->track, s, point, T);
+  if (fabs(gap) > h->regions->coincidence) return;
+  mg_arc_point(h->arcs + x->arc, s, point, T);
   mg_add_cut(h, track, at, point);
 }
 
@@ -141,7 +143,7 @@ static int mg_run_along(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) 
     if (i > 0) step = fmin(step, fabs(gap[i] - gap[i - 1]));
     if (i > 0 && (gap[i] > 0) != (gap[i - 1] > 0)) change = i, changes++;
   }
-  if (most <= h->regions->shared) return 1;
+  if (most <= h->regions->coincidence) return 1;
   mg_try_closed(h, x, y, s[0], t[0], gap[0]), mg_try_closed(h, x, y, s[4], t[4], gap[4]);
   if (!changes && least > bent) return 1;
   if (changes != 1 || step <= bent) return 0;
@@ -157,13 +159,13 @@ static void mg_push_spans(mg_splits *stack, const mg_arc_span *x, const mg_arc_s
 }
 
 static void mg_split(const mg_hull *h, mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
-  const int second = mg_distance2(y->P, y->Q) > mg_distance2(x->P, x->Q);
+  const int second = mg_distance2(y->begin, y->end) > mg_distance2(x->begin, x->end);
   const mg_arc_span *whole = second ? y : x;
-  const mg_real middle = (whole->a + whole->b) / 2, ends[3] = {whole->a, middle, whole->b};
+  const mg_real middle = (whole->t_begin + whole->t_end) / 2, ends[3] = {whole->t_begin, middle, whole->t_end};
   for (int i = 0; i < 2; i++) {
     mg_arc_span half;
-    mg_make_span(h, whole->track, ends[i], ends[i + 1], &half);
-    if (h->arcs[whole->track].straight) half.turn = 0;
+    mg_make_span(h, whole->arc, ends[i], ends[i + 1], &half);
+    if (h->arcs[whole->arc].straight) half.turn = 0;
     mg_push_spans(stack, second ? x : &half, second ? &half : y);
   }
 }
@@ -175,11 +177,12 @@ static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_sp
   mg_push_spans(&stack, first, second);
   while (stack.count) {
     const mg_arc_span x = stack.pair[--stack.count][0], y = stack.pair[stack.count][1];
-    const mg_real u[2] = {x.Q[0] - x.P[0], x.Q[1] - x.P[1]}, v[2] = {y.Q[0] - y.P[0], y.Q[1] - y.P[1]};
-    const mg_real along = sqrt(mg_dot2(u, u)), across = sqrt(mg_dot2(v, v)), shared = h->regions->shared;
+    const mg_real u[2] = {x.end[0] - x.begin[0], x.end[1] - x.begin[1]},
+                  v[2] = {y.end[0] - y.begin[0], y.end[1] - y.begin[1]};
+    const mg_real along = sqrt(mg_dot2(u, u)), across = sqrt(mg_dot2(v, v)), shared = h->regions->coincidence;
     if ((along <= shared && across <= shared) || !mg_is_near(&x, &y, shared)) continue;
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
-    const mg_real middle[2] = {(x.a + x.b) / 2, (y.a + y.b) / 2};
+    const mg_real middle[2] = {(x.t_begin + x.t_end) / 2, (y.t_begin + y.t_end) / 2};
     if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y, middle);
     else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS &&
              !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_run_along(h, &x, &y)))
@@ -188,14 +191,15 @@ static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_sp
 }
 
 static void mg_cross_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
-  const mg_real u[2] = {x->Q[0] - x->P[0], x->Q[1] - x->P[1]}, v[2] = {y->Q[0] - y->P[0], y->Q[1] - y->P[1]};
-  const mg_real w[2] = {y->P[0] - x->P[0], y->P[1] - x->P[1]}, det = mg_cross2(u, v);
+  const mg_real u[2] = {x->end[0] - x->begin[0], x->end[1] - x->begin[1]},
+                v[2] = {y->end[0] - y->begin[0], y->end[1] - y->begin[1]};
+  const mg_real w[2] = {y->begin[0] - x->begin[0], y->begin[1] - x->begin[1]}, det = mg_cross2(u, v);
   if (det == 0) return;
   const mg_real p = mg_cross2(w, v) / det, q = mg_cross2(w, u) / det;
   if (!(p >= 0 && p <= 1 && q >= 0 && q <= 1)) return;
-  const int track[2] = {x->track, y->track};
-  const mg_real t[2] = {x->a + p * (x->b - x->a), y->a + q * (y->b - y->a)};
-  const mg_real point[2] = {x->P[0] + p * u[0], x->P[1] + p * u[1]};
+  const int track[2] = {x->arc, y->arc};
+  const mg_real t[2] = {x->t_begin + p * (x->t_end - x->t_begin), y->t_begin + q * (y->t_end - y->t_begin)};
+  const mg_real point[2] = {x->begin[0] + p * u[0], x->begin[1] + p * u[1]};
   mg_add_cut(h, track, t, point);
 }
 
@@ -208,7 +212,7 @@ MG_INTERNAL void mg_find_intersections(mg_hull *h) {
       for (int last = 0; last < 2; last++) mg_try_end(h, i, last, j), mg_try_end(h, j, last, i);
       for (int a = o->span; a < o->span + o->n_span; a++)
         for (int b = f->span; b < f->span + f->n_span; b++) {
-          if (!mg_is_near(h->spans + a, h->spans + b, h->regions->shared)) continue;
+          if (!mg_is_near(h->spans + a, h->spans + b, h->regions->coincidence)) continue;
           if (o->straight && f->straight) mg_cross_lines(h, h->spans + a, h->spans + b);
           else mg_cross_spans(h, h->spans + a, h->spans + b);
         }

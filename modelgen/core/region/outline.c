@@ -22,11 +22,11 @@ static void mg_trace(const mg_hull *h, int track, mg_real t0, mg_real t1, int fi
 }
 
 static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int back, int fine, mg_outline *out) {
-  const mg_placed_arc *k = h->arcs + piece->track;
+  const mg_placed_arc *k = h->arcs + piece->arc;
   for (int i = 0; i < k->n_span; i++) {
     const mg_arc_span *s = h->spans + k->span + (back ? k->n_span - 1 - i : i);
-    const mg_real a = fmax(s->a, piece->t[0]), b = fmin(s->b, piece->t[1]);
-    if (a < b) mg_trace(h, piece->track, back ? b : a, back ? a : b, fine, out);
+    const mg_real a = fmax(s->t_begin, piece->t[0]), b = fmin(s->t_end, piece->t[1]);
+    if (a < b) mg_trace(h, piece->arc, back ? b : a, back ? a : b, fine, out);
   }
 }
 
@@ -36,7 +36,7 @@ static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int 
   for (int i = 0; i < h->n_piece; i++)
     for (int end = 0; end < 2 && !h->order[i]; end++) {
       mg_real q[2], T[2];
-      mg_arc_point(h->arcs + h->pieces[i].track, h->pieces[i].t[end], q, T);
+      mg_arc_point(h->arcs + h->pieces[i].arc, h->pieces[i].t[end], q, T);
       if (!(mg_distance2(p, q) <= reach)) continue;
       reach = mg_distance2(p, q), next = i, *back = end;
     }
@@ -49,10 +49,10 @@ MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out) 
   for (int first = 0; first < h->n_piece; first++) {
     if (h->order[first]) continue;
     mg_real p[2], T[2];
-    for (int piece = first, back = 0; piece >= 0; piece = mg_next_piece(h, p, 64 * h->regions->shared, &back)) {
+    for (int piece = first, back = 0; piece >= 0; piece = mg_next_piece(h, p, 64 * h->regions->coincidence, &back)) {
       h->order[piece] = 1;
       mg_trace_piece(h, h->pieces + piece, back, fine, out);
-      mg_arc_point(h->arcs + h->pieces[piece].track, h->pieces[piece].t[!back], p, T);
+      mg_arc_point(h->arcs + h->pieces[piece].arc, h->pieces[piece].t[!back], p, T);
     }
     out->n_loop++;
   }
@@ -62,10 +62,10 @@ MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out) {
   out->count = out->n_loop = 0;
   for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
-    const mg_hull_vertex *a = h->vertices + (e->direction < 0 ? e->v : e->u);
-    if (e->direction > 0) mg_trace(h, a->track, a->t, a->t_end, fine, out);
-    else if (e->direction < 0) mg_trace(h, a->track, a->t_end, a->t, fine, out);
-    else mg_put_point(out, h->vertices[e->u].point);
+    const mg_hull_vertex *a = h->vertices + (e->direction < 0 ? e->to_vertex : e->from_vertex);
+    if (e->direction > 0) mg_trace(h, a->arc, a->t, a->t_end, fine, out);
+    else if (e->direction < 0) mg_trace(h, a->arc, a->t_end, a->t, fine, out);
+    else mg_put_point(out, h->vertices[e->from_vertex].point);
   }
   out->n_loop = h->n_edge > 0;
 }

@@ -28,7 +28,7 @@ MG_INTERNAL long mg_strip_capacity(int n_arc, int n_o) {
   return 2 * (r.span + r.piece);
 }
 
-MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory) {
+MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_real *memory) {
   const mg_hull_capacity r = mg_rooms_of(regions->n_arc, regions->n_o);
   h->regions = regions;
   h->arcs = mg_take_memory(&memory, regions->n_arc, sizeof(mg_placed_arc));
@@ -47,7 +47,7 @@ static int mg_next_cut(const mg_hull *h, int track, mg_real t, int before) {
   int next = -1;
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *cut = h->intersections + i;
-    if (cut->track[side] != track || cut->t[side] < t || (cut->t[side] == t && i <= before)) continue;
+    if (cut->arc[side] != track || cut->t[side] < t || (cut->t[side] == t && i <= before)) continue;
     if (next < 0 || cut->t[side] < h->intersections[next].t[side]) next = i;
   }
   return next;
@@ -69,7 +69,7 @@ static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1
 static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
   mg_real p[2], T[2];
   mg_arc_point(h->arcs + track, t, p, T);
-  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared / sqrt(mg_dot2(T, T));
+  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence / sqrt(mg_dot2(T, T));
   const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
   return !(mg_locate_point(h, 0, left) && mg_locate_point(h, 1, left)) &&
          !(mg_locate_point(h, 0, right) && mg_locate_point(h, 1, right));
@@ -81,7 +81,7 @@ static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut
   mg_real p[2], T[2];
   if (!(t1 > t0)) return;
   mg_arc_point(k, (t0 + t1) / 2, p, T);
-  if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->shared) return;
+  if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->coincidence) return;
   const int inside = mg_is_part_inside(h, track, t0, t1);
   if (!inside || (inside == 2 && k->side)) return;
   if (h->n_piece == h->piece_capacity) {

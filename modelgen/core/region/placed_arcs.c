@@ -26,16 +26,17 @@ static void mg_unit2(mg_real *d) {
 }
 
 static void mg_turn_of(mg_arc_span *s) {
-  mg_real chord[2] = {s->Q[0] - s->P[0], s->Q[1] - s->P[1]};
+  mg_real chord[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]};
   mg_unit2(chord);
-  const int back = mg_dot2(chord, s->S) < 0.5 || mg_dot2(chord, s->E) < 0.5;
-  s->turn = back ? 4 : fabs(mg_cross2(chord, s->S)) + fabs(mg_cross2(chord, s->E));
+  const int back = mg_dot2(chord, s->begin_tangent) < 0.5 || mg_dot2(chord, s->end_tangent) < 0.5;
+  s->turn = back ? 4 : fabs(mg_cross2(chord, s->begin_tangent)) + fabs(mg_cross2(chord, s->end_tangent));
 }
 
 MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
-  span->track = track, span->a = a, span->b = b;
-  mg_arc_point(h->arcs + track, a, span->P, span->S), mg_arc_point(h->arcs + track, b, span->Q, span->E);
-  mg_unit2(span->S), mg_unit2(span->E);
+  span->arc = track, span->t_begin = a, span->t_end = b;
+  mg_arc_point(h->arcs + track, a, span->begin, span->begin_tangent),
+      mg_arc_point(h->arcs + track, b, span->end, span->end_tangent);
+  mg_unit2(span->begin_tangent), mg_unit2(span->end_tangent);
   mg_turn_of(span);
 }
 
@@ -96,17 +97,18 @@ MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_
 
 /* Ends a span at the first inflection within it, if there is one. */
 static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
-  const mg_placed_arc *k = h->arcs + s->track;
-  const mg_real part = (s->b - s->a) / MG_INFLECTION_PARTS;
-  mg_real before = mg_sought(k, MG_ZERO_CURVATURE, s->P, s->a);
+  const mg_placed_arc *k = h->arcs + s->arc;
+  const mg_real part = (s->t_end - s->t_begin) / MG_INFLECTION_PARTS;
+  mg_real before = mg_sought(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
   for (int i = 0; i < MG_INFLECTION_PARTS; i++) {
-    const mg_real low = s->a + i * part, high = low + part, bend = mg_sought(k, MG_ZERO_CURVATURE, s->P, high);
+    const mg_real low = s->t_begin + i * part, high = low + part,
+                  bend = mg_sought(k, MG_ZERO_CURVATURE, s->begin, high);
     const int changed = (before > 0) != (bend > 0);
     before = bend;
     if (!changed) continue;
-    const mg_real t = mg_zero_on_arc(k, MG_ZERO_CURVATURE, s->P, low, high);
-    if (!(t > s->a + part / 64 && t < s->b - part / 64)) continue;
-    mg_make_span(h, s->track, s->a, t, s);
+    const mg_real t = mg_zero_on_arc(k, MG_ZERO_CURVATURE, s->begin, low, high);
+    if (!(t > s->t_begin + part / 64 && t < s->t_end - part / 64)) continue;
+    mg_make_span(h, s->arc, s->t_begin, t, s);
     return;
   }
 }
@@ -122,13 +124,13 @@ static void mg_divide(mg_hull *h, int track, int most) {
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
     mg_arc_span *s = h->spans + h->n_span;
-    mg_make_span(h, track, h->n_span > k->span ? s[-1].b : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
+    mg_make_span(h, track, h->n_span > k->span ? s[-1].t_end : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
     if (s->turn > MG_SPAN_TURN && part > (mg_real)1 / MG_SPANS_MAX && part / 2 > least) {
       part /= 2;
       continue;
     }
-    if (!k->straight && k->kernels->shape_kinds[k->shape].bends && 2 * least < part) mg_end_at_inflection(h, s);
-    done = s->b < k->t1 ? (s->b - k->t0) / whole : 1, h->n_span++;
+    if (!k->straight && k->kernels->shape_kinds[k->shape].may_inflect && 2 * least < part) mg_end_at_inflection(h, s);
+    done = s->t_end < k->t1 ? (s->t_end - k->t0) / whole : 1, h->n_span++;
     if (s->turn < MG_SPAN_TURN / 3 && part < (mg_real)1 / 8) part *= 2;
     if (k->straight) s->turn = 0;
   }
@@ -148,7 +150,7 @@ static void mg_divide_all(mg_hull *h) {
 }
 
 /* The arc that goes on where arc i ends. */
-static int mg_following(const mg_regions *r, int i) {
+static int mg_following(const mg_region_pair *r, int i) {
   const int loop = r->arc[i].loop;
   if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
   while (i > 0 && i != r->n_o && r->arc[i - 1].loop == loop) i--;
@@ -173,13 +175,13 @@ static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
 static void mg_close_loop(mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_arc_span *last = h->spans + k->span + k->n_span - 1;
-  for (int j = 0; j < 2; j++) last->Q[j] = h->spans[h->arcs[k->next].span].P[j];
+  for (int j = 0; j < 2; j++) last->end[j] = h->spans[h->arcs[k->next].span].begin[j];
 }
 
 static mg_real mg_reach_of_track(const mg_hull *h, int i) {
   mg_real most = 0;
   for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
-    most = fmax(most, fabs(h->spans[j].P[0]) + fabs(h->spans[j].P[1]));
+    most = fmax(most, fabs(h->spans[j].begin[0]) + fabs(h->spans[j].begin[1]));
   return most;
 }
 
@@ -189,13 +191,13 @@ static int mg_has_right(const mg_hull *h, int i) {
   mg_real x[2], T[2];
   mg_arc_point(k, (k->t0 + k->t1) / 2, x, T);
   mg_unit2(T);
-  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->shared,
+  const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence,
                 right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
   return mg_locate_point(h, k->side, right) == 1;
 }
 
 MG_INTERNAL void mg_divide_arcs(mg_hull *h) {
-  const mg_regions *r = h->regions;
+  const mg_region_pair *r = h->regions;
   for (int i = 0; i < r->n_arc; i++) {
     mg_placed_arc *k = h->arcs + i;
     k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0,
@@ -210,14 +212,14 @@ MG_INTERNAL void mg_divide_arcs(mg_hull *h) {
 }
 
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
-  const mg_regions *r = h->regions;
+  const mg_region_pair *r = h->regions;
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
     const mg_placed_arc *k = h->arcs + i;
     mg_place_track(h, i, pose);
     for (int j = k->span; j < k->span + k->n_span; j++) {
       mg_arc_span *s = h->spans + j;
-      mg_make_span(h, i, s->a, s->b, s);
+      mg_make_span(h, i, s->t_begin, s->t_end, s);
       if (k->straight) s->turn = 0;
     }
   }

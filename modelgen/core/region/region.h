@@ -37,8 +37,8 @@ typedef struct {
   const mg_kernels *kernels;
   int n_arc, n_o; /* the first n_o arcs bound A, the others B */
   const mg_arc *arc;
-  mg_real shared; /* m: points of the two boundaries nearer than this are one */
-} mg_regions;
+  mg_real coincidence; /* m: points of the two boundaries nearer than this are one */
+} mg_region_pair;
 
 /* Ends of arcs are on the other boundary, and o's parts within f's, up to MG_COINCIDENCE_FACTOR times `shared`; f's
    within o's up to half of it: where f's part is left out for o's, o's has been cut at its ends and is kept. */
@@ -47,8 +47,8 @@ typedef struct {
 #define MG_SHORT_SIDE 1024 /* sides of a hull up to so many times `shared` have no direction that can be relied on */
 
 typedef struct { /* an arc placed in the plane, or a part of it; turn: sum of its end tangents' sines to the chord */
-  int track;
-  mg_real a, b, P[2], Q[2], S[2], E[2], turn;
+  int arc;
+  mg_real t_begin, t_end, begin[2], end[2], begin_tangent[2], end_tangent[2], turn;
 } mg_arc_span;
 
 typedef struct {
@@ -60,27 +60,27 @@ typedef struct {
 } mg_placed_arc;
 
 typedef struct { /* where an arc of A meets one of B */
-  int track[2];
+  int arc[2];
   mg_real t[2], point[2];
 } mg_intersection;
 
 typedef struct { /* a part of a boundary that bounds A cap B, or (thin) is all of it there; cut: what ends it, or -1 */
-  int track, is_thin, intersection[2];
+  int arc, is_thin, intersection[2];
   mg_real t[2];
 } mg_boundary_piece;
 
 typedef struct { /* a point of a piece; next: the one after it on a curve, or -1, which is reached at t_end */
-  int track, intersection, next, twin;
+  int arc, intersection, next, twin;
   mg_real t, t_end, point[2], tangent[2];
 } mg_hull_vertex;
 
 typedef struct { /* a side of the hull from spot u to spot v: straight, or along the curve, forward or back */
-  int u, v, direction;
+  int from_vertex, to_vertex, direction;
   mg_real normal[2], length, height;
 } mg_hull_edge;
 
 typedef struct {
-  const mg_regions *regions;
+  const mg_region_pair *regions;
   mg_placed_arc *arcs;
   mg_arc_span *spans;
   mg_intersection *intersections;
@@ -114,9 +114,9 @@ enum {
   MG_ZERO_CURVATURE
 }; /* zeros sought along an arc: v.c'; (c - v).c'; the curvature */
 
-typedef struct {                /* a part of the boundary of what is pressed, run through with that on the left */
-  int track, straight, ends[2]; /* ends: the pressure vanishes there, within the region */
-  mg_real t[2], P[2], Q[2];
+typedef struct {              /* a part of the boundary of what is pressed, run through with that on the left */
+  int arc, straight, ends[2]; /* ends: the pressure vanishes there, within the region */
+  mg_real t[2], begin[2], end[2];
 } mg_boundary_strip;
 
 typedef struct {
@@ -128,7 +128,7 @@ typedef struct {
   mg_real line_foot[2];               /* of the centre on that line; else the centre */
   mg_real moments[6];                 /* of what is pressed, about the centre: 1, x, y, xx, xy, yy */
   mg_real reach;                      /* m: no point of it is farther from the centre */
-} mg_pressure;
+} mg_winkler_pressure_field;
 
 enum { MG_NODES = 10, MG_FEW_NODES = 4 };
 
@@ -161,7 +161,7 @@ MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p);
 /* overlay.c */
 MG_INTERNAL long mg_hull_memory_size(int n_arc, int n_o);
 MG_INTERNAL long mg_strip_capacity(int n_arc, int n_o);
-MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_regions *regions, mg_real *memory);
+MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_real *memory);
 MG_INTERNAL int mg_overlay_regions(mg_hull *h, const mg_real *pose);
 
 /* convex_hull.c */
@@ -176,14 +176,15 @@ MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
 MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 
 /* winkler_pressure.c */
-MG_INTERNAL void mg_open_pressure(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips);
-MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg_real *level);
-MG_INTERNAL void mg_uniform_pressure(mg_pressure *p, const mg_real *about);
+MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long room, mg_boundary_strip *strips);
+MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *level);
+MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
-MG_INTERNAL int mg_winkler_pressure(mg_pressure *p, mg_real force, const mg_real *centre);
+MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);
 
 /* friction_wrench.c */
-MG_INTERNAL void mg_friction_matrix(const mg_pressure *p, const mg_real *twist, mg_real G[3][3]);
-MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_pressure *p, const mg_real *wrench, mg_real radius, mg_real *twist);
+MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg_real *twist, mg_real G[3][3]);
+MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_winkler_pressure_field *p, const mg_real *wrench, mg_real radius,
+                                           mg_real *twist);
 
 #endif

@@ -13,21 +13,22 @@ static void mg_put_support(const mg_support_point *from, int *identity, mg_real 
 
 static void mg_put_margin(const mg_hull *h, const mg_region_query *q, int i) {
   mg_nearest_boundary brink = {0};
-  q->margin[i] = mg_hull_margin(h, q->x + 2 * i, &brink);
+  q->margin[i] = mg_hull_margin(h, q->points + 2 * i, &brink);
   q->supports[i] = brink.n;
   for (int k = 0; k < 2; k++) q->normal[2 * i + k] = brink.normal[k];
-  for (int k = 0; k < brink.n; k++) mg_put_support(brink.at + k, q->identity + 6 * i + 3 * k, q->where + 8 * i + 4 * k);
+  for (int k = 0; k < brink.n; k++)
+    mg_put_support(brink.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
 }
 
 /* Lays the regions on each other; returns the number of sides of their hull. */
-static int mg_lay_query(const mg_region_query *q, mg_regions *regions, mg_hull *h, mg_real **work) {
+static int mg_lay_query(const mg_region_query *q, mg_region_pair *regions, mg_hull *h, mg_real **work) {
   mg_arc *arc = mg_take_memory(work, q->n_arc, sizeof(mg_arc));
   for (int i = 0; i < q->n_arc; i++) {
     const mg_real *numbers = q->numbers + 14 * i;
     const mg_arc given = {q->shape[i], q->loop[i], q->parameters + q->first[i], numbers, numbers[12], numbers[13]};
     arc[i] = given;
   }
-  const mg_regions all = {q->kernels, q->n_arc, q->n_o, arc, q->shared};
+  const mg_region_pair all = {q->kernels, q->n_arc, q->n_o, arc, q->coincidence};
   *regions = all;
   mg_set_regions(h, regions, *work);
   *work += mg_hull_memory_size(q->n_arc, q->n_o);
@@ -35,12 +36,12 @@ static int mg_lay_query(const mg_region_query *q, mg_regions *regions, mg_hull *
 }
 
 MG_API int mg_region(const mg_region_query *q, mg_real *work) {
-  mg_regions regions;
+  mg_region_pair regions;
   mg_hull h;
   const int sides = mg_lay_query(q, &regions, &h, &work);
   for (int i = 0; i < q->n_point; i++) mg_put_margin(&h, q, i);
-  mg_outline_pieces(&h, q->fine, q->outline);
-  mg_outline_hull(&h, q->fine, q->hull);
+  mg_outline_pieces(&h, q->points_per_turn, q->outline);
+  mg_outline_hull(&h, q->points_per_turn, q->hull);
   return h.overflow ? -1 : sides;
 }
 
@@ -48,14 +49,14 @@ MG_API long mg_region_friction_size(int n_arc, int n_o) {
   return mg_region_size(n_arc, n_o) + mg_count_reals(mg_strip_capacity(n_arc, n_o), sizeof(mg_boundary_strip));
 }
 
-static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) {
+static void mg_store_patch_friction(const mg_patch_friction_query *q, mg_winkler_pressure_field *p, int i) {
   const mg_real *load = q->load + 3 * i, centre[2] = {load[1], load[2]};
   mg_real G[3][3], worst[3];
   mg_nearest_boundary brink;
   q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_winkler_pressure(p, load[0], centre);
   for (int k = 0; k < 3; k++) q->pressure[3 * i + k] = q->friction[3 * i + k] = (mg_real)NAN;
-  q->needed[i] = (mg_real)NAN;
-  for (int k = 0; k < 3; k++) q->limiting[3 * i + k] = (mg_real)NAN;
+  q->friction_needed[i] = (mg_real)NAN;
+  for (int k = 0; k < 3; k++) q->limiting_twist[3 * i + k] = (mg_real)NAN;
   if (!q->found[i]) return;
   mg_friction_matrix(p, q->twist + 3 * i, G);
   for (int k = 0; k < 3; k++) {
@@ -63,17 +64,17 @@ static void mg_put_rub(const mg_patch_friction_query *q, mg_pressure *p, int i) 
     q->friction[3 * i + k] =
         -(G[k][0] * p->coefficients[0] + G[k][1] * p->coefficients[1] + G[k][2] * p->coefficients[2]);
   }
-  q->needed[i] = mg_limit_surface_ratio(p, q->wrench + 3 * i, p->reach, worst);
-  for (int k = 0; k < 3; k++) q->limiting[3 * i + k] = k < 2 ? worst[k] : worst[k] / p->reach;
+  q->friction_needed[i] = mg_limit_surface_ratio(p, q->wrench + 3 * i, p->reach, worst);
+  for (int k = 0; k < 3; k++) q->limiting_twist[3 * i + k] = k < 2 ? worst[k] : worst[k] / p->reach;
 }
 
 MG_API int mg_region_friction(const mg_patch_friction_query *q, mg_real *work) {
   const mg_region_query *r = q->regions;
-  mg_regions regions;
+  mg_region_pair regions;
   mg_hull h;
-  mg_pressure press;
+  mg_winkler_pressure_field press;
   const int sides = mg_lay_query(r, &regions, &h, &work);
   mg_open_pressure(&press, &h, mg_strip_capacity(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
-  for (int i = 0; i < q->n && sides > 2; i++) mg_put_rub(q, &press, i);
+  for (int i = 0; i < q->n && sides > 2; i++) mg_store_patch_friction(q, &press, i);
   return h.overflow ? -1 : sides;
 }

@@ -10,26 +10,27 @@
 
 #define MG_CONTINUATION_PART_MIN 1e-3 /* of what is left of the way to a centre */
 
-MG_INTERNAL void mg_open_pressure(mg_pressure *p, const mg_hull *h, long room, mg_boundary_strip *strips) {
+MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long room,
+                                  mg_boundary_strip *strips) {
   p->hull = h, p->capacity = room, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
-static mg_real mg_pressure_at(const mg_pressure *p, const mg_real *x) {
+static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real *x) {
   return p->coefficients[0] + p->coefficients[1] * (x[0] - p->centre[0]) + p->coefficients[2] * (x[1] - p->centre[1]);
 }
 
-static void mg_put_strip(mg_pressure *p, const mg_boundary_strip *strip, int back) {
+static void mg_put_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
   if (p->n == p->capacity) return;
   mg_boundary_strip *s = p->strips + p->n++;
   *s = *strip;
   if (!back) return;
   for (int k = 0; k < 2; k++)
-    s->t[k] = strip->t[!k], s->ends[k] = strip->ends[!k], s->P[k] = strip->Q[k], s->Q[k] = strip->P[k];
+    s->t[k] = strip->t[!k], s->ends[k] = strip->ends[!k], s->begin[k] = strip->end[k], s->end[k] = strip->begin[k];
 }
 
 /* The part of a straight strip that is pressed. */
-static void mg_clip_straight(mg_pressure *p, mg_boundary_strip s, int back) {
-  const mg_real a = mg_pressure_at(p, s.P), b = mg_pressure_at(p, s.Q);
+static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, int back) {
+  const mg_real a = mg_pressure_at(p, s.begin), b = mg_pressure_at(p, s.end);
   if (a <= 0 && b <= 0) {
     p->partly_unloaded = 1;
     return;
@@ -37,15 +38,15 @@ static void mg_clip_straight(mg_pressure *p, mg_boundary_strip s, int back) {
   for (int end = 0; end < 2; end++) {
     if ((end ? b : a) >= 0) continue;
     const mg_real part = a / (a - b);
-    mg_real *x = end ? s.Q : s.P;
-    const mg_real at[2] = {s.P[0] + part * (s.Q[0] - s.P[0]), s.P[1] + part * (s.Q[1] - s.P[1])};
+    mg_real *x = end ? s.end : s.begin;
+    const mg_real at[2] = {s.begin[0] + part * (s.end[0] - s.begin[0]), s.begin[1] + part * (s.end[1] - s.begin[1])};
     x[0] = at[0], x[1] = at[1], s.ends[end] = p->partly_unloaded = 1;
   }
   mg_put_strip(p, &s, back);
 }
 
 /* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
-static mg_real mg_find_level(const mg_pressure *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
+static mg_real mg_find_level(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
   mg_arc_point(k, t0, x, T);
   const int sign = mg_pressure_at(p, x) > 0;
@@ -64,15 +65,15 @@ static mg_real mg_find_level(const mg_pressure *p, const mg_placed_arc *k, mg_re
   return t;
 }
 
-static void mg_put_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
+static void mg_put_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
   mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
-  mg_arc_point(p->hull->arcs + track, t0, s.P, T), mg_arc_point(p->hull->arcs + track, t1, s.Q, T);
+  mg_arc_point(p->hull->arcs + track, t0, s.begin, T), mg_arc_point(p->hull->arcs + track, t1, s.end, T);
   mg_put_strip(p, &s, back);
 }
 
 /* The parts of a curve that are pressed; it turns by so little that there are two at most. */
-static void mg_clip_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, int back) {
+static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, int back) {
   const mg_placed_arc *k = p->hull->arcs + track;
   const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
   mg_real t[3] = {t0, t0, t1}, value[3], slope[3], T[2], x[2];
@@ -91,35 +92,35 @@ static void mg_clip_curve(mg_pressure *p, int track, mg_real t0, mg_real t1, int
 }
 
 /* The boundary of what is pressed with the pressure at hand; all of it with a pressure of 1. */
-static void mg_strip_boundary(mg_pressure *p) {
+static void mg_strip_boundary(mg_winkler_pressure_field *p) {
   const mg_hull *h = p->hull;
   p->n = p->partly_unloaded = 0;
   for (int i = 0; i < h->n_piece; i++) {
     const mg_boundary_piece *piece = h->pieces + i;
-    const mg_placed_arc *k = h->arcs + piece->track;
+    const mg_placed_arc *k = h->arcs + piece->arc;
     const int back = k->right != (k->side && h->mirrored);
     if (piece->is_thin) continue;
     for (int j = k->span; j < k->span + k->n_span; j++) {
       const mg_arc_span *s = h->spans + j;
-      const mg_real a = fmax(s->a, piece->t[0]), b = fmin(s->b, piece->t[1]);
+      const mg_real a = fmax(s->t_begin, piece->t[0]), b = fmin(s->t_end, piece->t[1]);
       if (!(a < b)) continue;
       if (!k->straight) {
-        mg_clip_curve(p, piece->track, a, b, back);
+        mg_clip_curve(p, piece->arc, a, b, back);
         continue;
       }
-      mg_boundary_strip strip = {piece->track, 1, {0, 0}, {a, b}, {0, 0}, {0, 0}};
+      mg_boundary_strip strip = {piece->arc, 1, {0, 0}, {a, b}, {0, 0}, {0, 0}};
       mg_real T[2];
-      if (a == s->a) strip.P[0] = s->P[0], strip.P[1] = s->P[1];
-      else mg_arc_point(k, a, strip.P, T);
-      if (b == s->b) strip.Q[0] = s->Q[0], strip.Q[1] = s->Q[1];
-      else mg_arc_point(k, b, strip.Q, T);
+      if (a == s->t_begin) strip.begin[0] = s->begin[0], strip.begin[1] = s->begin[1];
+      else mg_arc_point(k, a, strip.begin, T);
+      if (b == s->t_end) strip.end[0] = s->end[0], strip.end[1] = s->end[1];
+      else mg_arc_point(k, b, strip.end, T);
       mg_clip_straight(p, strip, back);
     }
   }
 }
 
 /* Adds the moments of the triangle between a piece of boundary, at x with weight x cross dx, and the foot. */
-static void mg_add_moments(mg_pressure *p, mg_real weight, const mg_real *x) {
+static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const mg_real *x) {
   const mg_real d[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]};
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
@@ -129,7 +130,7 @@ static void mg_add_moments(mg_pressure *p, mg_real weight, const mg_real *x) {
 
 /* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts,
    moved to the centre. */
-static void mg_take_moments(mg_pressure *p) {
+static void mg_take_moments(mg_winkler_pressure_field *p) {
   const mg_real *o = p->line_foot, shift[2] = {p->line_foot[0] - p->centre[0], p->line_foot[1] - p->centre[1]};
   mg_real *m = p->moments;
   for (int k = 0; k < 6; k++) m[k] = 0;
@@ -137,14 +138,15 @@ static void mg_take_moments(mg_pressure *p) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
     if (s->straight) {
-      const mg_real P[2] = {s->P[0] - o[0], s->P[1] - o[1]}, Q[2] = {s->Q[0] - o[0], s->Q[1] - o[1]};
-      const mg_real middle[2] = {(s->P[0] + s->Q[0]) / 2, (s->P[1] + s->Q[1]) / 2}, whole = mg_cross2(P, Q);
-      mg_add_moments(p, whole / 6, s->P), mg_add_moments(p, 4 * whole / 6, middle), mg_add_moments(p, whole / 6, s->Q);
+      const mg_real P[2] = {s->begin[0] - o[0], s->begin[1] - o[1]}, Q[2] = {s->end[0] - o[0], s->end[1] - o[1]};
+      const mg_real middle[2] = {(s->begin[0] + s->end[0]) / 2, (s->begin[1] + s->end[1]) / 2}, whole = mg_cross2(P, Q);
+      mg_add_moments(p, whole / 6, s->begin), mg_add_moments(p, 4 * whole / 6, middle),
+          mg_add_moments(p, whole / 6, s->end);
       continue;
     }
     for (int j = 0; j < MG_NODES; j++) {
       mg_real x[2], T[2];
-      mg_arc_point(p->hull->arcs + s->track, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
+      mg_arc_point(p->hull->arcs + s->arc, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
       const mg_real d[2] = {x[0] - o[0], x[1] - o[1]};
       mg_add_moments(p, mg_node_weight[j] * (s->t[1] - s->t[0]) * mg_cross2(d, T), x);
     }
@@ -155,7 +157,7 @@ static void mg_take_moments(mg_pressure *p) {
 }
 
 /* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
-MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg_real *level) {
+MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *level) {
   const mg_real *m = p->moments, r = p->reach;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
   const mg_real free = yy - xy * xy / xx, bx = moment[1] - x * moment[0], by = moment[2] - y * moment[0];
@@ -166,14 +168,14 @@ MG_INTERNAL int mg_solve_moments(const mg_pressure *p, const mg_real *moment, mg
 }
 
 /* All of the region pressed alike, with moments about a point. */
-MG_INTERNAL void mg_uniform_pressure(mg_pressure *p, const mg_real *about) {
+MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about) {
   for (int k = 0; k < 2; k++) p->centre[k] = p->line_foot[k] = about[k];
   p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
   mg_strip_boundary(p);
   mg_take_moments(p);
 }
 
-static void mg_set_level(mg_pressure *p, const mg_real *level) {
+static void mg_set_level(mg_winkler_pressure_field *p, const mg_real *level) {
   for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
   mg_strip_boundary(p);
   const mg_real slope = level[1] * level[1] + level[2] * level[2];
@@ -183,7 +185,7 @@ static void mg_set_level(mg_pressure *p, const mg_real *level) {
 }
 
 /* What the pressure wanted minimises: half its square, less the level's share of the moments. */
-static mg_real mg_press_merit(const mg_pressure *p, mg_real force) {
+static mg_real mg_press_merit(const mg_winkler_pressure_field *p, mg_real force) {
   const mg_real *m = p->moments, *l = p->coefficients;
   return (m[0] * l[0] * l[0] + m[3] * l[1] * l[1] + m[5] * l[2] * l[2]) / 2 + m[1] * l[0] * l[1] + m[2] * l[0] * l[2] +
          m[4] * l[1] * l[2] - force * l[0];
@@ -194,8 +196,9 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   mg_real reach = 0;
   middle[0] = middle[1] = 0;
   for (int i = 0; i < h->n_edge; i++)
-    for (int k = 0; k < 2; k++) middle[k] += h->vertices[h->edges[i].u].point[k] / h->n_edge;
-  for (int i = 0; i < h->n_edge; i++) reach = fmax(reach, mg_distance2(h->vertices[h->edges[i].u].point, middle));
+    for (int k = 0; k < 2; k++) middle[k] += h->vertices[h->edges[i].from_vertex].point[k] / h->n_edge;
+  for (int i = 0; i < h->n_edge; i++)
+    reach = fmax(reach, mg_distance2(h->vertices[h->edges[i].from_vertex].point, middle));
   return reach;
 }
 
@@ -215,7 +218,7 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
 
 /* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a
    convex function, whose Hessian the moments are; 0 where it is not found. */
-static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, const mg_real *start) {
+static int mg_press_from(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre, const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
@@ -245,7 +248,7 @@ static int mg_press_from(mg_pressure *p, mg_real force, const mg_real *centre, c
 }
 
 /* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
-static int mg_press_along(mg_pressure *p, mg_real force, const mg_real *centre) {
+static int mg_press_along(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
@@ -266,7 +269,7 @@ static int mg_press_along(mg_pressure *p, mg_real force, const mg_real *centre) 
 }
 
 /* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
-MG_INTERNAL int mg_winkler_pressure(mg_pressure *p, mg_real force, const mg_real *centre) {
+MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3];
   mg_uniform_pressure(p, centre);

@@ -16,7 +16,7 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
   c->step.rolling_step = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
-    const int finite = mg_all_finite(c->n_states, c->step.end) && error <= MG_MAX;
+    const int finite = mg_all_finite(c->layout.n_states, c->step.end) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
@@ -37,29 +37,30 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
    singularity, or lost it, and a shorter step can still come nearer. */
 static int mg_settle_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
-  for (int i = 0; i < c->n_states; i++) c->step.settled[i] = c->step.end[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = c->step.end[i];
   mg_normalise_quaternions(c, c->step.settled);
   int sound = mg_place_all_contacts(c, run->t + h, c->step.settled);
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_contact_singular(c, i)) sound = 0;
-  return sound || c->settings->method == MG_RK4 || h <= c->settings->event * c->system->time;
+  return sound || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
 }
 
 /* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points
    have leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
 static int mg_leaps(const mg_context *c, mg_real h) {
-  const mg_real least = c->system->length / c->system->time, part = c->settings->leap * c->settings->tolerance;
+  const mg_real least = c->system->length / c->system->time,
+                part = c->settings->separation_speed_factor * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
-  if (mg_has_rolling_start(c) || h <= c->settings->event * c->system->time) return 0;
-  for (int i = 0; i < c->support_begin; i++) {
-    if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->d_dot[i]) > part * least)) continue;
-    if (fabs(c->d_dot[i]) > part * mg_pair_motion(c, c->system->contact_pair[i]).speed) return 1;
+  if (mg_has_rolling_start(c) || h <= c->settings->event_tolerance * c->system->time) return 0;
+  for (int i = 0; i < c->layout.support_begin; i++) {
+    if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->rows.d_dot[i]) > part * least)) continue;
+    if (fabs(c->rows.d_dot[i]) > part * mg_pair_motion(c, c->system->contact_pair[i]).speed) return 1;
   }
   return 0;
 }
 
 static void mg_commit(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.settled[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.settled[i];
   mg_advance_time(c->run, h);
   c->run->steps++;
   mg_update_rolling_starts(c);
@@ -67,7 +68,7 @@ static void mg_commit(mg_context *c, mg_real h) {
 }
 
 static int mg_settle_drift(mg_context *c) {
-  if (!mg_all_finite(c->n_states, c->run->x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->layout.n_states, c->run->x)) return MG_NOT_FINITE;
   mg_evaluate_run_state(c);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
@@ -77,13 +78,14 @@ static int mg_settle_drift(mg_context *c) {
 /* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be
    one alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
 static int mg_differs(const mg_context *c, mg_real h) {
-  return c->settings->stride < 1 && c->run->t == c->run->t_event && h > c->settings->event * c->system->time;
+  return c->settings->step_fraction < 1 && c->run->t == c->run->t_event &&
+         h > c->settings->event_tolerance * c->system->time;
 }
 
 static int mg_step_part(mg_context *c, mg_real *h) {
-  *h *= c->settings->stride;
+  *h *= c->settings->step_fraction;
   int outcome = MG_DONE;
-  if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, c->settings->stride);
+  if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, c->settings->step_fraction);
   else {
     mg_evaluate_run_state(c);
     outcome = mg_accurate_step(c, h);
@@ -98,7 +100,7 @@ static mg_real mg_longest(const mg_context *c) {
                 sight = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
                 unfolding = mg_patch_opening_step_limit(c);
   const mg_real seen = sight < reach ? sight : reach;
-  return (mg_differs(c, MG_MAX) ? 1 : c->settings->stride) * (seen < unfolding ? seen : unfolding);
+  return (mg_differs(c, MG_MAX) ? 1 : c->settings->step_fraction) * (seen < unfolding ? seen : unfolding);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
@@ -113,7 +115,7 @@ static mg_real mg_first_within(mg_context *c, mg_real h) {
 
 /* A stage saw an event that is over before it could be located: what moves in time came and went. */
 static int mg_overlooks(const mg_context *c, mg_real h) {
-  return c->n_timed && c->step.sign_changed && h > c->settings->look * c->system->time;
+  return c->layout.n_timed && c->step.sign_changed && h > c->settings->time_resolution * c->system->time;
 }
 
 /* Ends a step that was collocated beyond the time it may take. */
@@ -159,12 +161,13 @@ static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *event
   if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);
   mg_real before, after;
   const int jerks = mg_find_velocity_jump(c, h, &before, &after);
-  if (jerks && before - run->t <= c->settings->event * c->system->time) return mg_cross_velocity_jump(c, after, events);
+  if (jerks && before - run->t <= c->settings->event_tolerance * c->system->time)
+    return mg_cross_velocity_jump(c, after, events);
   if (jerks) h = before - run->t;
   c->search.abandoned.count = 0;
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);
-  if (c->system->n_grip) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+  if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
   mg_sample_margins_at_start(c);
   int outcome = mg_accurate_step(c, &h);
   if (outcome) return outcome;
@@ -205,7 +208,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   mg_record_now(&c, record);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
-    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_FULL;
+    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_LIST_FULL;
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
     const int last = h >= left * (1 - 8 * MG_EPS);

@@ -11,7 +11,7 @@ MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n
     while (!outcome[i] && runs[i].t < t_stop) {
       events->count = 0;
       outcome[i] = mg_advance(system, settings, runs + i, t_stop, 1000000, &record, events, work, iwork);
-      if (outcome[i] == MG_CONTINUE || outcome[i] == MG_FULL) outcome[i] = MG_DONE;
+      if (outcome[i] == MG_CONTINUE || outcome[i] == MG_LIST_FULL) outcome[i] = MG_DONE;
     }
   }
 }

@@ -13,15 +13,15 @@ static int mg_find_extrema(mg_context *c) {
   const mg_real touching = c->settings->start_gap * s->length;
   for (int i = 0; i < s->n_contact; i++) {
     c->run->failed_contact = i;
-    c->run->closed[i] = c->run->active[i] = c->run->fresh[i] = 0;
-    if (!mg_is_on_link(c, i)) continue;
-    const int lost = mg_newton_on_link(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
+    c->run->closed[i] = c->run->active[i] = c->run->rolling_start[i] = 0;
+    if (!mg_is_on_feature_pair(c, i)) continue;
+    const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
                      !(mg_placement_margin(c) >= c->settings->margin_refuse);
     if (lost && mg_is_contact_of_flat_patch(c, i)) {
-      mg_set_link(c, i, -1, 0);
+      mg_set_feature_pair(c, i, -1, 0);
       continue;
     }
-    if (mg_newton_on_link(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
+    if (mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->search.placement[0] <= touching;
     c->run->margin[i] = mg_placement_margin(c);
@@ -36,7 +36,7 @@ static int mg_find_extrema(mg_context *c) {
 static void mg_report_caught(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_approaching(c, i))
-      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->d_dot[i]);
+      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->rows.d_dot[i]);
 }
 
 static void mg_reset(mg_run *run) {
@@ -47,8 +47,8 @@ static void mg_reset(mg_run *run) {
   run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
   run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
-  run->gain_max = run->gain_t = 0, run->gain_contact = run->chain_contact = run->paradox_contact = -1,
-  run->forces_redundant = 0;
+  run->impact_gain_max = run->impact_gain_t = 0,
+  run->impact_gain_contact = run->chain_impact_contact = run->painleve_contact = -1, run->forces_redundant = 0;
   run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
   run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1,
   run->rank_max = run->dead_centres = 0;
@@ -59,7 +59,7 @@ static void mg_reset(mg_run *run) {
 /* Time-stepping needs no modes: its first step takes the first impacts. */
 static int mg_begin_in_time(mg_context *c) {
   mg_update_rows_at(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->friction_row_end; i++) c->force[i] = 0;
+  for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] = 0;
   mg_update_diagnostics(c);
   return MG_DONE;
 }
@@ -78,10 +78,10 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_reset(run);
   mg_start_after_kink(&c);
-  for (int i = 0; i < system->n_grip; i++)
-    run->grip[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
-  for (int i = 0; i < system->n_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
-  run->x[c.work_state] = 0;
+  for (int i = 0; i < system->n_friction; i++)
+    run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
+  for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  run->x[c.layout.work_state] = 0;
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);
   int outcome = mg_search_start_pairs(&c);

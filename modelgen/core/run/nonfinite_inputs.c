@@ -43,9 +43,9 @@ static mg_real mg_joint_motion_magnitude(const mg_context *c, int joint, mg_real
   const int kind = s->joint_kind[joint], a = s->joint_a[joint], b = s->joint_b[joint];
   mg_real row[3 * MG_JOINT_ROWS] = {0}, J[12 * MG_JOINT_ROWS];
   if (!c->kernels->joint_kinds[kind].prescribed) return 0;
-  c->kernels->joint_rows(kind, &t, c->pose + 12 * a, c->twist + 6 * a, c->pose + 12 * b, c->twist + 6 * b,
-                         s->parameters + s->joint_parameters[joint], row, J, row + MG_JOINT_ROWS,
-                         row + 2 * MG_JOINT_ROWS);
+  c->kernels->joint_rows(kind, &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a, c->bodies.pose + 12 * b,
+                         c->bodies.twist + 6 * b, s->parameters + s->joint_parameters[joint], row, J,
+                         row + MG_JOINT_ROWS, row + 2 * MG_JOINT_ROWS);
   return mg_largest_magnitude(row, 3 * MG_JOINT_ROWS, 0);
 }
 
@@ -87,7 +87,7 @@ static int mg_is_nonfinite_ahead(const mg_context *c, int function, mg_real ahea
 /* First function of time that is not finite now or ahead, or has a pole here, or -1. Leaves the poses at the
    run's state. */
 static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
-  if (!mg_all_finite(c->n_states, c->run->x)) return -1;
+  if (!mg_all_finite(c->layout.n_states, c->run->x)) return -1;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_load + c->system->n_body + c->system->n_joint; i++)
     if (mg_is_nonfinite_ahead(c, i, ahead) || mg_has_pole(c, i)) return i;
@@ -96,7 +96,7 @@ static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
 
 /* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome) {
-  const mg_real ahead = c->settings->look * c->system->time;
+  const mg_real ahead = c->settings->time_resolution * c->system->time;
   return mg_needs_fallback(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
 }
 
@@ -109,5 +109,5 @@ static mg_real mg_last_tried_step(const mg_context *c) {
 MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
-  return mg_first_unbounded_function(&c, fmax(mg_last_tried_step(&c), settings->look * system->time));
+  return mg_first_unbounded_function(&c, fmax(mg_last_tried_step(&c), settings->time_resolution * system->time));
 }

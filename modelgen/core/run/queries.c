@@ -12,7 +12,7 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
   mg_run copy = *run;
   mg_open_context(&c, system, settings, &copy, work, iwork);
   mg_update_poses(&c, run->t, run->x);
-  const int steps = mg_newton_on_link(&c, contact, eta);
+  const int steps = mg_newton_on_feature_pair(&c, contact, eta);
   *d = c.search.placement[0], residual[0] = c.search.placement[1], residual[1] = c.search.placement[2],
   margin[0] = c.search.placement[3], margin[1] = c.search.placement[4];
   for (int k = 0; k < 3; k++)
@@ -26,7 +26,7 @@ MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_update_poses(&c, run->t, run->x);
-  for (int i = 0; i < 12 * system->n_body; i++) pose[i] = c.pose[i];
+  for (int i = 0; i < 12 * system->n_body; i++) pose[i] = c.bodies.pose[i];
 }
 
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t, const mg_real *x,
@@ -34,7 +34,7 @@ MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_right_hand_side(&c, t, x, x_dot);
-  for (int i = 0; i < system->n_contact; i++) run->force[i] = c.force[i];
+  for (int i = 0; i < system->n_contact; i++) run->force[i] = c.solution.force[i];
 }
 
 MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
@@ -54,7 +54,7 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
   for (long step = 0; step < n; step++) {
     mg_right_hand_side(&c, run->t, run->x, c.step.slopes);
     mg_rk4(&c, run->t, run->x, settings->step);
-    for (int i = 0; i < c.n_states; i++) run->x[i] = c.step.end[i];
+    for (int i = 0; i < c.layout.n_states; i++) run->x[i] = c.step.end[i];
     mg_advance_time(run, settings->step);
   }
   run->steps += n;

@@ -11,12 +11,12 @@
 static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
 /* Contacts, one to spare, rows of joints, rows below the normal ones. */
-static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_row + s->n_below; }
+static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row; }
 
 /* The most rows held at a time. */
 static long mg_held_of(const mg_system *s) {
-  const long below = MG_FRICTION_ROWS * (long)s->n_closed;
-  return (long)s->n_closed + s->n_row + (below < s->n_below ? below : s->n_below);
+  const long below = MG_FRICTION_ROWS * (long)s->closed_capacity;
+  return (long)s->closed_capacity + s->n_joint_row + (below < s->n_friction_row ? below : s->n_friction_row);
 }
 
 /* The most strips of the boundary of a patch. */
@@ -29,18 +29,19 @@ static long mg_most_strips(const mg_system *s) {
   return most;
 }
 
-/* What grips need: reals, ints. */
-static long mg_grip_size(const mg_system *s) {
-  if (!s->n_grip) return 0;
-  const long k = s->n_slot ? mg_held_of(s) : 0;
-  return k * k + 2 * k + mg_count_reals(s->n_slot, sizeof(mg_patch_friction)) +
-         mg_count_reals(mg_most_strips(s), sizeof(mg_boundary_strip)) + s->n_below + 2L * s->n_grip +
-         MG_CONE * (long)s->n_closed + 6L * s->n_contact + 78 + mg_friction_work_size((int)mg_held_of(s), s->n_closed);
+/* What friction constraints need: reals, ints. */
+static long mg_friction_modes_size(const mg_system *s) {
+  if (!s->n_friction) return 0;
+  const long k = s->n_patch_slot ? mg_held_of(s) : 0;
+  return k * k + 2 * k + mg_count_reals(s->n_patch_slot, sizeof(mg_patch_friction)) +
+         mg_count_reals(mg_most_strips(s), sizeof(mg_boundary_strip)) + s->n_friction_row + 2L * s->n_friction +
+         MG_CONE * (long)s->closed_capacity + 6L * s->n_contact + 78 +
+         mg_friction_work_size((int)mg_held_of(s), s->closed_capacity);
 }
 
-static long mg_grip_isize(const mg_system *s) {
-  if (!s->n_grip) return 0;
-  return 4L * s->n_grip + 4L * s->n_closed + mg_friction_iwork_size((int)mg_held_of(s), s->n_closed);
+static long mg_friction_modes_isize(const mg_system *s) {
+  if (!s->n_friction) return 0;
+  return 4L * s->n_friction + 4L * s->closed_capacity + mg_friction_iwork_size((int)mg_held_of(s), s->closed_capacity);
 }
 
 static long mg_onset_size(void) { return (long)(sizeof(mg_rolling_start) / sizeof(mg_real)); }
@@ -58,21 +59,22 @@ static long mg_lay_size(const mg_system *s) {
 static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
 
 static long mg_table_size(const mg_system *s) {
-  return s->n_table ? (long)MG_SAMPLE_SIZE * s->table_first[s->n_table] : 0;
+  return s->n_sample_table ? (long)MG_SAMPLE_SIZE * s->sample_table_first[s->n_sample_table] : 0;
 }
 
 MG_API long mg_work_size(const mg_system *s) {
-  const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->n_closed, x = mg_states(s);
-  return 42 * b + 45 * r + 8 * m + 13L * s->n_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
+  const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->closed_capacity,
+             x = mg_states(s);
+  return 42 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
          mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) +
          (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() + mg_event_margin_size(s) + mg_table_size(s) +
-         m * mg_onset_size() + mg_grip_size(s) + mg_time_sample_size(s);
+         m * mg_onset_size() + mg_friction_modes_size(s) + mg_time_sample_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
-  return 7 * m + 2L * s->n_slot + 10 * r + 2L * s->n_row + 4 + s->n_table + MG_SAMPLES + 2 * k +
-         mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_grip_isize(s);
+  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * s->n_joint_row + 4 + s->n_sample_table + MG_SAMPLES + 2 * k +
+         mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_friction_modes_isize(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -84,35 +86,36 @@ static void mg_incidence(mg_context *c) {
   int n = 0;
   for (int b = 0; b < s->n_body; b++) {
     c->islands.incident_begin[b] = n;
-    for (int i = 0; i < c->friction_row_end && mg_moves(c, b); i++) {
+    for (int i = 0; i < c->layout.friction_row_end && mg_moves(c, b); i++) {
       if (i == s->n_contact) continue;
-      if (c->o[i] == b || c->f[i] == b) c->islands.incident[n++] = i;
+      if (c->contacts.o[i] == b || c->contacts.f[i] == b) c->islands.incident[n++] = i;
     }
   }
   c->islands.incident_begin[s->n_body] = n;
 }
 
-static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
+static void mg_carve_friction_modes(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
-  const long n = mg_held_of(s), k = s->n_closed;
-  c->patches.friction = mg_take_memory(&work, s->n_slot, sizeof(mg_patch_friction));
+  const long n = mg_held_of(s), k = s->closed_capacity;
+  c->patches.friction = mg_take_memory(&work, s->n_patch_slot, sizeof(mg_patch_friction));
   c->patches.strip_capacity = mg_most_strips(s),
   c->patches.strips = mg_take_memory(&work, c->patches.strip_capacity, sizeof(mg_boundary_strip));
-  for (int i = 0; i < s->n_slot; i++)
+  for (int i = 0; i < s->n_patch_slot; i++)
     c->patches.friction[i].slips = c->patches.friction[i].centre_known = c->patches.friction[i].triggered =
         c->patches.friction[i].slip_stopped = c->patches.friction[i].mode_before = 0,
     c->patches.friction[i].mean_distance = 0;
-  c->patches.reduced_problem = mg_take_reals(&work, s->n_slot ? n * n + 2 * n : 0);
-  c->friction.force_ratio = mg_take_reals(&work, s->n_below),
-  c->friction.slip_time_left = mg_take_reals(&work, s->n_grip);
-  c->friction.slip_angle = mg_take_reals(&work, s->n_grip);
-  mg_zero_reals(c->friction.slip_time_left, s->n_grip);
-  c->friction.cone = mg_take_reals(&work, MG_CONE * k), c->tangents = mg_take_reals(&work, 6L * s->n_contact);
-  c->kernel_rows = mg_take_reals(&work, 78),
+  c->patches.reduced_problem = mg_take_reals(&work, s->n_patch_slot ? n * n + 2 * n : 0);
+  c->friction.force_ratio = mg_take_reals(&work, s->n_friction_row),
+  c->friction.slip_time_left = mg_take_reals(&work, s->n_friction);
+  c->friction.slip_angle = mg_take_reals(&work, s->n_friction);
+  mg_zero_reals(c->friction.slip_time_left, s->n_friction);
+  c->friction.cone = mg_take_reals(&work, MG_CONE * k), c->rows.tangents = mg_take_reals(&work, 6L * s->n_contact);
+  c->rows.kernel_rows = mg_take_reals(&work, 78),
   c->friction.work = mg_take_reals(&work, mg_friction_work_size((int)n, (int)k));
-  c->friction.triggered = mg_take_ints(&iwork, s->n_grip), c->friction.mode_before = mg_take_ints(&iwork, s->n_grip);
-  c->friction.bound = mg_take_ints(&iwork, s->n_grip), c->friction.cone_contact = mg_take_ints(&iwork, k);
-  c->friction.is_yielding = mg_take_ints(&iwork, s->n_grip);
+  c->friction.triggered = mg_take_ints(&iwork, s->n_friction),
+  c->friction.mode_before = mg_take_ints(&iwork, s->n_friction);
+  c->friction.bound = mg_take_ints(&iwork, s->n_friction), c->friction.cone_contact = mg_take_ints(&iwork, k);
+  c->friction.is_yielding = mg_take_ints(&iwork, s->n_friction);
   c->friction.cone_first = mg_take_ints(&iwork, k), c->friction.cone_rows = mg_take_ints(&iwork, k),
   c->friction.marks = mg_take_ints(&iwork, k);
   c->friction.iwork = mg_take_ints(&iwork, mg_friction_iwork_size((int)n, (int)k));
@@ -120,17 +123,17 @@ static void mg_carve_grips(mg_context *c, mg_real *work, int *iwork) {
 
 static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
-  const long b = s->n_body, m = s->n_contact, r = c->friction_row_end, n = mg_held_of(s), k = s->n_closed,
-             x = c->n_states;
+  const long b = s->n_body, m = s->n_contact, r = c->layout.friction_row_end, n = mg_held_of(s), k = s->closed_capacity,
+             x = c->layout.n_states;
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_take_reals(&work, mg_lay_size(s)); /* pointers first */
-  c->pose = mg_take_reals(&work, 12 * b), c->twist = mg_take_reals(&work, 6 * b);
-  c->accel = mg_take_reals(&work, 6 * b), c->wrench = mg_take_reals(&work, 6 * b);
-  c->J = mg_take_reals(&work, 12 * r), c->MJ = mg_take_reals(&work, 12 * r);
-  c->d = mg_take_reals(&work, r), c->gamma = mg_take_reals(&work, r), c->d_dot = mg_take_reals(&work, r),
-  c->time_rate = mg_take_reals(&work, r);
-  c->normal = mg_take_reals(&work, 3 * m), c->force = mg_take_reals(&work, r),
-  c->eta_dot = mg_take_reals(&work, s->n_eta + m);
+  c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
+  c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
+  c->rows.J = mg_take_reals(&work, 12 * r), c->rows.MJ = mg_take_reals(&work, 12 * r);
+  c->rows.d = mg_take_reals(&work, r), c->rows.gamma = mg_take_reals(&work, r), c->rows.d_dot = mg_take_reals(&work, r),
+  c->rows.time_rate = mg_take_reals(&work, r);
+  c->rows.normal = mg_take_reals(&work, 3 * m), c->solution.force = mg_take_reals(&work, r),
+  c->rows.eta_dot = mg_take_reals(&work, s->n_eta + m);
   c->lcp.A = mg_take_reals(&work, n * n), c->lcp.b = mg_take_reals(&work, n), c->lcp.z = mg_take_reals(&work, n);
   c->lcp.work = mg_take_reals(&work, mg_lcp_work_size((int)n));
   c->lcp.reduced_A = mg_take_reals(&work, k * k), c->lcp.reduced_b = mg_take_reals(&work, k),
@@ -139,28 +142,29 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->step.stage = mg_take_reals(&work, x);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
-  c->row_rate = mg_take_reals(&work, r), c->impulse = mg_take_reals(&work, r),
-  c->joints.previous_MJ = mg_take_reals(&work, 12L * s->n_row);
-  c->joints.independence = mg_take_reals(&work, s->n_row),
+  c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r),
+  c->joints.previous_MJ = mg_take_reals(&work, 12L * s->n_joint_row);
+  c->joints.independence = mg_take_reals(&work, s->n_joint_row),
   c->joints.best_independence = mg_take_reals(&work, s->n_joint), c->events.gap_before = mg_take_reals(&work, 2 * m);
   c->search.samples = (mg_sample *)(void *)mg_take_reals(&work, mg_sample_size() - MG_SAMPLES),
   c->search.merit = mg_take_reals(&work, MG_SAMPLES);
-  c->search.table = mg_take_reals(&work, mg_table_size(s)), c->search.table_filled = mg_take_ints(&iwork, s->n_table);
+  c->search.table = mg_take_reals(&work, mg_table_size(s)),
+  c->search.table_filled = mg_take_ints(&iwork, s->n_sample_table);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_onset_size());
   c->search.mate = mg_take_ints(&iwork, MG_SAMPLES), c->events.broken_condition = mg_take_ints(&iwork, m),
   c->events.within_border = mg_take_ints(&iwork, m);
-  c->n_eta = mg_take_ints(&iwork, m);
-  c->kind = mg_take_ints(&iwork, r), c->parameters = mg_take_ints(&iwork, m + 1);
-  c->o = mg_take_ints(&iwork, r), c->f = mg_take_ints(&iwork, r);
+  c->contacts.n_eta = mg_take_ints(&iwork, m);
+  c->contacts.kind = mg_take_ints(&iwork, r), c->contacts.parameters = mg_take_ints(&iwork, m + 1);
+  c->contacts.o = mg_take_ints(&iwork, r), c->contacts.f = mg_take_ints(&iwork, r);
   c->lcp.rows = mg_take_ints(&iwork, r), c->lcp.mask = mg_take_ints(&iwork, r),
   c->lcp.joint_mask = mg_take_ints(&iwork, n);
-  c->joints.was_independent = mg_take_ints(&iwork, s->n_row), c->joints.is_independent = mg_take_ints(&iwork, s->n_row),
-  c->events.triggered = mg_take_ints(&iwork, m);
+  c->joints.was_independent = mg_take_ints(&iwork, s->n_joint_row),
+  c->joints.is_independent = mg_take_ints(&iwork, s->n_joint_row), c->events.triggered = mg_take_ints(&iwork, m);
   c->events.margins =
       mg_take_memory(&work, (MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
   c->events.gap_dips = mg_take_ints(&iwork, m), c->patches.is_covered = mg_take_ints(&iwork, m),
   c->events.is_near = mg_take_ints(&iwork, m);
-  c->patches.trial = mg_take_ints(&iwork, s->n_slot), c->patches.barred = mg_take_ints(&iwork, s->n_slot);
+  c->patches.trial = mg_take_ints(&iwork, s->n_patch_slot), c->patches.barred = mg_take_ints(&iwork, s->n_patch_slot);
   c->lcp.iwork = mg_take_ints(&iwork, mg_lcp_iwork_size((int)n));
   c->lcp.column = mg_take_ints(&iwork, r), c->islands.next = mg_take_ints(&iwork, r),
   c->islands.rows = mg_take_ints(&iwork, n);
@@ -171,19 +175,19 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->events.passage.point = mg_take_reals(&work, 3 * m), c->events.passage.landing_point = mg_take_reals(&work, 3 * m);
   c->events.passage.free_twist = mg_take_reals(&work, 6 * b),
   c->events.passage.impulse_work = mg_take_reals(&work, 6 * b);
-  c->n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
-  c->tangents = c->kernel_rows = 0;
-  if (s->n_grip) mg_carve_grips(c, work, iwork);
+  c->layout.n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
+  c->rows.tangents = c->rows.kernel_rows = 0;
+  if (s->n_friction) mg_carve_friction_modes(c, work, iwork);
 }
 
 /* Poses that never change are written once: fixed bodies whole, point bodies their identity rotation. */
 static void mg_set_fixed(mg_context *c) {
   const mg_system *s = c->system;
-  c->n_driven = c->n_moving = 0;
+  c->layout.n_driven = c->layout.n_moving = 0;
   for (int b = 0; b < s->n_body; b++) {
     const int motion = c->kernels->body_kinds[mg_kind_of(c, b)].motion;
-    mg_real *pose = c->pose + 12 * b;
-    c->n_driven += motion == MG_DRIVEN, c->n_moving += motion >= MG_POINT;
+    mg_real *pose = c->bodies.pose + 12 * b;
+    c->layout.n_driven += motion == MG_DRIVEN, c->layout.n_moving += motion >= MG_POINT;
     if (motion == MG_FIXED)
       for (int i = 0; i < 12; i++) pose[i] = s->parameters[s->body_parameters[b] + i];
     if (motion == MG_POINT) pose[3] = pose[7] = pose[11] = 1;
@@ -193,25 +197,27 @@ static void mg_set_fixed(mg_context *c) {
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
                                  mg_real *work, int *iwork) {
   c->system = sys, c->kernels = sys->kernels, c->settings = set, c->run = run;
-  c->n_states = (int)mg_states(sys), c->work_state = c->n_states - 1, c->step.sign_changed = 0,
+  c->layout.n_states = (int)mg_states(sys), c->layout.work_state = c->layout.n_states - 1, c->step.sign_changed = 0,
   c->patches.hull_patch = -1;
-  c->support_begin = sys->n_contact - 3 * sys->n_slot, c->support_link_begin = sys->n_link - 3 * sys->n_patch;
-  c->joint_row_begin = sys->n_contact + 1, c->friction_row_end = (int)mg_rows_of(sys);
-  c->friction_row_begin = c->joint_row_end = c->joint_row_begin + sys->n_row,
+  c->layout.support_begin = sys->n_contact - 3 * sys->n_patch_slot,
+  c->layout.support_feature_pair_begin = sys->n_feature_pair - 3 * sys->n_patch;
+  c->layout.joint_row_begin = sys->n_contact + 1, c->layout.friction_row_end = (int)mg_rows_of(sys);
+  c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + sys->n_joint_row,
   c->friction.couples_normal = c->friction.follows_angle = 0;
   mg_carve(c, work, iwork);
-  for (int i = 0; i < c->n_states; i++) c->step.scale[i] = sys->scale[i];
-  mg_zero_reals(c->pose, 30L * sys->n_body);
-  mg_zero_reals(c->J, 24L * c->friction_row_end); /* J and MJ: the columns a kind lacks stay zero */
-  mg_zero_reals(c->force, c->friction_row_end);
-  mg_zero_reals(c->time_rate, c->friction_row_end);
-  mg_zero_reals(c->d + c->friction_row_begin, sys->n_below);
-  c->n_live_states = c->n_states - sys->n_eta, c->search.abandoned.count = 0;
-  c->n_state_loads = mg_state_load_count(sys, 0), c->n_steady_loads = c->n_state_loads - mg_state_load_count(sys, 1);
+  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = sys->scale[i];
+  mg_zero_reals(c->bodies.pose, 30L * sys->n_body);
+  mg_zero_reals(c->rows.J, 24L * c->layout.friction_row_end); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero_reals(c->solution.force, c->layout.friction_row_end);
+  mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
+  mg_zero_reals(c->rows.d + c->layout.friction_row_begin, sys->n_friction_row);
+  c->layout.n_live_states = c->layout.n_states - sys->n_eta, c->search.abandoned.count = 0;
+  c->layout.n_state_loads = mg_state_load_count(sys, 0),
+  c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(sys, 1);
   for (int i = 0; i < sys->n_contact; i++)
-    c->lcp.column[i] = -1, c->n_eta[i] = c->events.within_border[i] = 0, mg_read_link(c, i);
-  for (int slot = 0; slot < sys->n_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
-  for (int table = 0; table < sys->n_table; table++) c->search.table_filled[table] = 0;
+    c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_read_feature_pair(c, i);
+  for (int slot = 0; slot < sys->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
+  for (int table = 0; table < sys->n_sample_table; table++) c->search.table_filled[table] = 0;
   mg_init_joint_rows(c);
   mg_incidence(c);
   mg_set_fixed(c);

@@ -26,9 +26,9 @@ MG_INTERNAL int mg_needs_fallback(int outcome) {
          outcome == MG_STEP_TOO_SMALL;
 }
 
-static int mg_is_gripped(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact && c->system->n_grip; i++)
-    if (c->run->closed[i] && c->system->contact_grip[i + 1] > c->system->contact_grip[i]) return 1;
+static int mg_has_sticking_friction(const mg_context *c) {
+  for (int i = 0; i < c->system->n_contact && c->system->n_friction; i++)
+    if (c->run->closed[i] && c->system->contact_friction[i + 1] > c->system->contact_friction[i]) return 1;
   return 0;
 }
 
@@ -38,9 +38,9 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
   if (tries < MG_CRAWL_TRIES) return 0;
-  const mg_real way = run->t - run->progress_t, least = c->settings->crawl * c->system->time;
+  const mg_real way = run->t - run->progress_t, least = c->settings->fallback_progress * c->system->time;
   const int crawls =
-      way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_is_gripped(c)));
+      way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_has_sticking_friction(c)));
   run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
   return crawls;
 }
@@ -54,7 +54,7 @@ static int mg_first_closed(const mg_context *c) {
 /* Time-stepping knows no patches: what they covered stands open again. Needs the poses at run->x. */
 static void mg_release_patches(mg_context *c) {
   mg_minima found;
-  for (int slot = 0; slot < c->system->n_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0) continue;
     mg_release_patch(c, slot);
@@ -67,12 +67,12 @@ static void mg_release_patches(mg_context *c) {
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_needs_fallback(outcome)) return 0;
-  const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->crawl) * c->system->time;
+  const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
   const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
   run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
   if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-  mg_append_event(c, events, run->t, MG_EVENT_FALL_BACK, mg_first_closed(c), 0);
+  mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed(c), 0);
   mg_release_patches(c);
   return 1;
 }
@@ -83,14 +83,14 @@ static int mg_hand_over(mg_context *c) {
   mg_real kinetic;
   const mg_real before = mg_energy(c, &kinetic);
   for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
-  for (int g = 0; g < c->system->n_grip; g++)
-    run->grip[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
+  for (int g = 0; g < c->system->n_friction; g++)
+    run->friction_mode[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
     c->friction.slip_time_left[g] = 0;
   mg_evaluate_run_state(c);
   mg_open_separating(c);
   if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
   if (c->settings->project && !mg_project_drift(c)) return MG_NOT_FINITE;
-  run->x[c->work_state] += mg_energy(c, &kinetic) - before;
+  run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }
 
@@ -103,6 +103,6 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);
   if (!outcome && c->settings->project && !mg_project_drift(c)) outcome = MG_NOT_FINITE;
-  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_TAKE_UP, mg_first_closed(c), 0);
+  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_END, mg_first_closed(c), 0);
   return outcome;
 }

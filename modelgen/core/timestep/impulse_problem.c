@@ -10,12 +10,12 @@ enum { MG_FAR = 0, MG_NEAR = 1, MG_ROUNDS = 20, MG_SOON = 16 };
 /* The relaxation keeps gaps open that slip makes: how fast, at the rates of the end of the step. */
 static mg_real mg_opening(const mg_context *c, int contact, mg_real h) {
   mg_real sum = 0;
-  for (int g = c->system->contact_grip[contact];
-       g < c->system->contact_grip[contact + 1] && c->settings->law == MG_RELAXED; g++)
+  for (int g = c->system->contact_friction[contact];
+       g < c->system->contact_friction[contact + 1] && c->settings->stepping_friction_law == MG_RELAXED; g++)
     for (int k = 0; k < mg_friction_row_count(c, g); k++) {
       const int row = mg_first_friction_row(c, contact, g) + k;
-      const mg_real slip =
-          c->system->grip_kinetic[2 * g + k] * (mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->wrench));
+      const mg_real slip = c->system->friction_kinetic[2 * g + k] *
+                           (mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench));
       sum += fabs(slip);
     }
   return sum;
@@ -24,15 +24,16 @@ static mg_real mg_opening(const mg_context *c, int contact, mg_real h) {
 /* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme
    asks for what touches only, at its very beginning, of which `MG_SOON` parts make a step. */
 static int mg_takes_part(const mg_context *c, int contact, mg_real rate, mg_real h) {
-  if (!mg_is_on_link(c, contact)) return 0;
-  const mg_real gap = c->d[contact] > 0 ? c->d[contact] : 0, touching = c->settings->start_gap * c->system->length;
-  const int soon = c->settings->scheme == MG_STEWART_TRINKLE ? 1 : MG_SOON;
-  return gap + h * rate / soon <= c->settings->gap * c->system->length || (soon > 1 && gap <= touching);
+  if (!mg_is_on_feature_pair(c, contact)) return 0;
+  const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
+                touching = c->settings->start_gap * c->system->length;
+  const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_SOON;
+  return gap + h * rate / soon <= c->settings->contact_gap * c->system->length || (soon > 1 && gap <= touching);
 }
 
 /* Under the impulses found so far. */
 static mg_real mg_end_rate(const mg_context *c, int contact, mg_real h) {
-  return mg_contact_free_rate(c, contact, h) + mg_row_times(c, contact, c->wrench) - mg_opening(c, contact, h);
+  return mg_contact_free_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) - mg_opening(c, contact, h);
 }
 
 static int mg_list_near(mg_context *c) {
@@ -46,31 +47,40 @@ static int mg_list_near(mg_context *c) {
 static int mg_solve_smooth(mg_context *c, mg_real h, int *size) {
   mg_lcp_report report;
   const int n = mg_list_near(c);
-  *size = n + c->system->n_row;
-  if (n > c->system->n_closed) return MG_TOO_MANY_CLOSED;
+  *size = n + c->system->n_joint_row;
+  if (n > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    c->row_rate[i] = mg_contact_free_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
+    c->rows.row_rate[i] = mg_contact_free_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
   }
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_contact_free_rate(c, i, h);
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    c->rows.row_rate[i] = mg_contact_free_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  const int outcome = mg_solve_contact_lcp(c, n, c->row_rate, &report);
+  const int outcome = mg_solve_contact_lcp(c, n, c->rows.row_rate, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
     c->run->lcp_residual_max = report.residual;
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
-/* A grip that held in the step before is bounded by static friction, the others by kinetic. */
+/* A friction constraint that held in the step before is bounded by static friction, the others by kinetic. */
 static void mg_bound_in_time(mg_context *c) {
-  for (int g = 0; g < c->system->n_grip; g++)
+  for (int g = 0; g < c->system->n_friction; g++)
     c->friction.triggered[g] = 0,
-    c->friction.bound[g] = c->run->grip[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
+    c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
 
 static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
-  mg_friction_problem p = {
-      0, 0, c->settings->law, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b,
-      1, 1};
+  mg_friction_problem p = {0,
+                           0,
+                           c->settings->stepping_friction_law,
+                           0,
+                           c->friction.cone_first,
+                           c->friction.cone_rows,
+                           c->friction.cone,
+                           c->lcp.A,
+                           c->lcp.b,
+                           1,
+                           1};
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_joint_rows(c, c->lcp.rows, p.n);
@@ -78,18 +88,18 @@ static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
     c->lcp.b[r] = mg_contact_free_rate(c, row, h) - (row < c->system->n_contact ? mg_scheme_gap_rate(c, row, h) : 0);
-    c->lcp.z[r] = row < c->system->n_contact || row >= c->friction_row_begin ? c->force[row] * h : 0;
+    c->lcp.z[r] = row < c->system->n_contact || row >= c->layout.friction_row_begin ? c->solution.force[row] * h : 0;
   }
   return p;
 }
 
 /* Grips held by static friction that slip get kinetic friction; returns how many that changes. */
 static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
-  for (int g = 0; g < c->system->n_grip; g++) c->friction.is_yielding[g] = 0;
+  for (int g = 0; g < c->system->n_friction; g++) c->friction.is_yielding[g] = 0;
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
-    for (int g = c->system->contact_grip[i]; g < c->system->contact_grip[i + 1]; g++)
-      c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_SLIPS << c->system->grip_aspect[g])) != 0;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_MARK_SLIP << c->system->friction_kind[g])) != 0;
   }
   return mg_use_kinetic_bounds(c);
 }
@@ -98,7 +108,7 @@ static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
 static int mg_try_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
   const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   c->run->lcp_solves++;
-  if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->loose)) return outcome;
+  if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
   c->run->loose_solutions++;
   return MG_FRICTION_SOLVED;
 }
@@ -123,7 +133,7 @@ static int mg_solve_law(mg_context *c, mg_friction_problem *p) {
 static int mg_solve_rough(mg_context *c, mg_real h, int *size) {
   int many = 0, outcome;
   for (int i = 0; i < c->system->n_contact; i++) many += c->events.is_near[i] != 0;
-  if (many > c->system->n_closed) return MG_TOO_MANY_CLOSED;
+  if (many > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   mg_bound_in_time(c);
   mg_friction_problem p = mg_pose_step(c, h);
   *size = p.n;
@@ -133,14 +143,15 @@ static int mg_solve_rough(mg_context *c, mg_real h, int *size) {
   return outcome;
 }
 
-/* Impulses of the rows into c->force, what they do to the velocities into c->wrench. */
+/* Impulses of the rows into c->solution.force, what they do to the velocities into c->bodies.wrench. */
 static void mg_take_impulses(mg_context *c, int n, mg_real h) {
-  for (int i = 0; i < c->friction_row_end; i++)
-    c->force[i] = i >= c->joint_row_begin && i < c->friction_row_begin ? h * c->impulse[i] : 0;
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < c->layout.friction_row_end; i++)
+    c->solution.force[i] =
+        i >= c->layout.joint_row_begin && i < c->layout.friction_row_begin ? h * c->solution.impulse[i] : 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n; r++) {
-    c->force[c->lcp.rows[r]] += c->lcp.z[r];
-    mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+    c->solution.force[c->lcp.rows[r]] += c->lcp.z[r];
+    mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
   }
 }
 
@@ -154,14 +165,15 @@ static int mg_add_missed(mg_context *c, mg_real h) {
   return count;
 }
 
-/* Needs the geometry of the step. Leaves impulses in c->force, the changes of velocity that they make in c->wrench. */
+/* Needs the geometry of the step. Leaves impulses in c->solution.force, the changes of velocity that they make in
+ * c->bodies.wrench. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     c->events.is_near[i] = mg_takes_part(c, i, mg_end_rate(c, i, h), h) ? MG_NEAR : MG_FAR;
   for (int round = 0; round < MG_ROUNDS; round++) {
     int n = 0;
-    const int outcome = c->system->n_grip ? mg_solve_rough(c, h, &n) : mg_solve_smooth(c, h, &n);
+    const int outcome = c->system->n_friction ? mg_solve_rough(c, h, &n) : mg_solve_smooth(c, h, &n);
     if (outcome) return outcome;
     mg_take_impulses(c, n, h);
     if (!mg_add_missed(c, h)) break;

@@ -9,21 +9,22 @@
 
 /* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
 static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
-  if (c->force[row] == 0) return 0;
-  const mg_real after = mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->wrench);
-  return c->force[row] * ((c->d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
+  if (c->solution.force[row] == 0) return 0;
+  const mg_real after = mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
+  return c->solution.force[row] * ((c->rows.d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
 }
 
 /* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
 static void mg_work_of_impulses(mg_context *c, mg_real h) {
   mg_run *run = c->run;
-  for (int i = 0; i < c->friction_row_end; i++) run->x[c->work_state] += mg_work_of(c, i, h);
+  for (int i = 0; i < c->layout.friction_row_end; i++) run->x[c->layout.work_state] += mg_work_of(c, i, h);
   for (int i = 0; i < c->system->n_contact; i++) {
-    const int first = c->friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_below[i] : 0);
+    const int first =
+        c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
     mg_real gain = mg_work_of(c, i, h);
     for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_work_of(c, row, h);
-    if (!mg_is_rebounding(c, i, h) || !(gain > run->gain_max)) continue;
-    run->gain_max = gain, run->gain_t = run->t + h, run->gain_contact = i;
+    if (!mg_is_rebounding(c, i, h) || !(gain > run->impact_gain_max)) continue;
+    run->impact_gain_max = gain, run->impact_gain_t = run->t + h, run->impact_gain_contact = i;
   }
 }
 
@@ -31,11 +32,11 @@ static void mg_work_of_impulses(mg_context *c, mg_real h) {
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_work_of_impulses(c, h);
-  c->run->x[c->work_state] += h * c->step.slopes[c->n_states + c->work_state];
+  c->run->x[c->layout.work_state] += h * c->step.slopes[c->layout.n_states + c->layout.work_state];
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
-      c->run->x[s->n_q + s->body_u[b] + k] += h * c->accel[6 * b + k] + c->wrench[6 * b + k];
-  for (int i = 0; i < 6 * s->n_body; i++) c->wrench[i] = 0;
+      c->run->x[s->n_q + s->body_u[b] + k] += h * c->bodies.acceleration[6 * b + k] + c->bodies.wrench[6 * b + k];
+  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
 /* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
@@ -52,7 +53,7 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
-    c->run->x[k] = c->step.settled[k] + left * c->eta_dot[k - s->n_q - s->n_u];
+    c->run->x[k] = c->step.settled[k] + left * c->rows.eta_dot[k - s->n_q - s->n_u];
   mg_normalise_quaternions(c, c->run->x);
 }
 
@@ -60,9 +61,9 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
 static int mg_settle_one(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
-  const int n = c->n_eta[contact];
+  const int n = c->contacts.n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
-  int steps = mg_newton_on_link(c, contact, found);
+  int steps = mg_newton_on_feature_pair(c, contact, found);
   if (steps < 0) {
     for (int k = 0; k < n; k++) found[k] = before[k];
     steps = mg_settle_from_anywhere(c, contact, found);
@@ -76,9 +77,9 @@ MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
   int count = 0;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (!mg_is_on_link(c, i)) continue;
+    if (!mg_is_on_feature_pair(c, i)) continue;
     if (mg_settle_one(c, i)) {
-      c->d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
+      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
       continue;
     }
     mg_release_contact(c, events, i);
@@ -91,9 +92,9 @@ MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
 static mg_real mg_deepest(const mg_context *c) {
   mg_real worst = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    if (-c->d[i] > worst) worst = -c->d[i];
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++)
-    if (fabs(c->d[i]) > worst) worst = fabs(c->d[i]);
+    if (-c->rows.d[i] > worst) worst = -c->rows.d[i];
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    if (fabs(c->rows.d[i]) > worst) worst = fabs(c->rows.d[i]);
   return worst;
 }
 
@@ -102,10 +103,12 @@ static int mg_push_once(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_on_link(c, i) && c->d[i] <= worst && n < c->system->n_closed) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
-  if (mg_solve_contact_lcp(c, n, c->d, &report) != MG_LCP_SOLVED) return 0;
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
-  for (int r = 0; r < n + c->system->n_row; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->wrench);
+    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst && n < c->system->closed_capacity)
+      c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+  if (mg_solve_contact_lcp(c, n, c->rows.d, &report) != MG_LCP_SOLVED) return 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
+  for (int r = 0; r < n + c->system->n_joint_row; r++)
+    mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
   mg_apply_pose_correction(c);
   return 1;
 }
@@ -118,17 +121,17 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < 4 && c->settings->project; round++) {
     const mg_real worst = mg_deepest(c);
-    if (!(worst > c->settings->gap * c->system->length)) break;
+    if (!(worst > c->settings->contact_gap * c->system->length)) break;
     if (!moved++) before = mg_energy(c, &kinetic);
-    for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->run->x[i];
+    for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = c->run->x[i];
     if (!mg_push_once(c, worst)) break;
     mg_settle_eta(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_deepest(c) < 2 * worst) continue;
-    for (int i = 0; i < c->n_states; i++) c->run->x[i] = c->step.stage[i];
+    for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.stage[i];
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }
-  if (moved) c->run->x[c->work_state] += mg_energy(c, &kinetic) - before;
+  if (moved) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
   return MG_DONE;
 }

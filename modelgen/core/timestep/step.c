@@ -12,8 +12,8 @@
 
 /* Impulses over the step become forces. */
 static void mg_spread_over(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->friction_row_end; i++) c->force[i] /= h;
-  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->force[i];
+  for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] /= h;
+  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }
 
 /* Samples due within the step from the state in c->step.end to run->x, on the straight line between them. */
@@ -21,19 +21,20 @@ static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t - h;
   while (mg_is_sample_due(record, c->run->t)) {
     const mg_real theta = (record->t[record->count] - t) / h;
-    for (int i = 0; i < c->n_states; i++) c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
+    for (int i = 0; i < c->layout.n_states; i++)
+      c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_rows_at(c, t + theta * h, c->step.stage);
     mg_record_row(c, record, c->step.stage);
   }
 }
 
-/* Contacts that left their links walk on. Needs the poses at run->x. */
+/* Contacts that left their feature pairs walk on. Needs the poses at run->x. */
 static void mg_walk_in_time(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     c->events.within_border[i] = 0;
-    c->events.triggered[i] = mg_is_on_link(c, i) ? mg_find_link_exit(c, i, c->run->x) : 0,
+    c->events.triggered[i] = mg_is_on_feature_pair(c, i) ? mg_find_feature_pair_exit(c, i, c->run->x) : 0,
     count += c->events.triggered[i] != 0;
   }
   if (count) mg_change_marked_features(c, events);
@@ -55,15 +56,15 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   if (h > sight) h = sight;
   c->search.abandoned.count = 0;
   mg_take_geometry(c, h);
-  const int powered = mg_all_finite(1, c->step.slopes + c->n_states + c->work_state); /* by the loads */
+  const int powered = mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
   if (!powered || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);
-  for (int i = 0; i < c->n_states; i++) c->step.end[i] = run->x[i];
+  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = run->x[i];
   mg_apply_step_impulses(c, h);
   mg_integrate_positions(c, h);
-  if (!mg_all_finite(c->n_states, run->x)) return MG_NOT_FINITE;
+  if (!mg_all_finite(c->layout.n_states, run->x)) return MG_NOT_FINITE;
   mg_spread_over(c, h);
   mg_advance_time(run, h);
   run->steps++, run->fallback_time += run->fallback_steps_left > 0 ? h : 0;
@@ -83,6 +84,6 @@ MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {
   const mg_real h = mg_next_step(c);
   mg_take_geometry(c, h);
   if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->wrench[i] = 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
 }

@@ -13,40 +13,42 @@ MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x) {
 }
 
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {
-  return c->settings->scheme == MG_MOREAU ? c->settings->theta : 1;
+  return c->settings->stepping_scheme == MG_MOREAU ? c->settings->stepping_theta : 1;
 }
 
-/* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->accel. */
+/* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->bodies.acceleration. */
 static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
   const mg_system *s = c->system;
-  for (int i = 0; i < c->n_states; i++) to[i] = c->run->x[i];
+  for (int i = 0; i < c->layout.n_states; i++) to[i] = c->run->x[i];
   for (int i = 0; i < s->n_q; i++) to[i] += time * c->step.slopes[i];
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
-      to[s->n_q + s->body_u[b] + k] += change * c->accel[6 * b + k];
+      to[s->n_q + s->body_u[b] + k] += change * c->bodies.acceleration[6 * b + k];
   mg_normalise_quaternions(c, to);
 }
 
-/* Takes the forces of the joints into c->accel, and notes them in c->impulse. */
+/* Takes the forces of the joints into c->bodies.acceleration, and notes them in c->solution.impulse. */
 static void mg_join_free(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
-  for (int i = c->joint_row_begin; i < c->joint_row_end; i++) c->row_rate[i] = mg_row_acceleration(c, i);
-  const int n = mg_hold_rows(c, c->run->active, c->row_rate, c->impulse);
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->impulse[c->lcp.rows[r]], c->accel);
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    c->rows.row_rate[i] = mg_row_acceleration(c, i);
+  const int n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.impulse);
+  for (int r = 0; r < n; r++)
+    mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.acceleration);
 }
 
-/* Leaves in c->accel the accelerations without contacts, in K[1] the power of the loads, both of the middle of the
-   step, and in c->step.settled the positions at which the rows are taken; makes the rows. */
+/* Leaves in c->bodies.acceleration the accelerations without contacts, in K[1] the power of the loads, both of the
+   middle of the step, and in c->step.settled the positions at which the rows are taken; makes the rows. */
 MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
   mg_update_rows_at(c, t, c->run->x);
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
   mg_go_on(c, ahead, 0, c->step.settled);
-  for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->eta_dot[k];
+  for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->rows.eta_dot[k];
   mg_go_on(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
-  mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->n_states);
+  mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
   if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
   mg_update_rows_at(c, t + ahead, c->step.settled);
   mg_join_free(c);
@@ -54,24 +56,25 @@ MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h) {
 
 /* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */
 MG_INTERNAL mg_real mg_contact_free_rate(const mg_context *c, int row, mg_real h) {
-  const mg_real turning = row >= c->joint_row_begin && row < c->friction_row_begin ? c->gamma[row] : 0;
-  return c->d_dot[row] + h * (mg_row_times(c, row, c->accel) + turning);
+  const mg_real turning =
+      row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
+  return c->rows.d_dot[row] + h * (mg_row_times(c, row, c->bodies.acceleration) + turning);
 }
 
 /* What a step may make of the rate of a gap that rests. */
 MG_INTERNAL mg_real mg_resting_gap_rate(const mg_context *c, int contact, mg_real h) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  return rest + 2 * h * (fabs(mg_row_times(c, contact, c->accel)) + fabs(c->gamma[contact]));
+  return rest + 2 * h * (fabs(mg_row_times(c, contact, c->bodies.acceleration)) + fabs(c->rows.gamma[contact]));
 }
 
 /* The approach is one that Newton's law sends back. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
-  return c->system->restitution[contact] > 0 && c->d_dot[contact] < -mg_resting_gap_rate(c, contact, h);
+  return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate(c, contact, h);
 }
 
 /* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
-  if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->d_dot[contact];
-  if (c->settings->scheme != MG_STEWART_TRINKLE || c->d[contact] <= 0) return 0;
-  return -c->d[contact] / h;
+  if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->rows.d_dot[contact];
+  if (c->settings->stepping_scheme != MG_STEWART_TRINKLE || c->rows.d[contact] <= 0) return 0;
+  return -c->rows.d[contact] / h;
 }

@@ -9,7 +9,7 @@ from typing import Any
 from modelgen.codegen.manifest import FEET, Manifest
 
 COARSE, GRID = 9, 17  # MG_COARSE, MG_GRID
-CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_QUADRIC ..
+CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
 
 
 class Sides:

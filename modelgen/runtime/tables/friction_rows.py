@@ -7,7 +7,7 @@ from typing import Any
 
 from modelgen.runtime.tables.planar_contacts import patch_friction, rubbing_points
 
-ASPECTS = ("slip", "spin", "roll")  # MG_SLIP ..
+ASPECTS = ("slip", "spin", "roll")  # MG_FRICTION_SLIP ..
 BELOW = {"slip": 2, "spin": 5, "roll": 5}  # rows below the normal one that a contact with this grip has
 
 RUBBING = 5  # and the first point of a patch with friction

@@ -43,7 +43,7 @@ static mg_real mg_friction_speed(const mg_scaled_friction *s, int part) {
 
 static int mg_friction_mark(const mg_scaled_friction *s, int contact) {
   const mg_real radius = s->y[s->normal[contact]];
-  int mark = MG_PRESSES;
+  int mark = MG_MARK_FORCE;
   if (!(radius - mg_friction_slack(s, contact) > 0)) return 0;
   for (int p = s->part[contact]; p < s->part[contact + 1]; ++p) {
     const int row = s->part_row[p];
@@ -70,7 +70,7 @@ static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_f
 static void mg_friction_polish(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->spare;
-  for (int step = 0; step < MG_FRICTION_LAST && !s->given->hasty; ++step) {
+  for (int step = 0; step < MG_FRICTION_LAST && !s->given->accepts_tolerance; ++step) {
     const mg_real residual = s->residual, tolerance = mg_friction_tolerance(s, s->best);
     if (!(residual > tolerance / 1000 && residual <= tolerance)) return;
     for (int i = 0; i < m; ++i) before[i] = s->y[i] = s->best[i];
@@ -94,7 +94,7 @@ static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_
     report->outcome = MG_FRICTION_INFEASIBLE;
     return;
   }
-  for (int path = 0; path < MG_PATHS && report->starts != s->given->starts; ++path) {
+  for (int path = 0; path < MG_PATHS && report->starts != s->given->max_starts; ++path) {
     ++report->starts;
     mg_friction_follow(s, path);
     mg_friction_polish(s);
@@ -114,7 +114,7 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
   mg_friction_solve(&s, z, marks, report);
   report->sweeps = s.sweeps;
   report->newton = s.newton;
-  if (problem->tell && report->outcome == MG_FRICTION_SOLVED) {
+  if (problem->wants_rank && report->outcome == MG_FRICTION_SOLVED) {
     const int strict = mg_friction_even(&s, marks, report);
     mg_friction_judge(&s, z, marks, report);
     mg_friction_tell(&s, strict, report);

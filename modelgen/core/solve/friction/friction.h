@@ -17,14 +17,15 @@ enum { MG_CONE = 4 }; /* mu along t1, along t2; spinning resistance, rolling res
 
 typedef struct {
   int n, n_contact;
-  int law;              /* MG_COULOMB or MG_RELAXED */
-  int tell;             /* rank, active and unique are wanted, and of forces that are not unique those of least norm */
-  const int *first;     /* per contact: row of N; other rows of the contact follow it */
-  const int *rows;      /* per contact: 1 N; 3 and t1, t2; 6 and spin about N, rolling about t1, t2 */
-  const mg_real *cone;  /* MG_CONE a contact, >= 0; entries without rows are not read; 0: no force along that row */
-  const mg_real *A, *b; /* rows that belong to no contact are bilateral: w = 0, any force */
-  int starts;           /* starting points at most, 0: all that are known; each may take a hundred times the first */
-  int hasty; /* a solution within the tolerance will do, which is a thousand roundings: its last digits cost a step */
+  int law;               /* MG_COULOMB or MG_RELAXED */
+  int wants_rank;        /* rank, active and unique are wanted, and of forces that are not unique those of least norm */
+  const int *first;      /* per contact: row of N; other rows of the contact follow it */
+  const int *rows;       /* per contact: 1 N; 3 and t1, t2; 6 and spin about N, rolling about t1, t2 */
+  const mg_real *cone;   /* MG_CONE a contact, >= 0; entries without rows are not read; 0: no force along that row */
+  const mg_real *A, *b;  /* rows that belong to no contact are bilateral: w = 0, any force */
+  int max_starts;        /* starting points at most, 0: all that are known; each may take a hundred times the first */
+  int accepts_tolerance; /* a solution within the tolerance will do, which is a thousand roundings: its last digits cost
+                            a step */
 } mg_friction_problem;
 
 enum {
@@ -34,7 +35,7 @@ enum {
   MG_FRICTION_NOT_FINITE = 3
 };
 
-enum { MG_PRESSES = 1, MG_SLIPS = 2, MG_SPINS = 4, MG_ROLLS = 8 }; /* marks of a contact; none: open */
+enum { MG_MARK_FORCE = 1, MG_MARK_SLIP = 2, MG_MARK_SPIN = 4, MG_MARK_ROLL = 8 }; /* marks of a contact; none: open */
 
 enum { MG_UNDECIDED = -1, MG_NOT_UNIQUE = 0, MG_UNIQUE = 1 };
 
@@ -51,7 +52,7 @@ MG_API int mg_friction_work_size(int n, int n_contact);
 MG_API int mg_friction_iwork_size(int n, int n_contact);
 
 /* z: a guess on entry (zeros if none), the forces on return, or the best found. marks (n_contact): what each contact
-   does, e.g. MG_PRESSES | MG_SLIPS. SOLVED is never said of a residual above 1e-9 (1e-3 in float, 1e-12 in long
+   does, e.g. MG_MARK_FORCE | MG_MARK_SLIP. SOLVED is never said of a residual above 1e-9 (1e-3 in float, 1e-12 in long
    double). Block Gauss-Seidel (Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998), 31-47) and a
    semismooth Newton method on the natural map (Alart and Curnier, ibid. 92 (1991), 353-375), from other starts where
    these fail. */

@@ -115,7 +115,7 @@ static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_rea
   mg_disc d;
   mg_real b;
   y[0] = 0;
-  for (int p = part; p < s->part[contact + 1] && s->part_mark[p] == MG_SLIPS; ++p)
+  for (int p = part; p < s->part[contact + 1] && s->part_mark[p] == MG_MARK_SLIP; ++p)
     for (int i = 0; i < s->part_dim[p]; ++i) y[s->part_row[p] - from + i] = 0;
   b = mg_local_motion(s, from, from, to, y);
   if (b >= 0 || !(s->S[from + from * s->m] > MG_LCP_RANK(s->m))) {
@@ -123,7 +123,7 @@ static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_rea
     return;
   }
   y[0] = -b / s->S[from + from * s->m];
-  if (part < s->part[contact + 1] && s->part_mark[part] == MG_SLIPS) {
+  if (part < s->part[contact + 1] && s->part_mark[part] == MG_MARK_SLIP) {
     mg_disc_set(s, part, from, to, 0, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
     y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);

@@ -59,9 +59,9 @@ static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   s->normal[contact] = s->m;
   s->row[s->m] = row;
   s->e[s->m++] = 1;
-  if (rows >= 3) mg_friction_add_part(s, row + 1, 2, cone, MG_SLIPS);
-  if (rows >= 6) mg_friction_add_part(s, row + 3, 1, cone + 2, MG_SPINS);
-  if (rows >= 6) mg_friction_add_part(s, row + 4, 2, rolling, MG_ROLLS);
+  if (rows >= 3) mg_friction_add_part(s, row + 1, 2, cone, MG_MARK_SLIP);
+  if (rows >= 6) mg_friction_add_part(s, row + 3, 1, cone + 2, MG_MARK_SPIN);
+  if (rows >= 6) mg_friction_add_part(s, row + 4, 2, rolling, MG_MARK_ROLL);
   s->part[contact + 1] = s->n_part;
 }
 
