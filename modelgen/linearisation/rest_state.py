@@ -137,7 +137,7 @@ class Touching:
         return int(session.closed[: session.n_contact].sum()) == len(self.contacts)
 
     def _at_rest(self, q: Array) -> Session:
-        session = Session(self.library, replace(Accuracy.tight(), planar=False))
+        session = Session(self.library, replace(Accuracy.tight(), planar_contacts=False))
         session.x[: len(q)] = q
         session.x[len(q) : len(q) + self.model.n_u] = 0.0
         begin(session)

@@ -106,52 +106,52 @@ class Accuracy:
     step: float | None = None
     scheme: Scheme = "stewart-trinkle"
     solver: Solver = "coulomb"
-    theta: float = 0.5
-    loose: float = 1e-2
+    stepping_theta: float = 0.5
+    stepping_residual: float = 1e-2
     fallback: bool = True
     fallback_step: float = 1e-4
-    crawl: float = 1e-2
+    fallback_progress: float = 1e-2
     impacts: Impacts = "simultaneous"
     newton: Literal[0, 1, 2] = 1
     project: int = 1
     use_gamma: bool = True
-    planar: bool = True
-    gap: float = 1e-10
+    planar_contacts: bool = True
+    contact_gap: float = 1e-10
     start_gap: float = 1e-8
-    start_joint: float = 1e-6
-    drift: float = 1e-15
+    start_joint_gap: float = 1e-6
+    drift_tolerance: float = 1e-15
     rest_speed: float = 1e-6
     slip_speed: float = 1e-7
-    cone: float = 1e-9
+    friction_bound_margin: float = 1e-9
     rest_acceleration: float = 1e-10
-    event: float = 1e-13
-    residual: float = 1e-13
+    event_tolerance: float = 1e-13
+    extremality_residual: float = 1e-13
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
-    margin_appear: float = 1e-4
-    lean: float = 0.5
-    arrest: float = 100.0
-    leap: float = 1e3
-    leave: float = 100.0
-    polish: float = 1e-3
-    dependent: float = 2e-10
-    singular: float = 1e-8
-    depth: float = 0.02
-    scan: int = 16
+    appear_margin: float = 1e-4
+    appear_tilt_sine: float = 0.5
+    slip_stop_speed_ratio: float = 100.0
+    separation_speed_factor: float = 1e3
+    rest_loss_factor: float = 100.0
+    event_correction_step: float = 1e-3
+    contact_rank_tolerance: float = 2e-10
+    joint_rank_tolerance: float = 1e-8
+    appear_depth: float = 0.02
+    event_scan_parts: int = 16
     lcp_iterations: int = 200
-    events_at_once: int = 100
-    lost: float = 1e-9
-    apart: float = 1e-6
-    reach: float = 0.2
-    search: float = 0.05
-    flat: float = 2e-5
+    events_at_once_max: int = 100
+    search_margin: float = 1e-9
+    search_merge_distance: float = 1e-6
+    search_gap: float = 0.2
+    search_movement: float = 0.05
+    flat_angle: float = 2e-5
     imaginary_edge: float = 0.0
-    shared: float = 1e-13
-    border: float = 1e-9
-    look: float = 0.05
-    stride: float = 1.0
-    predictable: float = 1e-2
+    boundary_coincidence: float = 1e-13
+    feature_border: float = 1e-9
+    time_resolution: float = 0.05
+    step_fraction: float = 1.0
+    prediction_error_max: float = 1e-2
 
     def __post_init__(self) -> None:
         check_name("method", self.method, get_args(Method))
@@ -164,11 +164,11 @@ class Accuracy:
         return cls(
             name="fast",
             tolerance=1e-6,
-            drift=1e-12,
+            drift_tolerance=1e-12,
             rest_speed=1e-5,
             slip_speed=1e-5,
             rest_acceleration=1e-7,
-            event=1e-9,
+            event_tolerance=1e-9,
         )
 
     @classmethod
@@ -188,13 +188,13 @@ class Accuracy:
             name="finest",
             tolerance=1e-17,
             newton=2,
-            drift=1e-18,
+            drift_tolerance=1e-18,
             rest_speed=1e-9,
             slip_speed=1e-10,
             rest_acceleration=1e-13,
-            event=1e-16,
-            residual=1e-16,
-            look=1e-3,
+            event_tolerance=1e-16,
+            extremality_residual=1e-16,
+            time_resolution=1e-3,
         )
 
     @classmethod
@@ -292,8 +292,8 @@ class Accuracy:
             tolerance=tolerance / FINER if tolerance >= FINER * least else tolerance * COARSER,
             step=self.step and self.step * TENTH,
             fallback_step=self.fallback_step * TENTH,
-            stride=self.stride * TENTH,
+            step_fraction=self.step_fraction * TENTH,
             project=1,
-            flat=max(self.flat / 2, RESOLVED["flat"] * epsilon),
+            flat_angle=max(self.flat_angle / 2, RESOLVED["flat"] * epsilon),
             **finer,
         )

@@ -142,7 +142,7 @@ def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> t
         setattr(queries, name, address(array))
     queries.length = library.manifest.sentence["scales"]["length"]
     resolved = RESOLVED["residual"] * float(np.finfo(real).eps)
-    queries.residual = max(Accuracy().residual, resolved)
+    queries.residual = max(Accuracy().extremality_residual, resolved)
     out["d"] = out["d"][:, 0]
     return queries, ClosestPoints(**out, eta=eta, outcome=outcome)
 

@@ -62,7 +62,7 @@ def estimate_of(
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
     if twin is not None:
         position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, sentence))
-    predicted = _predicted(position / length, rotation, n, accuracy.predictable)
+    predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
     other = _other(path, twin, predicted, slow, safe)
     reasons = [*_reasons(path, twin, accuracy, sentence, missing)]

@@ -15,7 +15,7 @@ from tests.running import scene_of
 SCENES = ("ellipsoid_on_plane", "ellipsoid_in_cavity")
 UNTIL, SAMPLES = 2.0, 40
 BASE = Accuracy.of(1e-11)
-FINEST = replace(Accuracy.tight(), tolerance=1e-16, drift=1e-18, residual=1e-16)
+FINEST = replace(Accuracy.tight(), tolerance=1e-16, drift_tolerance=1e-18, extremality_residual=1e-16)
 VARIANTS = {
     "with Gamma2, eta corrected once a step, drift projected (default)": BASE,
     "without Gamma2, otherwise the same": replace(BASE, use_gamma=False),

@@ -49,7 +49,7 @@ EVERY_TILT = pytest.mark.parametrize("tilt", TILTS)
 
 def slack(start: str) -> float:
     """How far three points of a rim may be above its lowest, m."""
-    return RADIUS * TIGHT.flat if start in ENDS_ON_A_RIM else 0.0
+    return RADIUS * TIGHT.flat_angle if start in ENDS_ON_A_RIM else 0.0
 
 
 @cache
