@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
-STREET = {  # each value of the street, and the verb that takes it
+PIPELINE = {  # each value of the pipeline, and the verb that takes it
     "path": "read",
     "Scene": "require",
     "Model": "derive",
@@ -97,7 +97,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def expect(verb: str, value: object, kind: type) -> None:
-    """Refuses a value that a verb of the street does not take; the remedy is the call that makes one of it.
+    """Refuses a value that a verb of the pipeline does not take; the remedy is the call that makes one of it.
 
     >>> expect("derive", 3, str)
     Traceback (most recent call last):
@@ -125,7 +125,7 @@ def path_of(verb: str, value: object) -> Path:
 
 def _call(verb: str, given: str, kind: type) -> str:
     """`write build(emit(derivation))` for a Derivation that `build` was given; from a file if need be."""
-    values = list(STREET)
+    values = list(PIPELINE)
     if kind.__name__ == "Record":
         return f"write {verb}(record_of(trajectory, library), ...)"
     if kind.__name__ not in values:
@@ -134,5 +134,5 @@ def _call(verb: str, given: str, kind: type) -> str:
     start = values.index(given) if given in values[:end] else 0
     call = values[start].lower()
     for value in values[start:end]:
-        call = f"{STREET[value]}({call})"
-    return f"write {verb}({call}{'' if verb in STREET.values() else ', ...'})"
+        call = f"{PIPELINE[value]}({call})"
+    return f"write {verb}({call}{'' if verb in PIPELINE.values() else ', ...'})"

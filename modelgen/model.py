@@ -1,7 +1,7 @@
-"""The Model: the vocabulary of kinds that a scene needs, and the sentence that says which bodies use them.
+"""The Model: the kinds that a scene needs, and the instance that says which bodies use them.
 
-The vocabulary decides what is generated and compiled; the sentence is run-time data. Two scenes with the
-same vocabulary share one library.
+The set of kinds decides what is generated and compiled; the instance is run-time data. Two scenes with the
+same set of kinds share one library.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class LimitKind:
 
 @dataclass(frozen=True, slots=True)
 class BodyEntry:
-    """A body of the sentence: offsets into q, u and the parameter vector."""
+    """A body of the instance: offsets into q, u and the parameter vector."""
 
     name: str
     kind: int
@@ -114,24 +114,24 @@ class BodyEntry:
     u: int
     parameters: tuple[float, ...]  # free: mass + inertia as its kind lists; fixed: pose (12)
     mass_inverse: tuple[float, ...]  # 1/m, inverse inertia (9, column-major, body axes); zeros if not dynamic
-    com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
+    centre_of_mass: tuple[float, float, float] = (0.0, 0.0, 0.0)  # centre of mass in the body axes as written
 
 
 ENDS, WATCHED = -1, -2  # beyond a condition: the contact ends; it stays, but others may begin
 
 
 @dataclass(frozen=True, slots=True)
-class LinkCondition:
-    """An inequality that holds while a contact stays on a link (`scene.types.Condition`)."""
+class FeatureCondition:
+    """An inequality that holds while a contact stays on a feature pair (`scene.types.Condition`)."""
 
     kind: str
     side: int  # 0: of o, 1: of f
     numbers: tuple[float, ...]
-    next: int  # the link beyond; ENDS or WATCHED
+    next: int  # the feature pair beyond; ENDS or WATCHED
 
 
 @dataclass(frozen=True, slots=True)
-class LinkEntry:
+class FeaturePairEntry:
     """Two features, one of each shape of a pair, that can touch in a point."""
 
     name: str  # "rim_top", "v0-top"; empty where both shapes are one feature each
@@ -143,15 +143,15 @@ class LinkEntry:
     swapped: bool  # the user named f first
     shapes: tuple[Shape, Shape]  # of o and f; poses in the body axes as written
     features: tuple[str, str]  # of the first and the second shape as the user named them
-    group: int = -1  # of links of one flat face with the other of two convex solids
-    conditions: tuple[LinkCondition, ...] = ()
+    face_group: int = -1  # of feature pairs of one flat face with the other of two convex solids
+    conditions: tuple[FeatureCondition, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Grip:
+class FrictionConstraint:
     """One or two rows of a contact below its normal one, whose force is bounded by the normal force."""
 
-    aspect: Literal["slip", "spin", "roll"]
+    kind: Literal["slip", "spin", "roll"]
     row: int  # its first among the contact's rows below the normal one
     rows: int
     static: tuple[float, float]  # slip: coefficients along the direction and across it; others: m, twice
@@ -162,29 +162,29 @@ class Grip:
 
 @dataclass(frozen=True, slots=True)
 class PairEntry:
-    """Two shapes that the scene lets touch: a range of links and a range of contacts."""
+    """Two shapes that the scene lets touch: a range of feature pairs and a range of contacts."""
 
     name: str  # "egg-table"
-    links: tuple[int, int]  # first, end
+    feature_pairs: tuple[int, int]  # first, end
     contacts: tuple[int, int]
     search: Search
     restitution: Restitution
     normal: tuple[float, float, float] | None = None  # roughly N at t = 0, from o to f; two curves only
-    grips: tuple[Grip, ...] = ()  # of each of its contacts
-    balls: tuple[
+    friction: tuple[FrictionConstraint, ...] = ()  # of each of its contacts
+    bounding_balls: tuple[
         tuple[Vector, float], ...
-    ] = ()  # around its shapes, m, axes of the bodies o, f of its first link
+    ] = ()  # around its shapes, m, axes of the bodies o, f of its first feature pair
 
 
 @dataclass(frozen=True, slots=True)
 class ContactEntry:
-    """What follows one local minimum of the distance of a pair, on one link of it at a time."""
+    """What follows one local minimum of the distance of a pair, on one feature pair of it at a time."""
 
     name: str  # "egg-table", "box-table:v0", "ball-groove#2"
     pair: int
     eta: int  # offset
     room: int  # entries of eta
-    link: int  # its own for good, or -1: any of the pair
+    feature_pair: int  # its own for good, or -1: any of the pair
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,9 +217,9 @@ class PatchEntry:
     kind: int  # of contact, of its points
     faces: tuple[int, int]  # of o and f
     parameters: tuple[tuple[float, ...], ...]  # of each point's contact
-    links: tuple[int, ...]  # that lie in it
-    slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
-    rubbing: int = -1  # kind of the first point's contact where there is friction: with slip and spin
+    feature_pairs: tuple[int, ...]  # that lie in it
+    patch_slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
+    friction_kind: int = -1  # kind of the first point's contact where there is friction: with slip and spin
     friction: tuple[float, float] = (0.0, 0.0)  # static and kinetic coefficient
 
 
@@ -232,7 +232,7 @@ class LoadEntry:
 
 @dataclass(frozen=True, slots=True)
 class JointEntry:
-    """A joint of the sentence between bodies a and b."""
+    """A joint of the instance between bodies a and b."""
 
     name: str
     kind: int
@@ -280,7 +280,7 @@ class Model:
     limit_kinds: tuple[LimitKind, ...]
     bodies: tuple[BodyEntry, ...]
     pairs: tuple[PairEntry, ...]
-    links: tuple[LinkEntry, ...]
+    feature_pairs: tuple[FeaturePairEntry, ...]
     contacts: tuple[ContactEntry, ...]
     faces: tuple[FaceEntry, ...]
     patches: tuple[PatchEntry, ...]

@@ -36,7 +36,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_full", "plane_chart_block", "plane_cap_block"),
         forms=("block", "paper", "differentiated", "mixed"),
         reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
-        events={"walk": 2},
+        events={"feature-change": 2},
     ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
@@ -48,7 +48,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_point_explicit"),
         forms=("explicit", "support"),
         reference="oracles/test_dropped.py::test_a_shipped_box_falls_on_the_corner_that_is_lowest",
-        events={"touch-down": None, "lift-off": None, "flat": 1},
+        events={"touch-down": None, "lift-off": None, "face-contact": 1},
         drift=(1e-7, 1e-9, 1e-9),
         apart=1e-9,
     ),
@@ -80,7 +80,7 @@ REGISTRY: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "ellipsoid_bezier_mixed"),
         forms=("mixed",),
         reference="oracles/test_surface_routes.py::test_an_egg_that_crosses_knots_follows_a_second_route",
-        events={"walk": 12},
+        events={"feature-change": 12},
     ),
     "ellipsoid_in_cavity": Shipped(
         kinds=("fixed", "free_diagonal", "ellipsoid_ellipsoid_cavity_implicit"),
@@ -119,7 +119,7 @@ REGISTRY: Mapping[str, Shipped] = {
         ),
         forms=("support", "explicit", *CURVE_ON_SURFACE),
         reference="planar/test_edges.py::test_the_shipped_glass_tips_when_its_force_and_torque_have_driven_the_pressure_to_the_rim",
-        events={"flat": 1, "tip": 1},
+        events={"face-contact": 1, "tipping": 1},
         margin=1e-5,
         apart=1e-8,
     ),
@@ -165,7 +165,13 @@ def _forms_of_contacts(scene: Scene) -> list[tuple[str, ...]]:
     model = require(scene)
     forms = [regular_forms(kind.o, kind.f) for kind in model.contact_kinds]
     return [
-        tuple(dict.fromkeys(form for link in model.links[slice(*pair.links)] for form in forms[link.kind]))
+        tuple(
+            dict.fromkeys(
+                form
+                for feature_pair in model.feature_pairs[slice(*pair.feature_pairs)]
+                for form in forms[feature_pair.kind]
+            )
+        )
         for pair in model.pairs
     ]
 

@@ -13,7 +13,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", *ON_A_FACE, "force"),
         forms=("explicit", "support"),
         reference="oracles/friction/test_sliding_scenes.py::test_a_block_slips_when_it_is_pulled_hard_enough",
-        events={"flat": 1, "slip": 1},
+        events={"face-contact": 1, "slip-start": 1},
         apart=1e-9,
         single=1e-3,
         reachable=10,
@@ -37,7 +37,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         forms=("explicit", "support", "implicit"),
         reference="oracles/friction/test_machine_scenes.py::"
         "test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again",
-        events={"reversal": 4},
+        events={"slip-reversal": 4},
         drift=(1e-4, 1e-9, 1e-10),
     ),
     "coin": Shipped(
@@ -51,7 +51,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         kinds=("fixed", "free_isotropic", "plane_point_explicit_slip", *ON_A_FACE),
         forms=("explicit", "support"),
         reference="oracles/friction/test_bouncing_scenes.py::test_a_cube_toss_goes_as_measured",
-        events={"impact": None, "touch-down": None, "lift-off": None, "flat": 1},
+        events={"impact": None, "touch-down": None, "lift-off": None, "face-contact": 1},
         apart=1e-8,
         single=5e-4,
         reachable=8,
@@ -77,7 +77,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         forms=("explicit", "support"),
         reference="oracles/friction/test_painleve.py::"
         "test_the_shipped_rod_is_stopped_by_a_blow_and_turns_about_its_tip",
-        events={"time-stepping": 1, "event-driven": 1, "stick": None, "touch-down": None},
+        events={"fallback-start": 1, "fallback-end": 1, "slip-stop": None, "touch-down": None},
         drift=(1e-4, 1e-4, 1e-4),
         loose=100.0,
         single=1e-3,
@@ -108,13 +108,13 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         ),
         forms=("explicit", "support", *CURVE_ON_SURFACE),
         reference="oracles/friction/test_puck.py::test_a_sliding_puck_follows_its_reference",
-        events={"flat": 1, "stick": 1},
+        events={"face-contact": 1, "slip-stop": 1},
     ),
     "sphere_slide_to_roll": Shipped(
         kinds=("fixed", "free_isotropic", "plane_sphere_explicit_slip"),
         forms=("explicit", "support", "implicit"),
         reference="oracles/friction/test_sliding_scenes.py::test_a_ball_comes_to_roll_as_published",
-        events={"stick": 1},
+        events={"slip-stop": 1},
     ),
     "spinning_egg": Shipped(
         kinds=("fixed", "free_diagonal", "plane_ellipsoid_support_slip"),
@@ -125,7 +125,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         kinds=("fixed", "free_diagonal", "plane_sphere_explicit_slip"),
         forms=("explicit", "support", "implicit"),
         reference="oracles/friction/test_top_scenes.py::test_a_tippe_top_turns_over_as_its_reference",
-        events={"stick": 1},
+        events={"slip-stop": 1},
     ),
     "turntable": Shipped(
         kinds=("driven", "free_isotropic", "plane_sphere_explicit_slip"),
@@ -139,6 +139,6 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         forms=("block", "paper", "differentiated"),
         reference="oracles/friction/test_machine_scenes.py::"
         "test_a_wheel_on_rail_follows_a_second_formulation",
-        events={"walk": 1},
+        events={"feature-change": 1},
     ),
 }

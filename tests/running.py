@@ -1,4 +1,4 @@
-"""Walking the street in tests: scenes built once a session, then run as often as needed."""
+"""Walking the pipeline in tests: scenes built once a session, then run as often as needed."""
 
 from __future__ import annotations
 

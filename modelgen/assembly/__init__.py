@@ -1,4 +1,4 @@
-"""From the scene to its Model: the vocabulary of kinds that it needs, and the sentence over them."""
+"""From the scene to its Model: the kinds that it needs, and the instance over them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from itertools import accumulate
 
 from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.coplanar_faces import Shown, Unions
-from modelgen.assembly.feature_pairs import Whole, ball_around, links_of
+from modelgen.assembly.feature_pairs import Whole, ball_around, feature_pairs_of
 from modelgen.assembly.friction_rows import grips_of
 from modelgen.assembly.influence import influencing
 from modelgen.assembly.joints import Joined, joined
+from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
 from modelgen.assembly.masses import (
     Mass,
@@ -26,7 +27,6 @@ from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.pruning import bodies_of, check_observed, motion_of
 from modelgen.assembly.scales import scales_of
 from modelgen.assembly.singular_shapes import soundness
-from modelgen.assembly.vocabulary import Vocabulary
 from modelgen.contact.kinds import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
@@ -36,7 +36,7 @@ from modelgen.model import (
     ContactEntry,
     ContactKind,
     FaceEntry,
-    LinkEntry,
+    FeaturePairEntry,
     LoadEntry,
     LoadKind,
     Model,
@@ -76,7 +76,7 @@ class Touching:
     """What the contact pairs of a scene become."""
 
     pairs: tuple[PairEntry, ...]
-    links: tuple[LinkEntry, ...]
+    feature_pairs: tuple[FeaturePairEntry, ...]
     contacts: tuple[ContactEntry, ...]
     faces: tuple[FaceEntry, ...] = ()
     patches: tuple[PatchEntry, ...] = ()
@@ -104,8 +104,8 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
     """Of the part that is observed of the whole."""
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     warnings = soundness(scene)
-    body_kinds, shape_kinds = Vocabulary[BodyKind](), Vocabulary[ShapeKind]()
-    touching = _touching(scene, pieces, shape_kinds, contact_kinds := Vocabulary[ContactKind]())
+    body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
+    touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
@@ -119,7 +119,7 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
         pairs=touching.pairs,
-        links=touching.links,
+        feature_pairs=touching.feature_pairs,
         contacts=touching.contacts,
         faces=touching.faces,
         patches=touching.patches,
@@ -154,9 +154,7 @@ def _piece(scene: Scene, index: int) -> Piece:
     return Piece(body, motion, mass, loaded)
 
 
-def _body_entries(
-    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[BodyKind]
-) -> tuple[BodyEntry, ...]:
+def _body_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[BodyKind]) -> tuple[BodyEntry, ...]:
     starts_q = accumulate((Q_SIZE[piece.motion] for piece in pieces), initial=0)
     starts_u = accumulate((U_SIZE[piece.motion] for piece in pieces), initial=0)
     return tuple(
@@ -164,7 +162,7 @@ def _body_entries(
     )
 
 
-def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[BodyKind]) -> BodyEntry:
+def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: KindList[BodyKind]) -> BodyEntry:
     name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
     if mass is None or not piece.moves:
         kind = kinds.index(BodyKind(piece.motion, piece.motion, path=piece.body.path))
@@ -183,55 +181,69 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: Vocabulary[Body
 def _touching(
     scene: Scene,
     pieces: Sequence[Piece],
-    shapes: Vocabulary[ShapeKind],
-    kinds: Vocabulary[ContactKind],
+    shapes: KindList[ShapeKind],
+    kinds: KindList[ContactKind],
 ) -> Touching:
-    """The pairs that may touch, their links, and the contacts that follow them."""
+    """The pairs that may touch, their feature pairs, and the contacts that follow them."""
     touching, faces, shown = Touching((), (), ()), Faces(shapes), []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
         a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
-        first = len(touching.links)
-        links = links_of(a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index)
-        room = max(eta_size(kinds.kinds[link.kind]) for link in links)
-        explicit = all(eta_layout(kinds.kinds[link.kind])[1] == "none" and room < 2 for link in links)
-        way = following(a.shape, b.shape, pair, links, explicit)
-        links = confined(links) if way.own else links
-        contacts = _contacts(name, index, links, way, touching, room, kinds)
-        normal = _turned_round(pair.normal) if links[0].swapped else pair.normal
-        ranges = (first, first + len(links)), (len(touching.contacts), len(touching.contacts) + len(contacts))
-        grips = grips_of(pair, a.owner.body)
-        balls = tuple(ball_around(each) for each in ((b, a) if links[0].swapped else (a, b)))
-        entry = PairEntry(name, *ranges, _search(way, links), pair.restitution, normal, grips, balls)
-        shown.append(Shown((a, b), pair, patches_of(a, b, pair, name, where, links, first, faces, kinds)))
+        first = len(touching.feature_pairs)
+        feature_pairs = feature_pairs_of(
+            a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index
+        )
+        room = max(eta_size(kinds.kinds[feature_pair.kind]) for feature_pair in feature_pairs)
+        explicit = all(
+            eta_layout(kinds.kinds[feature_pair.kind])[1] == "none" and room < 2
+            for feature_pair in feature_pairs
+        )
+        way = following(a.shape, b.shape, pair, feature_pairs, explicit)
+        feature_pairs = confined(feature_pairs) if way.own else feature_pairs
+        contacts = _contacts(name, index, feature_pairs, way, touching, room, kinds)
+        normal = _turned_round(pair.normal) if feature_pairs[0].swapped else pair.normal
+        ranges = (
+            (first, first + len(feature_pairs)),
+            (len(touching.contacts), len(touching.contacts) + len(contacts)),
+        )
+        constraints = grips_of(pair, a.owner.body)
+        balls = tuple(ball_around(each) for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
+        entry = PairEntry(
+            name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
+        )
+        shown.append(
+            Shown((a, b), pair, patches_of(a, b, pair, name, where, feature_pairs, first, faces, kinds))
+        )
         touching = Touching(
-            (*touching.pairs, entry), (*touching.links, *links), (*touching.contacts, *contacts)
+            (*touching.pairs, entry),
+            (*touching.feature_pairs, *feature_pairs),
+            (*touching.contacts, *contacts),
         )
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
     return replace(touching, patches=unions.patches(shown), faces=tuple(unions.faces))
 
 
-def _search(way: Following, links: Sequence[LinkEntry]) -> Search:
+def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
     """Contacts that never end need not be searched for."""
-    endless = way.own and not any(link.conditions for link in links)
+    endless = way.own and not any(feature_pair.conditions for feature_pair in feature_pairs)
     return "never" if endless else way.search
 
 
 def _contacts(
     name: str,
     pair: int,
-    links: Sequence[LinkEntry],
+    feature_pairs: Sequence[FeaturePairEntry],
     way: Following,
     before: Touching,
     room: int,
-    kinds: Vocabulary[ContactKind],
+    kinds: KindList[ContactKind],
 ) -> tuple[ContactEntry, ...]:
     eta = sum(contact.room for contact in before.contacts)
     found = []
     for k in range(way.contacts):
-        own = len(before.links) + k if way.own else -1
-        space = eta_size(kinds.kinds[links[k].kind]) if way.own else room
-        label = f":{links[k].name}" if way.own else f"#{k + 1}"
+        own = len(before.feature_pairs) + k if way.own else -1
+        space = eta_size(kinds.kinds[feature_pairs[k].kind]) if way.own else room
+        label = f":{feature_pairs[k].name}" if way.own else f"#{k + 1}"
         found.append(ContactEntry(name + (label if way.contacts > 1 else ""), pair, eta, space, own))
         eta += space
     return tuple(found)
@@ -253,15 +265,13 @@ def _acting(
     scene: Scene, pieces: Sequence[Piece], length: float, eta: int
 ) -> tuple[tuple[LoadKind, ...], tuple[LoadEntry, ...], Joined]:
     """Loads and joints; the springs of joints are loads."""
-    kinds: Vocabulary[LoadKind] = Vocabulary()
+    kinds: KindList[LoadKind] = KindList()
     loads = _load_entries(scene, pieces, kinds)
     joints = joined(scene, [piece.centre for piece in pieces], length, eta, kinds)
     return kinds.kinds, (*loads, *joints.springs), joints
 
 
-def _load_entries(
-    scene: Scene, pieces: Sequence[Piece], kinds: Vocabulary[LoadKind]
-) -> tuple[LoadEntry, ...]:
+def _load_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[LoadKind]) -> tuple[LoadEntry, ...]:
     entries: list[LoadEntry] = []
     for index, load in enumerate(scene.loads):
         where = f"{scene.source}: load[{index}]"

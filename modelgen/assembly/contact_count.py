@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from modelgen.geometry.features import features_of, is_composite
 from modelgen.geometry.roundness import touches_once
-from modelgen.model import ENDS, WATCHED, LinkEntry, Search
+from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
 from modelgen.scene.types import ContactPair, Shape
 
 SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
@@ -16,15 +16,17 @@ ROUND = ("sphere", "ellipsoid", "superellipsoid")
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """`contacts` in all; each has its own link, or any of the pair."""
+    """`contacts` in all; each has its own feature pair, or any of the pair."""
 
     contacts: int
     own: bool
     search: Search
 
 
-def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry], explicit: bool) -> Following:
-    """For the pair of shapes (a, b) with these links; explicit: none of them has contact parameters.
+def following(
+    a: Shape, b: Shape, pair: ContactPair, feature_pairs: Sequence[FeaturePairEntry], explicit: bool
+) -> Following:
+    """For the pair of shapes (a, b) with these feature pairs; explicit: none of them has contact parameters.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down
@@ -33,13 +35,15 @@ def following(a: Shape, b: Shape, pair: ContactPair, links: Sequence[LinkEntry],
     faces all along.
     """
     once = touches_once(a, b)
-    leading = any(condition.next >= 0 for link in links for condition in link.conditions)
-    several = len(links) == 1 and not once and not explicit
+    leading = any(
+        condition.next >= 0 for feature_pair in feature_pairs for condition in feature_pair.conditions
+    )
+    several = len(feature_pairs) == 1 and not once and not explicit
     if (_is_plane(a) or _is_plane(b)) and not several and not (leading and (runs_on(a) or runs_on(b))):
         bounded = is_composite(a) or is_composite(b)
         search: Search = "always" if bounded or explicit else "moved"
-        return Following(len(links), True, search if once or len(links) == 1 else "ahead")
-    if once and len(links) == 1:
+        return Following(len(feature_pairs), True, search if once or len(feature_pairs) == 1 else "ahead")
+    if once and len(feature_pairs) == 1:
         return Following(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):
         return Following(1, False, "never")
@@ -69,12 +73,14 @@ def _is_plane(shape: Shape) -> bool:
     return shape.kind == "plane"
 
 
-def confined(links: Sequence[LinkEntry]) -> tuple[LinkEntry, ...]:
+def confined(feature_pairs: Sequence[FeaturePairEntry]) -> tuple[FeaturePairEntry, ...]:
     """Links that each have a contact of their own: where one ends, its contact does."""
     return tuple(
         replace(
-            link,
-            conditions=tuple(replace(each, next=ENDS) for each in link.conditions if each.next != WATCHED),
+            feature_pair,
+            conditions=tuple(
+                replace(each, next=ENDS) for each in feature_pair.conditions if each.next != WATCHED
+            ),
         )
-        for link in links
+        for feature_pair in feature_pairs
     )

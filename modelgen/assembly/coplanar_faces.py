@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.assembly.feature_pairs import Whole
-from modelgen.assembly.support_points import PADS
+from modelgen.assembly.support_points import SUPPORT_POINTS
 from modelgen.geometry.features import is_convex
 from modelgen.geometry.regions import in_one_plane, to_axes
 from modelgen.model import FaceEntry, PatchEntry
@@ -86,14 +86,16 @@ class Unions:
         first = replace(group[0], faces=(self._union(sides[0]), self._union(sides[1])))
         if len(group) == 1:
             return first
-        pads = self._pads(group, sides[1][0])
+        support_points = self._pads(group, sides[1][0])
         return replace(
             first,
             name=name,
             parameters=tuple(
-                numbers[:-3] + point for numbers, point in zip(first.parameters, pads, strict=True)
+                numbers[:-3] + point for numbers, point in zip(first.parameters, support_points, strict=True)
             ),
-            links=tuple(sorted({link for patch in group for link in patch.links})),
+            feature_pairs=tuple(
+                sorted({feature_pair for patch in group for feature_pair in patch.feature_pairs})
+            ),
         )
 
     def _union(self, members: Sequence[int]) -> int:
@@ -125,7 +127,7 @@ class Unions:
         centre = (centres.min(axis=0) + centres.max(axis=0)) / 2
         radius = float(np.linalg.norm(points - centre, axis=2).max())
         around = Pose(_vector(centre), self.given[face].pose.quaternion)
-        angles = [2 * pi * k / PADS for k in range(PADS)]
+        angles = [2 * pi * k / SUPPORT_POINTS for k in range(SUPPORT_POINTS)]
         return [_vector(to_outer(around, (radius * cos(a), radius * sin(a), 0.0))) for a in angles]
 
 
@@ -166,5 +168,5 @@ def _with_slots(found: Sequence[Sequence[PatchEntry]], shown: Sequence[Shown]) -
     for patches, each in zip(found, shown, strict=True):
         convex = all(is_convex(whole.shape) for whole in each.wholes)
         end = first + min(len(patches), 1 if convex else SLOTS)
-        yield from (replace(patch, slots=(first, end)) for patch in patches)
+        yield from (replace(patch, patch_slots=(first, end)) for patch in patches)
         first = end

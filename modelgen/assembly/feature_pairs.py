@@ -1,4 +1,4 @@
-"""The links of a pair of shapes: which features can touch in a point, and where a contact leads from each."""
+"""The feature pairs of two shapes: which features can touch, and what follows each of them."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.support_points import is_pad, lies_flat, pads_of, tilted
-from modelgen.assembly.vocabulary import Vocabulary
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.conditions import vertex
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.features import features_of, is_convex
-from modelgen.model import ENDS, WATCHED, ContactKind, LinkCondition, LinkEntry, ShapeKind
+from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.scene.poses import compose, rotation_of, to_outer
 from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape, Vector
 
@@ -56,18 +56,18 @@ Candidates = Mapping[tuple[str, str], Candidate]
 Face = tuple[int, str]  # of the first or second shape; its name
 
 
-def links_of(
+def feature_pairs_of(
     a: Whole,
     b: Whole,
     pair: ContactPair,
     wish: str,
     where: str,
-    shapes: Vocabulary[ShapeKind],
-    kinds: Vocabulary[ContactKind],
+    shapes: KindList[ShapeKind],
+    kinds: KindList[ContactKind],
     first: int,
     index: int,
-) -> tuple[LinkEntry, ...]:
-    """The links of a pair; the first has the number `first`. Raises SceneError if there is none.
+) -> tuple[FeaturePairEntry, ...]:
+    """The feature pairs of a pair; the first has the number `first`. Raises SceneError if there is none.
 
     `wish` is the form that they take where it is regular, if the pair names none.
     """
@@ -96,7 +96,7 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 
 
 def _candidates(
-    a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: Vocabulary[ShapeKind]
+    a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: KindList[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
     sides = _ended([_with_pads(features_of(whole.shape).features) for whole in (a, b)])
     _check_restriction(pair, sides, where)
@@ -135,7 +135,7 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
 
 
 def _with_pads(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
-    return (*features, *(pad for feature in features for pad in pads_of(feature)))
+    return (*features, *(support_point for feature in features for support_point in pads_of(feature)))
 
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
@@ -161,7 +161,7 @@ def _touch_in_points(a: Feature, b: Feature) -> bool:
 
 
 def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
-    """A rim or ring against a plane gives way to its pads where it is flat."""
+    """A rim or ring against a plane gives way to its support points where it is flat."""
     return (
         tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
         tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
@@ -175,7 +175,7 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
     return frozenset(faces & nexts) if feature.dimension == 2 else frozenset()
 
 
-def _place(whole: Whole, feature: Feature, shapes: Vocabulary[ShapeKind]) -> tuple[Feature, Partner]:
+def _place(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
     """The feature in the place of the whole shape; a vertex with its coordinates in the body's axes."""
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
     shape = replace(feature.shape, pose=pose, name=whole.shape.name)
@@ -196,14 +196,14 @@ def _entry(
     candidate: Candidate,
     names: tuple[str, str],
     numbers: Mapping[tuple[str, str], int],
-    kinds: Vocabulary[ContactKind],
+    kinds: KindList[ContactKind],
     pair: int,
     groups: Mapping[Face, int],
-) -> LinkEntry:
+) -> FeaturePairEntry:
     order = (1, 0) if candidate.swapped else (0, 1)
     o, f = (candidate.partners[k] for k in order)
     face = _flat_face(names, candidate)
-    return LinkEntry(
+    return FeaturePairEntry(
         name="-".join(filter(None, names)),
         kind=kinds.index(candidate.kind),
         pair=pair,
@@ -213,7 +213,7 @@ def _entry(
         swapped=candidate.swapped,
         shapes=(o.shape, f.shape),
         features=names,
-        group=-1 if face is None else groups.get(face, -1),
+        face_group=-1 if face is None else groups.get(face, -1),
         conditions=_conditions(candidate, names, numbers, order),
     )
 
@@ -223,7 +223,7 @@ def _conditions(
     names: tuple[str, str],
     numbers: Mapping[tuple[str, str], int],
     order: tuple[int, int],
-) -> tuple[LinkCondition, ...]:
+) -> tuple[FeatureCondition, ...]:
     found = []
     for side, mine in enumerate(order):
         other = candidate.features[1 - mine]
@@ -234,12 +234,12 @@ def _conditions(
             to = numbers.get((beyond[0], beyond[1]), ENDS) if condition.next else ENDS
             if to < 0 and _is_moot(condition, other, faces):
                 to = WATCHED
-            found.append(LinkCondition(condition.kind, side, condition.numbers, to))
+            found.append(FeatureCondition(condition.kind, side, condition.numbers, to))
     return tuple(found)
 
 
 def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:
-    """Beyond it a plane is touched along a line, or everywhere: this link goes on to hold them apart."""
+    """Beyond it a plane is touched along a line, or everywhere: this pair goes on to hold them apart."""
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 

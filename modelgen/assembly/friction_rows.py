@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from modelgen.model import Grip, Rows
+from modelgen.model import FrictionConstraint, Rows
 from modelgen.scene.types import ContactPair
 
 SPIN, ROLL = 2, 3  # rows below the normal one
@@ -15,7 +15,7 @@ def rows_of(pair: ContactPair) -> Rows:
     return 6 if pair.rolling_resistance or pair.spinning_resistance else 3
 
 
-def rubs(pair: ContactPair) -> bool:
+def has_friction(pair: ContactPair) -> bool:
     """Whether the friction of a pair is summed over faces that lie on each other.
 
     It must be alike in all directions, and no resistance besides.
@@ -24,14 +24,18 @@ def rubs(pair: ContactPair) -> bool:
     return pair.friction is not None and pair.friction.direction is None and not resists
 
 
-def grips_of(pair: ContactPair, first: int) -> tuple[Grip, ...]:
+def grips_of(pair: ContactPair, first: int) -> tuple[FrictionConstraint, ...]:
     """What friction and resistances hold at each contact of a pair; `first`: the index of its first body."""
     if pair.friction is None:
         return ()
     static, kinetic, direction = pair.friction.static, pair.friction.kinetic, pair.friction.direction
-    slip = Grip("slip", 0, 2, static, kinetic)
+    slip = FrictionConstraint("slip", 0, 2, static, kinetic)
     if direction is not None:
-        slip = Grip("slip", 0, 2, static, kinetic, first, direction)
+        slip = FrictionConstraint("slip", 0, 2, static, kinetic, first, direction)
     spin, roll = ((m, m) for m in (pair.spinning_resistance, pair.rolling_resistance))
-    grips = (slip, Grip("spin", SPIN, 1, spin, spin), Grip("roll", ROLL, 2, roll, roll))
-    return tuple(grip for grip in grips if grip.kinetic[0])
+    constraints = (
+        slip,
+        FrictionConstraint("spin", SPIN, 1, spin, spin),
+        FrictionConstraint("roll", ROLL, 2, roll, roll),
+    )
+    return tuple(constraint for constraint in constraints if constraint.kinetic[0])

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
 from modelgen.assembly.pairing import find_body
-from modelgen.assembly.vocabulary import Vocabulary
 from modelgen.joint.limits import is_turn
 from modelgen.joint.rows import row_count
 from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
@@ -28,11 +28,11 @@ class Joined:
 
 
 def joined(
-    scene: Scene, centres: Sequence[Vector], length: float, eta: int, loads: Vocabulary[LoadKind]
+    scene: Scene, centres: Sequence[Vector], length: float, eta: int, loads: KindList[LoadKind]
 ) -> Joined:
     """The joints of the scene; angles are measured by `length`, m; the eta of limits starts at `eta`."""
-    kinds: Vocabulary[JointKind] = Vocabulary()
-    limit_kinds: Vocabulary[LimitKind] = Vocabulary()
+    kinds: KindList[JointKind] = KindList()
+    limit_kinds: KindList[LimitKind] = KindList()
     joints: list[JointEntry] = []
     limits: list[LimitEntry] = []
     springs: list[LoadEntry] = []
@@ -62,7 +62,7 @@ def _parameters(joint: Joint, centres: tuple[Vector, Vector], length: float) -> 
 
 
 def _limits(
-    joint: Joint, index: int, entry: JointEntry, eta: int, kinds: Vocabulary[LimitKind]
+    joint: Joint, index: int, entry: JointEntry, eta: int, kinds: KindList[LimitKind]
 ) -> list[LimitEntry]:
     found: list[LimitEntry] = []
     for (coordinate, end), bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True):

@@ -8,12 +8,12 @@ from itertools import product
 from math import cos, pi, sin
 
 from modelgen.assembly.feature_pairs import Whole
-from modelgen.assembly.friction_rows import rubs
+from modelgen.assembly.friction_rows import has_friction
+from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.pairing import Partner, pair_up, shape_kind
-from modelgen.assembly.support_points import PADS, bearer_of
-from modelgen.assembly.vocabulary import Vocabulary
+from modelgen.assembly.support_points import SUPPORT_POINTS, bearer_of
 from modelgen.geometry.regions import Region, regions_of
-from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, LinkEntry, PatchEntry, ShapeKind
+from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
 from modelgen.scene.poses import compose, to_outer
 from modelgen.scene.types import ContactPair, Pose, Shape
 
@@ -21,7 +21,7 @@ from modelgen.scene.types import ContactPair, Pose, Shape
 class Faces:
     """The faces of a scene, each once, with what bounds them."""
 
-    def __init__(self, shapes: Vocabulary[ShapeKind]) -> None:
+    def __init__(self, shapes: KindList[ShapeKind]) -> None:
         self.shapes = shapes
         self.entries: list[FaceEntry] = []
         self._known: dict[tuple[int, str, str], int] = {}
@@ -65,33 +65,37 @@ def patches_of(
     pair: ContactPair,
     name: str,
     where: str,
-    links: Sequence[LinkEntry],
+    feature_pairs: Sequence[FeaturePairEntry],
     first: int,
     faces: Faces,
-    kinds: Vocabulary[ContactKind],
+    kinds: KindList[ContactKind],
 ) -> tuple[PatchEntry, ...]:
-    """The patches of a pair of shapes with these links, the first of which has the number `first`.
+    """The patches of a pair of shapes with these feature pairs, the first of which has the number `first`.
 
     Faces with friction that depends on the direction, or with resistances, stand on points.
     """
     found: list[PatchEntry] = []
-    if pair.friction is not None and not rubs(pair):
+    if pair.friction is not None and not has_friction(pair):
         return ()
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:
             continue
         halves = Half(a, one), Half(b, two)
-        covered = tuple(first + k for k, link in enumerate(links) if _lies_in(link.features, halves))
+        covered = tuple(
+            first + k
+            for k, feature_pair in enumerate(feature_pairs)
+            if _lies_in(feature_pair.features, halves)
+        )
         order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
-        kind, rubbing, parameters = _pads(order, pair, where, faces.shapes, kinds)
+        kind, friction_kind, parameters = _pads(order, pair, where, faces.shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
         numbers = tuple(faces.index(half.whole, half.region) for half in order)
         entry = PatchEntry(
-            f"{name}:{label}", links[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
+            f"{name}:{label}", feature_pairs[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
         )
         if pair.friction is not None:
             friction = pair.friction.static[0], pair.friction.kinetic[0]
-            entry = replace(entry, rubbing=rubbing, friction=friction)
+            entry = replace(entry, friction_kind=friction_kind, friction=friction)
         found.append(entry)
     return tuple(found)
 
@@ -118,25 +122,25 @@ def _pads(
     order: Sequence[Half],
     pair: ContactPair,
     where: str,
-    shapes: Vocabulary[ShapeKind],
-    kinds: Vocabulary[ContactKind],
+    shapes: KindList[ShapeKind],
+    kinds: KindList[ContactKind],
 ) -> tuple[int, int, tuple[tuple[float, ...], ...]]:
     """The kind of contact of three points of f on the plane of o, that of the first with friction, and the
     parameters of each."""
     o, f = order
     plane = _partner(o.whole, Shape("plane", pose=_pose(o.whole, o.region), name="plane"), shapes)
     free = replace(pair, form="auto")
-    parameters, kind, rubbing = [], -1, -1
-    for k in range(PADS):
-        point = _partner(f.whole, _pad(f, 2 * pi * k / PADS), shapes)
+    parameters, kind, friction_kind = [], -1, -1
+    for k in range(SUPPORT_POINTS):
+        point = _partner(f.whole, _pad(f, 2 * pi * k / SUPPORT_POINTS), shapes)
         kind = kinds.index(pair_up(plane, point, free, where, 1)[0])
         if pair.friction is not None and k == 0:
-            rubbing = kinds.index(pair_up(plane, point, free, where, 6)[0])
+            friction_kind = kinds.index(pair_up(plane, point, free, where, 6)[0])
         parameters.append(plane.parameters + point.parameters)
-    return kind, rubbing, tuple(parameters)
+    return kind, friction_kind, tuple(parameters)
 
 
-def _partner(whole: Whole, shape: Shape, shapes: Vocabulary[ShapeKind]) -> Partner:
+def _partner(whole: Whole, shape: Shape, shapes: KindList[ShapeKind]) -> Partner:
     return Partner(whole.owner, shape, shapes.named(shape_kind(shape, False)))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from modelgen.assembly.friction_rows import rubs
+from modelgen.assembly.friction_rows import has_friction
 from modelgen.errors import SceneError
 from modelgen.geometry.declared import declared_limits
 from modelgen.geometry.features import features_of
@@ -32,7 +32,7 @@ def _standing(scene: Scene) -> Iterator[str]:
     for pair in scene.contacts:
         flat = [regions_of(shapes[partner]) for partner in pair.between if partner in shapes]
         bounded = any(region.arcs for regions in flat for region in regions)
-        if pair.friction is None or rubs(pair) or not (len(flat) == 2 and all(flat) and bounded):
+        if pair.friction is None or has_friction(pair) or not (len(flat) == 2 and all(flat) and bounded):
             continue
         why = "rolling or spinning resistance" if pair.friction.direction is None else "friction by direction"
         name = "-".join(body for body, _ in pair.between)

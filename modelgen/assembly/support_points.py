@@ -17,7 +17,7 @@ from modelgen.scene.types import Condition, Feature, Shape
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 RIMS = ("circle", "ellipse_curve")
-PADS = 3
+SUPPORT_POINTS = 3
 
 
 def is_rim(feature: Feature) -> bool:
@@ -45,7 +45,7 @@ def bearer_of(name: str) -> str:
 
 
 def lies_flat(feature: Feature) -> bool:
-    """Whether it gives way to its pads on a plane: a rim, or the ring of a half torus."""
+    """Whether it gives way to its support points on a plane: a rim, or the ring of a half torus."""
     return is_rim(feature) or (bool(feature.name) and feature.shape.kind == "torus")
 
 
@@ -67,7 +67,7 @@ def pads_of(feature: Feature) -> tuple[Feature, ...]:
 
 def _on_rim(rim: Shape) -> list[Array]:
     low, high = (0.0, 2 * pi) if rim.kind in RIMS else domain_of(rim)[0]
-    return [point_of(rim, low + (high - low) * k / PADS) for k in range(PADS)]
+    return [point_of(rim, low + (high - low) * k / SUPPORT_POINTS) for k in range(SUPPORT_POINTS)]
 
 
 def _on_crests(torus: Shape) -> list[Array]:

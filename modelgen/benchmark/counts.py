@@ -11,7 +11,7 @@ from pathlib import Path
 
 from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest import SENTENCE, STRUCTURE, Manifest
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE, Manifest
 from modelgen.codegen.runtime_object import runtime_object
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.c_program import ENTRY, driver_text
@@ -48,8 +48,8 @@ def _model(library: Library, level: str) -> Path | None:
     if target.exists():
         return target
     folder = library.path.parent
-    texts = ((folder / name).read_text() for name in (STRUCTURE, SENTENCE))
-    if Manifest.from_json(*texts).vocabulary != library.manifest.vocabulary:
+    texts = ((folder / name).read_text() for name in (STRUCTURE, INSTANCE))
+    if Manifest.from_json(*texts).kinds_hash != library.manifest.kinds_hash:
         return None
     return target if _compiled(library, level, ["-c", "-o", target, folder / "model.c"]) else None
 

@@ -34,7 +34,7 @@ def _bowled_error(friction: float, path: Trajectory) -> float:
     v = path.v[-1, path.body_names.index("ball"), 0]
     if friction == 0:
         return float(abs(v / 3 - 1))
-    times = [event.t for event in path.events if event.kind == "stick"]
+    times = [event.t for event in path.events if event.kind == "slip-stop"]
     late = abs(times[0] * 7 * friction * G / 6 - 1) if times else 1.0
     return max(float(abs(v * 7 / 15 - 1)), late)
 

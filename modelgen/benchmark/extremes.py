@@ -163,7 +163,7 @@ def against(
         true = run_of(library, Accuracy.finest(), samples)
         if not true.outcome.succeeded:
             return inf
-        bodies = Bodies.of(library.manifest.sentence)
+        bodies = Bodies.of(library.manifest.instance)
         apart = float(separation(motion_of(path, bodies), motion_of(true, bodies), bodies).max())
         largest = float(np.abs(true.force).max(initial=0.0))
         return max(apart, float(np.abs(path.force - true.force).max()) / largest) if largest else apart

@@ -130,7 +130,7 @@ def _measurement(
         knobs={knob.name: list(space.values(knob)) for knob in turned},
         left_out={knob.name: knob.trades for knob in KNOBS if knob not in turned},
         reference=reference,
-        length=bench.plain.manifest.sentence["scales"]["length"],
+        length=bench.plain.manifest.instance["scales"]["length"],
         points=points,
         peers=peers,
         interrupted=stopped and resumable(stopped, bench.fresh),

@@ -23,11 +23,11 @@ class Bodies:
     mass: tuple[float, ...]  # kg, of those
 
     @classmethod
-    def of(cls, sentence: Mapping[str, Any]) -> Bodies:
-        """The bodies of a manifest's sentence."""
-        bodies = [(k, b) for k, b in enumerate(sentence["bodies"]) if b["motion"] in ("point", "free")]
+    def of(cls, instance: Mapping[str, Any]) -> Bodies:
+        """The bodies of a manifest's instance."""
+        bodies = [(k, b) for k, b in enumerate(instance["bodies"]) if b["motion"] in ("point", "free")]
         return cls(
-            length=sentence["scales"]["length"],
+            length=instance["scales"]["length"],
             moving=tuple(k for k, _ in bodies),
             turning=tuple(b["motion"] == "free" for _, b in bodies),
             mass=tuple(1 / b["mass_inverse"][0] for _, b in bodies),

@@ -109,14 +109,14 @@ def _common_end(paths: list[Trajectory]) -> str:
 
 def nudged(library: Library) -> Library:
     """The same scene with gravity changed by one rounding of double precision, in size and direction."""
-    sentence = deepcopy(library.manifest.sentence)
-    scales = sentence["scales"]
-    size = max(map(abs, sentence["gravity"])) or scales["length"] / scales["time"] ** 2
+    instance = deepcopy(library.manifest.instance)
+    scales = instance["scales"]
+    size = max(map(abs, instance["gravity"])) or scales["length"] / scales["time"] ** 2
     nudge = np.array([0.6, -0.5, 0.62]) * ROUNDING * size
-    exact = np.array(sentence["gravity"]) + nudge
-    step = np.nextafter(sentence["gravity"], inf)
-    sentence["gravity"] = np.where(exact == sentence["gravity"], step, exact).tolist()
-    manifest = replace(library.manifest, sentence=sentence)
+    exact = np.array(instance["gravity"]) + nudge
+    step = np.nextafter(instance["gravity"], inf)
+    instance["gravity"] = np.where(exact == instance["gravity"], step, exact).tolist()
+    manifest = replace(library.manifest, instance=instance)
     return Library(manifest, library.record, library.path.parent)
 
 

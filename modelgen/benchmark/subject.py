@@ -103,13 +103,13 @@ class Subject:
 
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""
-        sentence = {k: v for k, v in library.manifest.sentence.items() if k not in ("run", "source")}
+        instance = {k: v for k, v in library.manifest.instance.items() if k not in ("run", "source")}
         span = [self.until, self.samples, self.scene.run.accuracy]
-        parts = [FORMAT, sentence, library.record.hash, span, what]
+        parts = [FORMAT, instance, library.record.hash, span, what]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
     def bodies(self, library: Library) -> Bodies:
-        return Bodies.of(library.manifest.sentence)
+        return Bodies.of(library.manifest.instance)
 
 
 def applied(run: RunSettings, settings: Settings) -> RunSettings:

@@ -9,8 +9,8 @@ from typing import Any
 from modelgen.assembly import require
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import emit
+from modelgen.codegen.instance import instance_of, kinds_of
 from modelgen.codegen.library import Library
-from modelgen.codegen.sentence import kinds_of, sentence_of
 from modelgen.derivation import derive
 from modelgen.model import Model
 from modelgen.scene.types import Scene
@@ -20,7 +20,7 @@ KINDS = ("shape_kinds", "body_kinds", "contact_kinds", "load_kinds", "joint_kind
 
 @dataclass
 class Variants:
-    """What was built so far, by vocabulary and real type; libraries lie in folders under `root`."""
+    """What was built so far, by set of kinds and real type; libraries lie in folders under `root`."""
 
     root: Path
     _built: dict[tuple[Any, ...], Library] = field(default_factory=dict)
@@ -36,5 +36,5 @@ class Variants:
 
 
 def _with_numbers(library: Library, model: Model) -> Library:
-    manifest = replace(library.manifest, kinds=kinds_of(model), sentence=sentence_of(model))
+    manifest = replace(library.manifest, kinds=kinds_of(model), instance=instance_of(model))
     return Library(manifest, library.record, library.path.parent)

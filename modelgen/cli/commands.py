@@ -52,7 +52,7 @@ from modelgen.cli.output import (
     write_main,
     write_run,
 )
-from modelgen.cli.street import (
+from modelgen.cli.pipeline import (
     build_scene,
     derive_scene,
     folder_of,
@@ -112,7 +112,7 @@ def build(
     program = None if name is None else write_main(library, name)
     manifest = library.manifest
     facts = {
-        "scene": manifest.sentence["name"],
+        "scene": manifest.instance["name"],
         "library": str(library.path),
         "real": library.real,
         "hash": library.record.hash,

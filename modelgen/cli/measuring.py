@@ -15,7 +15,7 @@ import modelgen
 from modelgen.cli import INTERRUPTED
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
 from modelgen.cli.output import FAILED, check_file, check_outputs, guarded, print_facts
-from modelgen.cli.street import check_folder, folder_of
+from modelgen.cli.pipeline import check_folder, folder_of
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:

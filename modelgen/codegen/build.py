@@ -23,7 +23,7 @@ from modelgen.codegen.compiler import (
 )
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
-from modelgen.codegen.manifest import SENTENCE, STRUCTURE, BuildRecord, record_name
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, record_name
 from modelgen.codegen.runtime_object import runtime_hash, runtime_object
 from modelgen.errors import CompilerMissing, LibraryError, expect, nearest
 
@@ -54,7 +54,7 @@ def build(
         LibraryError: the compiler fails; the message names the command and the log.
     """
     expect("build", package, Package)
-    run = package.manifest.sentence["run"]
+    run = package.manifest.instance["run"]
     real, level = real or run.get("real", "double"), level or run.get("level", LEVEL)
     for name, value, known in (("real", real, tuple(REAL_FLAGS)), ("level", level, LEVELS)):
         if value not in known:
@@ -76,12 +76,12 @@ def build(
         runtime = runtime_object(compiler, flags, tell)
         _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
     record = BuildRecord(
-        key, source, cpu_target(), real, path.name, package.manifest.vocabulary, _versions(compiler)
+        key, source, cpu_target(), real, path.name, package.manifest.kinds_hash, _versions(compiler)
     )
     library = Library(package.manifest, record, folder)
     texts = {
         STRUCTURE: package.manifest.structure_json(),
-        SENTENCE: package.manifest.sentence_json(),
+        INSTANCE: package.manifest.instance_json(),
         record_name(real): record.to_json(),
     }
     _write(folder, {**package.files, **texts})

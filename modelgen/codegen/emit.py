@@ -10,9 +10,9 @@ from typing import Any
 import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
+from modelgen.codegen.instance import instance_of, kinds_of
 from modelgen.codegen.kinds_c import table_text
 from modelgen.codegen.manifest import Json, Manifest
-from modelgen.codegen.sentence import kinds_of, sentence_of
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import expect
 from modelgen.notation import unit_of
@@ -24,7 +24,7 @@ ENTRY = re.compile(  # the exported function of a kernel: head, name, internal f
     re.MULTILINE,
 )
 
-MODEL_HEAD = """/* The kernels of one scene's vocabulary, and the table through which the core calls them. */
+MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
 #if defined(__GNUC__)
@@ -86,7 +86,7 @@ def emit(derivation: Derivation) -> Package:
         functions={formula.name: _entry(formula) for formula in compiled},
         composed={formula.name: _entry(formula) for formula in derivation.formulas if formula.role == "rhs"},
         kinds=kinds_of(derivation.model),
-        sentence=sentence_of(derivation.model),
+        instance=instance_of(derivation.model),
     )
     return Package(derivation.model.scene.name, files, manifest)
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
+from modelgen.codegen.instance import J_SIZE
 from modelgen.codegen.manifest import FEET
-from modelgen.codegen.sentence import J_SIZE
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.kinds import eta_layout
 from modelgen.derivation import Derivation, Formula

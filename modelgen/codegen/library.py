@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.manifest import SENTENCE, STRUCTURE, BuildRecord, Manifest, record_name
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, Manifest, record_name
 from modelgen.errors import LibraryError, nearest, path_of
 
 Array = np.ndarray[Any, Any]
@@ -62,7 +62,7 @@ class Library:
         folder = path_of("Library.load", folder)
         manifest, record = folder / STRUCTURE, folder / record_name(real)
         return cls(
-            Manifest.from_json(_text(manifest), _text(folder / SENTENCE), str(manifest)),
+            Manifest.from_json(_text(manifest), _text(folder / INSTANCE), str(manifest)),
             BuildRecord.from_json(_text(record), str(record)),
             folder,
         )
@@ -78,7 +78,7 @@ class Library:
         manifest, record = self.manifest, self.record
         for what, found, allowed in (
             ("ABI", abi, manifest.abi),
-            ("vocabulary", record.vocabulary, manifest.vocabulary),
+            ("kinds_hash", record.kinds_hash, manifest.kinds_hash),
             ("hash", key, record.hash),
             ("hash in the file name", self.path.stem.rpartition("-")[2], record.hash[:16]),
             ("size of the real type", size, self.dtype.itemsize),

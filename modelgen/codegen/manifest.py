@@ -1,7 +1,7 @@
 """What the running half knows of the generated code, and what it knows of one build. Plain JSON, no symbols.
 
 A manifest is written as two files: its structure, which is the same on every machine and may be committed,
-and its sentence, the numbers of the scene, whose last digits depend on the machine. The record of a build is
+and its instance, the numbers of the scene, whose last digits depend on the machine. The record of a build is
 a third.
 """
 
@@ -14,78 +14,81 @@ from typing import Any
 
 from modelgen.errors import LibraryError
 
-FEET = {"plane": 1, "sphere": 2}  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
+FEET = {
+    "plane": 1,
+    "sphere": 2,
+}  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
 Json = dict[str, Any]
-STRUCTURE, SENTENCE = "manifest.json", "sentence.json"  # names of the files
+STRUCTURE, INSTANCE = "manifest.json", "instance.json"  # names of the files
 
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """Names, shapes, units, sources and counts of the functions; the kinds; the sentence over them.
+    """Names, shapes, units, sources and counts of the functions; the kinds; the instance over them.
 
     `functions[name]` = {inputs: [{name, shape, unit}], outputs: [...], instructions, citation}.
     `composed[name]` = the same of a function that is derived and counted, but not compiled.
     `kinds` = {body, contact, load, shape: [...]} in the order of their indices.
-    `sentence` = the scene as tables: bodies, contacts, loads, sizes, scales, initial state, gravity, run.
+    `instance` = the scene as tables: bodies, contacts, loads, sizes, scales, initial state, gravity, run.
     """
 
     abi: int
     functions: Json
     composed: Json
     kinds: Json
-    sentence: Json
+    instance: Json
 
     def structure_json(self) -> str:
-        """JSON text of all but the sentence, a line an entry, with a summary of the sentence's tables."""
+        """JSON text of all but the instance, a line an entry, with a summary of the instance's tables."""
         parts = {
             "abi": self.abi,
             "composed": self.composed,
             "functions": self.functions,
             "kinds": self.kinds,
-            "tables": _tables(self.sentence),
+            "tables": _tables(self.instance),
         }
         return _lines(parts) + "\n"
 
-    def sentence_json(self) -> str:
-        """JSON text of the sentence, with the vocabulary that it is written in."""
-        whole = {"sentence": self.sentence, "vocabulary": self.vocabulary}
+    def instance_json(self) -> str:
+        """JSON text of the instance, with the set of kinds that it is written in."""
+        whole = {"instance": self.instance, "kinds_hash": self.kinds_hash}
         return json.dumps(whole, sort_keys=True, indent=1, allow_nan=False) + "\n"
 
     @classmethod
-    def from_json(cls, structure: str, sentence: str, source: str = "manifest") -> Manifest:
-        """The manifest of both texts; raises LibraryError if they are none, or of different vocabularies."""
+    def from_json(cls, structure: str, instance: str, source: str = "manifest") -> Manifest:
+        """The manifest of both texts; raises LibraryError if they are none, or of different kinds."""
         values = _object(structure, ("abi", "composed", "functions", "kinds", "tables"), cls, source)
-        spoken = _object(sentence, ("sentence", "vocabulary"), cls, f"{source}: its sentence")
+        spoken = _object(instance, ("instance", "kinds_hash"), cls, f"{source}: its instance")
         del values["tables"]
-        manifest = cls(**values, sentence=spoken["sentence"])
-        if manifest.vocabulary != spoken["vocabulary"]:
+        manifest = cls(**values, instance=spoken["instance"])
+        if manifest.kinds_hash != spoken["kinds_hash"]:
             raise LibraryError(
-                source, "its sentence is of another vocabulary", "", "it is stale: build again"
+                source, "its instance is of another set of kinds", "", "it is stale: build again"
             )
         return manifest
 
     @property
     def name(self) -> str:
         """The scene's name."""
-        return str(self.sentence["name"])
+        return str(self.instance["name"])
 
     @property
-    def vocabulary(self) -> str:
-        """SHA-256 (hex) of what a library must agree with: ABI, functions and kinds, not the sentence."""
+    def kinds_hash(self) -> str:
+        """SHA-256 (hex) of what a library must agree with: ABI, functions and kinds, not the instance."""
         text = json.dumps([self.abi, self.functions, self.kinds], sort_keys=True, allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
 class BuildRecord:
-    """One build of a manifest's vocabulary on one machine."""
+    """One build of a manifest's set of kinds on one machine."""
 
     hash: str  # of text, flags, compiler, CPU target, ABI
     source: str  # of the text alone, with real type and level
     cpu: str  # what the compiler took from the processor that the library was built for
     real: str  # double, float or long double
     file: str  # name of the library
-    vocabulary: str  # of the manifest that it was built for
+    kinds_hash: str  # of the manifest that it was built for
     versions: Json  # of the tools that made text and library
 
     def to_json(self) -> str:
@@ -103,25 +106,29 @@ def record_name(real: str) -> str:
     return "library.json" if real == "double" else f"library-{real.replace(' ', '-')}.json"
 
 
-def _tables(sentence: Json) -> Json:
+def _tables(instance: Json) -> Json:
     """Who is in the scene and who may touch whom, without numbers."""
-    bodies = [body["name"] for body in sentence["bodies"]]
+    bodies = [body["name"] for body in instance["bodies"]]
     return {
-        "bodies": [{key: body[key] for key in ("name", "motion", "kind")} for body in sentence["bodies"]],
+        "bodies": [{key: body[key] for key in ("name", "motion", "kind")} for body in instance["bodies"]],
         "joints": [
             {"name": joint["name"], "kind": joint["kind"], "bodies": [bodies[joint[s]] for s in "ab"]}
-            for joint in sentence["joints"]
+            for joint in instance["joints"]
         ],
         "loads": [
             {"kind": load["kind"], "bodies": [bodies[body] for body in load["bodies"]]}
-            for load in sentence["loads"]
+            for load in instance["loads"]
         ],
         "pairs": [
-            {"name": pair["name"], "links": pair["links"][1] - pair["links"][0], "search": pair["search"]}
-            for pair in sentence["pairs"]
+            {
+                "name": pair["name"],
+                "feature_pairs": pair["feature_pairs"][1] - pair["feature_pairs"][0],
+                "search": pair["search"],
+            }
+            for pair in instance["pairs"]
         ],
-        "patches": [patch["name"] for patch in sentence["patches"]],
-        "sizes": {key: sentence[key] for key in ("n_q", "n_u", "n_eta")},
+        "patches": [patch["name"] for patch in instance["patches"]],
+        "sizes": {key: instance[key] for key in ("n_q", "n_u", "n_eta")},
     }
 
 

@@ -13,7 +13,7 @@ def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
     return {
         "name": entry.name,
         "body": entry.body,
-        "placement": list(pose_numbers(entry.pose, model.bodies[entry.body].com)),
+        "placement": list(pose_numbers(entry.pose, model.bodies[entry.body].centre_of_mass)),
         "boundary": [
             {
                 "kind": arc.kind,
@@ -28,15 +28,19 @@ def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
 
 
 def patch_table(entry: PatchEntry) -> dict[str, Any]:
-    """Two faces, what holds them, and the links that lie in them."""
-    rubbing = {"rubbing": entry.rubbing, "friction": list(entry.friction)} if entry.rubbing >= 0 else {}
+    """Two faces, what holds them, and the feature pairs that lie in them."""
+    friction = (
+        {"friction_kind": entry.friction_kind, "friction": list(entry.friction)}
+        if entry.friction_kind >= 0
+        else {}
+    )
     return {
-        **rubbing,
+        **friction,
         "name": entry.name,
         "pair": entry.pair,
         "kind": entry.kind,
         "faces": list(entry.faces),
-        "pads": [list(numbers) for numbers in entry.parameters],
-        "links": list(entry.links),
-        "slots": list(entry.slots),
+        "support_points": [list(numbers) for numbers in entry.parameters],
+        "feature_pairs": list(entry.feature_pairs),
+        "patch_slots": list(entry.patch_slots),
     }

@@ -18,7 +18,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 9
+#define MG_ABI 10
 
 /* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
    them that can touch in a point are a feature pair. A contact is on one feature pair at a time, or on none, and walks
@@ -213,8 +213,8 @@ enum {
   MG_EVENT_FEATURE_CHANGE = 4,
   MG_EVENT_APPEAR = 5,
   MG_EVENT_VANISH = 6,
-  MG_EVENT_FACE_REST = 7,
-  MG_EVENT_EDGE_TURN = 8, /* of the first support point of a slot: its patch rests; turns over its edge */
+  MG_EVENT_FACE_CONTACT = 7,
+  MG_EVENT_TIPPING = 8, /* of the first support point of a slot: its patch rests; turns over its edge */
   MG_EVENT_SLIP_START = 9,
   MG_EVENT_SLIP_STOP = 10,
   MG_EVENT_SLIP_REVERSAL = 11,

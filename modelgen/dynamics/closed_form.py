@@ -16,7 +16,7 @@ import casadi as ca
 
 from modelgen.dynamics.bodies import kernel, mass_and_inertia
 from modelgen.geometry.frames import dot, zeros
-from modelgen.model import BodyEntry, BodyKind, LinkEntry, Model
+from modelgen.model import BodyEntry, BodyKind, FeaturePairEntry, Model
 
 MAX_CONTACTS = 4
 
@@ -25,7 +25,7 @@ Functions = Mapping[str, ca.Function]
 
 @dataclass(frozen=True)
 class Symbols:
-    """Inputs of the composed function; `parameters` holds those of bodies, then links, then loads."""
+    """Inputs of the composed function; `parameters` holds those of bodies, then feature pairs, then loads."""
 
     t: ca.SX
     q: ca.SX
@@ -37,7 +37,7 @@ class Symbols:
 
 @dataclass(frozen=True)
 class Moving:
-    """A body of the sentence as expressions; `accel` without contact forces."""
+    """A body of the instance as expressions; `accel` without contact forces."""
 
     kind: BodyKind
     parameters: ca.SX
@@ -67,7 +67,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Touch:
-    """A contact of the sentence as expressions."""
+    """A contact of the instance as expressions."""
 
     rows: tuple[Row, ...]
     eta_dot: ca.SX
@@ -103,8 +103,8 @@ def why_not_closed(model: Model) -> str:
     if len(model.pairs) > MAX_CONTACTS:
         return f"{len(model.pairs)} contacts"
     for pair in model.pairs:
-        n = pair.links[1] - pair.links[0]
-        if any(model.contact_kinds[model.links[k].kind].rows > 1 for k in range(*pair.links)):
+        n = pair.feature_pairs[1] - pair.feature_pairs[0]
+        if any(model.contact_kinds[model.feature_pairs[k].kind].rows > 1 for k in range(*pair.feature_pairs)):
             return f"friction at contact {pair.name!r}"
         if n != 1:
             return f"contact {pair.name!r} goes over {n} pairs of faces, edges, vertices, pieces or caps"
@@ -129,7 +129,7 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
 def pushed(model: Model, functions: Functions) -> ca.Function:
     """(t, q, u, eta, gravity, parameters, force) -> (qdot, udot, eta_dot) under given forces along all rows
-    of all contacts, N or N m; for models whose pairs have one link each."""
+    of all contacts, N or N m; for models whose pairs have one feature pair each."""
     written = _written(model, functions)
     force = ca.SX.sym("force", len(written.rows))
     outputs = {
@@ -139,7 +139,7 @@ def pushed(model: Model, functions: Functions) -> ca.Function:
 
 
 def _written(model: Model, functions: Functions) -> Written:
-    blocks = (model.bodies, model.links, model.loads)
+    blocks = (model.bodies, model.feature_pairs, model.loads)
     sizes = [len(entry.parameters) for block in blocks for entry in block]
     symbols = Symbols(
         ca.SX.sym("t"),
@@ -150,11 +150,11 @@ def _written(model: Model, functions: Functions) -> Written:
         ca.SX.sym("parameters", sum(sizes)),
     )
     parameters = [symbols.parameters[a:b] for a, b in pairwise(accumulate(sizes, initial=0))]
-    n, m = len(model.bodies), len(model.links)
+    n, m = len(model.bodies), len(model.feature_pairs)
     bodies = _bodies(model, symbols, parameters[:n], parameters[n + m :], functions)
     touches = [
         _touch(model, entry, bodies, symbols.eta, given, functions)
-        for entry, given in zip(model.links, parameters[n : n + m], strict=True)
+        for entry, given in zip(model.feature_pairs, parameters[n : n + m], strict=True)
     ]
     return Written(symbols, bodies, touches)
 
@@ -235,7 +235,7 @@ def _fit(function: ca.Function, arguments: list[ca.SX]) -> list[ca.SX]:
 
 def _touch(
     model: Model,
-    entry: LinkEntry,
+    entry: FeaturePairEntry,
     bodies: list[Moving],
     eta: ca.SX,
     parameters: ca.SX,

@@ -86,7 +86,7 @@ def resting_forces(touching: Touching, place: Place) -> tuple[dict[str, float], 
     Raises SimulationError if contacts would have to pull, or to hold more than their friction does.
     """
     contacts = touching.contacts
-    if not any(contact.grips for contact in contacts):
+    if not any(contact.friction for contact in contacts):
         return {c.name: float(f) for c, f in zip(contacts, _pressing(touching, place), strict=True)}, {}
     turns = touching.turns(place.q)
     axes = [f.axes(c, turns) for f, c in zip(place.facings, contacts, strict=True)]
@@ -96,8 +96,8 @@ def resting_forces(touching: Touching, place: Place) -> tuple[dict[str, float], 
     for k, (contact, (used, _)) in enumerate(zip(contacts, held.shares(z), strict=True)):
         own = axes[k].T @ held.of(k, z)
         force[contact.name] = float(own[0])
-        if contact.grips:
-            sign = -1.0 if contact.link.swapped else 1.0
+        if contact.friction:
+            sign = -1.0 if contact.feature_pair.swapped else 1.0
             friction[contact.name] = Friction(
                 sign * (own[1:3] @ place.facings[k].tangents), float(min(used, 1.0))
             )
@@ -121,7 +121,7 @@ def _holding(held: Held) -> Array:
     if held.pulls(z):
         _refuse_pulling(held.touching)
     for k, contact in enumerate(held.touching.contacts):
-        if contact.grips and not held.of(k, z)[0] > BALANCED * np.abs(z).max(initial=0.0):
+        if contact.friction and not held.of(k, z)[0] > BALANCED * np.abs(z).max(initial=0.0):
             _refuse(held.touching, f"contact {contact.name!r} presses with no force, so nothing sticks at it",
                     "take its pair out, or start where it presses")  # fmt: skip
     if _most(held, z) > 1 + SAME:
@@ -165,9 +165,9 @@ def _refuse_pulling(touching: Touching) -> NoReturn:
 def _refuse_slipping(held: Held, z: Array, factor: float) -> NoReturn:
     shares = held.shares(z)
     worst = int(np.argmax([used for used, _ in shares]))
-    contact, (_, aspect) = held.touching.contacts[worst], shares[worst]
-    name = {"slip": "static friction", "spin": "spinning resistance", "roll": "rolling resistance"}[aspect]
-    found = f"contact {contact.name!r} would {aspect} at rest: it takes {factor:.6g} times its {name}"
+    contact, (_, kind) = held.touching.contacts[worst], shares[worst]
+    name = {"slip": "static friction", "spin": "spinning resistance", "roll": "rolling resistance"}[kind]
+    found = f"contact {contact.name!r} would {kind} at rest: it takes {factor:.6g} times its {name}"
     _refuse(held.touching, found, "raise it as much, or start where less is needed")
 
 

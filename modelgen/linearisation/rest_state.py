@@ -27,7 +27,7 @@ from modelgen.derivation import Derivation
 from modelgen.dynamics.closed_form import pushed
 from modelgen.errors import SimulationError
 from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
-from modelgen.model import ContactEntry, LinkEntry, Model, PairEntry
+from modelgen.model import ContactEntry, FeaturePairEntry, Model, PairEntry
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
@@ -109,7 +109,7 @@ class Touching:
         Raises NoPlaceError where they have none.
         """
         found = [
-            contact.settled(self._sides(contact.link, q), eta)
+            contact.settled(self._sides(contact.feature_pair, q), eta)
             for contact, eta in zip(self.contacts, etas, strict=True)
         ]
         etas = tuple(eta for eta, _ in found)
@@ -149,20 +149,20 @@ class Touching:
         for k, entry in enumerate(model.contacts):
             if not session.closed[k]:
                 continue
-            link = model.links[int(session.link[k])]
+            feature_pair = model.feature_pairs[int(session.feature_pair[k])]
             size = sum(ETA_SIZE[carrier] for carrier in session.layout(k))
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
-            grips = model.pairs[entry.pair].grips
-            rates, place = (self._kernel(link, role) for role in ("rates", "place"))
-            found.append(Contact(entry.name, link, grips, rates, place, eta))
+            constraints = model.pairs[entry.pair].friction
+            rates, place = (self._kernel(feature_pair, role) for role in ("rates", "place"))
+            found.append(Contact(entry.name, feature_pair, constraints, rates, place, eta))
         return tuple(found)
 
-    def _kernel(self, link: LinkEntry, role: str) -> ca.Function:
-        return self.functions[f"mg_{self.model.contact_kinds[link.kind].name}_{role}"]
+    def _kernel(self, feature_pair: FeaturePairEntry, role: str) -> ca.Function:
+        return self.functions[f"mg_{self.model.contact_kinds[feature_pair.kind].name}_{role}"]
 
     def _facings(self, q: Array, etas: tuple[Array, ...]) -> tuple[Facing, ...]:
         return tuple(
-            contact.facing(self._sides(contact.link, q), eta, self.model)
+            contact.facing(self._sides(contact.feature_pair, q), eta, self.model)
             for contact, eta in zip(self.contacts, etas, strict=True)
         )
 
@@ -179,8 +179,8 @@ class Touching:
                 found[body.u : body.u + 3, body.u : body.u + 3] = turn
         return found
 
-    def _sides(self, link: LinkEntry, q: Array) -> list[Array]:
-        return [self._pose(link.o, q), self._pose(link.f, q)]
+    def _sides(self, feature_pair: FeaturePairEntry, q: Array) -> list[Array]:
+        return [self._pose(feature_pair.o, q), self._pose(feature_pair.f, q)]
 
     def _pose(self, index: int, q: Array) -> Array:
         body = self.model.bodies[index]
@@ -196,7 +196,7 @@ class Touching:
         model = _holding(self.contacts, self.model)
         rhs = pushed(model, self.functions)
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
-        blocks = (model.bodies, model.links, model.loads)
+        blocks = (model.bodies, model.feature_pairs, model.loads)
         parameters = [value for block in blocks for entry in block for value in entry.parameters]
         gravity = ca.DM(model.scene.gravity)
         qdot, udot, eta_dot = rhs(0.0, q, u, eta, gravity, ca.DM(parameters), force)
@@ -207,7 +207,7 @@ class Touching:
 
 def _holding(held: tuple[Contact, ...], model: Model) -> Model:
     """The model in which each of these contacts is a pair of its own, and there are no others."""
-    links = tuple(replace(each.link, pair=k, conditions=()) for k, each in enumerate(held))
+    feature_pairs = tuple(replace(each.feature_pair, pair=k, conditions=()) for k, each in enumerate(held))
     pairs = tuple(
         PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)
     )
@@ -215,7 +215,7 @@ def _holding(held: tuple[Contact, ...], model: Model) -> Model:
     contacts = tuple(
         ContactEntry(each.name, k, int(offsets[k]), len(each.eta), k) for k, each in enumerate(held)
     )
-    return replace(model, links=links, pairs=pairs, contacts=contacts, n_eta=int(offsets[-1]))
+    return replace(model, feature_pairs=feature_pairs, pairs=pairs, contacts=contacts, n_eta=int(offsets[-1]))
 
 
 def _refuse(model: Model) -> None:
@@ -234,12 +234,12 @@ def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[F
     """Raises SimulationError where what friction or a resistance should hold moves at the start."""
     u, scales, least = np.array(model.initial_u), model.scales, Accuracy.balanced().slip_speed
     for contact, facing in zip(contacts, facings, strict=True):
-        for grip, speed in moving(contact, facing.J @ u):
-            unit = "m/s" if grip.aspect == "slip" else "rad/s"
-            if speed > least * (scales.length if grip.aspect == "slip" else 1.0) / scales.time:
+        for constraint, speed in moving(contact, facing.J @ u):
+            unit = "m/s" if constraint.kind == "slip" else "rad/s"
+            if speed > least * (scales.length if constraint.kind == "slip" else 1.0) / scales.time:
                 raise SimulationError(
                     f"{model.scene.name}: linearise",
-                    f"contact {contact.name!r} {grip.aspect}s at the start, at {speed:.3g} {unit}",
+                    f"contact {contact.name!r} {constraint.kind}s at the start, at {speed:.3g} {unit}",
                     "contacts with friction that stick",
                     "start it at rest, or leave its friction out",
                 )

@@ -101,14 +101,14 @@ def _contacts(model: Model) -> list[dict[str, Any]]:
     forms = [form_counts(kind) for kind in model.contact_kinds]
     return [
         {
-            "name": ":".join(filter(None, (model.pairs[link.pair].name, link.name))),
-            "kind": model.contact_kinds[link.kind].name,
-            "form": model.contact_kinds[link.kind].form,
-            "forms": forms[link.kind],
-            "restitution": model.pairs[link.pair].restitution.value,
-            "friction": [asdict(grip) for grip in model.pairs[link.pair].grips],
+            "name": ":".join(filter(None, (model.pairs[feature_pair.pair].name, feature_pair.name))),
+            "kind": model.contact_kinds[feature_pair.kind].name,
+            "form": model.contact_kinds[feature_pair.kind].form,
+            "forms": forms[feature_pair.kind],
+            "restitution": model.pairs[feature_pair.pair].restitution.value,
+            "friction": [asdict(constraint) for constraint in model.pairs[feature_pair.pair].friction],
         }
-        for link in model.links
+        for feature_pair in model.feature_pairs
     ]
 
 

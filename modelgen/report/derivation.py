@@ -12,8 +12,8 @@ import casadi as ca
 import sympy as sp
 
 from modelgen.codegen.emit import emit
+from modelgen.codegen.instance import parameters_of_joint
 from modelgen.codegen.manifest import Manifest
-from modelgen.codegen.sentence import parameters_of_joint
 from modelgen.contact.kinds import FORMS, contact_kernels
 from modelgen.contact.slip import with_tangential_rows
 from modelgen.derivation import Derivation, Formula
@@ -213,7 +213,10 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
     kinds = manifest.kinds
     if formula.role == "rhs":
         entries = [("body", body.kind, body.name) for body in model.bodies]
-        entries += [("contact", link.kind, model.pairs[link.pair].name) for link in model.links]
+        entries += [
+            ("contact", feature_pair.kind, model.pairs[feature_pair.pair].name)
+            for feature_pair in model.feature_pairs
+        ]
         owned = [
             f"{_identifier(name)}_{re.sub(r'[^A-Za-z0-9]+', '_', owner)}"
             for group, kind, owner in entries

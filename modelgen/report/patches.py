@@ -20,8 +20,8 @@ def face_outlines(library: Library, patches: Sequence[int]) -> dict[str, Array]:
     loops apart by NaN, as "k_outline"; its axes there, (12,), as "k_axes"; the body's index as "k_body"."""
     found: dict[str, Array] = {}
     for k in patches:
-        entry = library.manifest.sentence["patches"][k]
-        face = library.manifest.sentence["faces"][entry["faces"][1]]
+        entry = library.manifest.instance["patches"][k]
+        face = library.manifest.instance["faces"][entry["faces"][1]]
         axes = np.array(face["placement"], dtype=float)
         loops = overlap(library, (), arcs_of(face)).outline
         gap = np.full((1, 2), np.nan)

@@ -68,9 +68,9 @@ def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
     """What is drawn over time, two a row; force and gap where there are contacts, friction and slip
     where there is any, likewise of joints."""
     contacts = (_force, _gap) if _contacts(record) else (_force,) if record.contact_names else ()
-    grips = (_friction, _slip) if record.has_friction else ()
+    constraints = (_friction, _slip) if record.has_friction else ()
     joints = (_joint_force, _coordinates) if record.joint_names else ()
-    over_time = (_position, _velocity, _rotation, *contacts, *grips, *joints, _energy)
+    over_time = (_position, _velocity, _rotation, *contacts, *constraints, *joints, _energy)
     pressed = (partial(_pressure, patch=patch) for patch in record.rested[:CURVES])
     return (*(partial(_over_time, panel=panel) for panel in over_time), *pressed)
 

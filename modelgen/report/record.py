@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from modelgen.report.patches import face_outlines
-from modelgen.report.surfaces import contact_meshes, link_of
+from modelgen.report.surfaces import contact_meshes, feature_pair_of
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
@@ -98,13 +98,15 @@ def rotate_inverse(quaternion: Array, x: Array) -> Array:
 
 def record_of(trajectory: Trajectory, library: Library) -> Record:
     """The record of a run and of the library that made it: what `save` and `draw` take."""
-    sentence = library.manifest.sentence
-    links = [link_of(sentence, k) for k in range(len(sentence["contacts"]))]
+    instance = library.manifest.instance
+    feature_pairs = [feature_pair_of(instance, k) for k in range(len(instance["contacts"]))]
     bare = Record(
         columns={name: np.asarray(getattr(trajectory, name), dtype=float) for name in COLUMNS},
         body_names=trajectory.body_names,
         contact_names=trajectory.contact_names,
-        pairs=np.array([(link["o"], link["f"]) for link in links], dtype=int).reshape(-1, 2),
+        pairs=np.array(
+            [(feature_pair["o"], feature_pair["f"]) for feature_pair in feature_pairs], dtype=int
+        ).reshape(-1, 2),
         meshes={},
         summary=trajectory.summary(),
         joint_names=trajectory.joint_names,

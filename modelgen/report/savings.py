@@ -70,13 +70,15 @@ def size_of(derivation: Derivation) -> Size:
     counts: Mapping[tuple[str, int], int] = {
         (formula.role, formula.kind): formula.instructions for formula in derivation.formulas
     }
-    links = [
-        model.links[contact.link if contact.link >= 0 else model.pairs[contact.pair].links[0]]
+    feature_pairs = [
+        model.feature_pairs[
+            contact.feature_pair if contact.feature_pair >= 0 else model.pairs[contact.pair].feature_pairs[0]
+        ]
         for contact in model.contacts
     ]
     parts = [
         *((role, body.kind) for body in model.bodies for role in ("pose", "motion", "path")),
-        *(("rates", link.kind) for link in links),
+        *(("rates", feature_pair.kind) for feature_pair in feature_pairs),
         *(("wrench", load.kind) for load in model.loads),
         *(("rows", joint.kind) for joint in model.joints),
     ]
@@ -100,7 +102,7 @@ def _without_eta(model: Model) -> Undone:
     """The cheapest form that carries its contact points in the state."""
     names, pairs = [], []
     for pair, entry in zip(model.scene.contacts, model.pairs, strict=True):
-        kinds = {model.links[k].kind for k in range(*entry.links)}
+        kinds = {model.feature_pairs[k].kind for k in range(*entry.feature_pairs)}
         forms = [_carrying(model.contact_kinds[kind]) for kind in kinds]
         form = forms[0] if len(forms) == 1 else None
         names += [entry.name] if form else []

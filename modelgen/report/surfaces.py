@@ -27,32 +27,32 @@ def contact_meshes(library: Library, curve: Callable[[int, str], Array]) -> dict
     In the axes of the body's centre of mass. `curve(contact, side)` gives the contact points there, (n, 3) m;
     an unbounded surface is cut where it has gone past them.
     """
-    sentence = library.manifest.sentence
+    instance = library.manifest.instance
     return {
         f"{k}_{side}": _features(library, k, side, curve(k, side))
-        for k in range(min(CONTACTS, len(sentence["contacts"])))
+        for k in range(min(CONTACTS, len(instance["contacts"])))
         for side in "of"
     }
 
 
-def link_of(sentence: Mapping[str, Any], contact: int) -> Mapping[str, Any]:
-    """The link that a contact has for its own, or the first of its pair."""
-    entry = sentence["contacts"][contact]
-    own, first = int(entry["link"]), sentence["pairs"][entry["pair"]]["links"][0]
-    found: Mapping[str, Any] = sentence["links"][own if own >= 0 else first]
+def feature_pair_of(instance: Mapping[str, Any], contact: int) -> Mapping[str, Any]:
+    """The feature pair that a contact has for its own, or the first of its pair."""
+    entry = instance["contacts"][contact]
+    own, first = int(entry["feature_pair"]), instance["pairs"][entry["pair"]]["feature_pairs"][0]
+    found: Mapping[str, Any] = instance["feature_pairs"][own if own >= 0 else first]
     return found
 
 
 def _features(library: Library, contact: int, side: str, curve: Array) -> Array:
     """All features of the shape on one side of a contact."""
-    sentence = library.manifest.sentence
-    own = link_of(sentence, contact)
-    first, end = sentence["pairs"][sentence["contacts"][contact]["pair"]]["links"]
+    instance = library.manifest.instance
+    own = feature_pair_of(instance, contact)
+    first, end = instance["pairs"][instance["contacts"][contact]["pair"]]["feature_pairs"]
     parts: dict[str, tuple[Mapping[str, Any], list[Any]]] = {}
-    for link in sentence["links"][first:end]:
-        here = "o" if link["o"] == own[side] else "f"
-        shape = link[f"shape_{here}"]
-        borders = [each for each in link["conditions"] if each["side"] == "of".index(here)]
+    for feature_pair in instance["feature_pairs"][first:end]:
+        here = "o" if feature_pair["o"] == own[side] else "f"
+        shape = feature_pair[f"shape_{here}"]
+        borders = [each for each in feature_pair["conditions"] if each["side"] == "of".index(here)]
         parts.setdefault(str([shape[key] for key in ("kind", "parameters", "placement")]), (shape, borders))
     if len(parts) == 1:
         return _mesh(library, own[f"shape_{side}"], curve, ROWS)
@@ -98,7 +98,7 @@ def _mesh(library: Library, shape: Mapping[str, Any], curve: Array, rows: int) -
 
 
 def _length(library: Library) -> float:
-    return float(library.manifest.sentence["scales"]["length"])
+    return float(library.manifest.instance["scales"]["length"])
 
 
 def _range(bounds: tuple[float | None, float | None], reach: float, n: int) -> Array:

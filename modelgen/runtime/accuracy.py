@@ -24,10 +24,31 @@ Impacts = Literal["simultaneous", "sequential"]
 # coarse that this raises tolerances of `fast`, `balanced` or `tight`.
 RESOLVED: Mapping[str, int] = MappingProxyType(
     {
-        **{"tolerance": 8, "gap": 16, "start_gap": 64, "start_joint": 64, "drift": 4, "rest_speed": 16},
-        **{"slip_speed": 64, "cone": 64, "rest_acceleration": 64, "event": 8, "residual": 64, "step_min": 8},
-        **{"singular": 4096, "lost": 8, "apart": 4096, "border": 512, "flat": 2048, "shared": 256},
-        "dependent": 4096,
+        **{
+            "tolerance": 8,
+            "contact_gap": 16,
+            "start_gap": 64,
+            "start_joint_gap": 64,
+            "drift_tolerance": 4,
+            "rest_speed": 16,
+        },
+        **{
+            "slip_speed": 64,
+            "friction_bound_margin": 64,
+            "rest_acceleration": 64,
+            "event_tolerance": 8,
+            "extremality_residual": 64,
+            "step_min": 8,
+        },
+        **{
+            "joint_rank_tolerance": 4096,
+            "search_margin": 8,
+            "search_merge_distance": 4096,
+            "feature_border": 512,
+            "flat_angle": 2048,
+            "boundary_coincidence": 256,
+        },
+        "contact_rank_tolerance": 4096,
     }
 )
 
@@ -281,7 +302,10 @@ class Accuracy:
         """
         least = RESOLVED["tolerance"] * epsilon
         tolerance = max(self.tolerance, least)
-        keys = ("rest_acceleration", "event", "gap", "cone", "border", "look")
+        keys = (
+            *("rest_acceleration", "event_tolerance", "contact_gap", "friction_bound_margin"),
+            *("feature_border", "time_resolution"),
+        )
         finer = {key: getattr(self, key) / FINER for key in keys}
         for key in ("rest_speed", "slip_speed"):
             value = getattr(self, key)
@@ -294,6 +318,6 @@ class Accuracy:
             fallback_step=self.fallback_step * TENTH,
             step_fraction=self.step_fraction * TENTH,
             project=1,
-            flat_angle=max(self.flat_angle / 2, RESOLVED["flat"] * epsilon),
+            flat_angle=max(self.flat_angle / 2, RESOLVED["flat_angle"] * epsilon),
             **finer,
         )

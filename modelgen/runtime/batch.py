@@ -19,7 +19,7 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """The ends of n runs, q and u laid out as in the manifest's sentence (offsets `q` and `u` of a body)."""
+    """The ends of n runs, q and u laid out as in the manifest's instance (offsets `q` and `u` of a body)."""
 
     q: Array  # (n, n_q) m and unit quaternions (w, x, y, z)
     u: Array  # (n, n_u) m/s in world axes, rad/s in body axes
@@ -47,7 +47,7 @@ def simulate_batch(
     expect("simulate_batch", library, Library)
     check_span("until", until, "give the end of the runs")
     session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
-    n_q, n_u = session.sentence["n_q"], session.sentence["n_u"]
+    n_q, n_u = session.instance["n_q"], session.instance["n_u"]
     starts = np.concatenate(_as_many(_checked("q", q, n_q), _checked("u", u, n_u)), axis=1)
     n = len(starts)
     x = np.zeros((n, session.n_x), dtype=session.tables.dtype)
@@ -92,7 +92,7 @@ def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], d
     """One mg_run a row of x, and the arrays that they point into."""
     n, m = len(x), session.n_contact + 1
     runs = (session.tables.Run * n)()
-    columns: dict[str, Array] = {"x": x, "link": np.full((n, m), -1, dtype=np.intc)}
+    columns: dict[str, Array] = {"x": x, "feature_pair": np.full((n, m), -1, dtype=np.intc)}
     for name in RUN_ARRAYS:
         like = getattr(session, name)
         columns.setdefault(name, np.zeros((n, len(like)), dtype=like.dtype))
@@ -107,5 +107,5 @@ def _refuse(
 ) -> None:
     for index, (code, run) in enumerate(zip(codes.tolist(), runs, strict=True)):
         if code in REFUSED:
-            session.x[:], session.link[:-1] = kept["x"][index], kept["link"][index][:-1]
+            session.x[:], session.feature_pair[:-1] = kept["x"][index], kept["feature_pair"][index][:-1]
             raise refusal(session, code, run, f"run {index}, ")

@@ -72,14 +72,14 @@ def compile_command(library: Library, name: str) -> str:
 def program_text(library: Library, name: str) -> str:
     """C99 text of a whole program, a file `name` beside the library's `model.c`: it runs the scene as its
     file says and prints its samples. Raises ModelgenError where the scene's settings cannot be."""
-    sentence = library.manifest.sentence
-    run, bodies = sentence["run"], sentence["bodies"]
-    session = Session(library, accuracy_of(sentence, None, {}))
+    instance = library.manifest.instance
+    run, bodies = instance["run"], instance["bodies"]
+    session = Session(library, accuracy_of(instance, None, {}))
     recording = Recording(session, np.linspace(0.0, run["until"], run["samples"] + 1))
     arrays = session.arrays() | {address(array): array for array in recording.arrays.values()}
     moving = [k for k, body in enumerate(bodies) if body["motion"] != "fixed"]
     head = HEAD.format(
-        scene=sentence["name"],
+        scene=instance["name"],
         until=run["until"],
         command=compile_command(library, name),
         lines=run["samples"] + 1,

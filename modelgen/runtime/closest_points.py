@@ -87,7 +87,7 @@ def closest_points(
     Args:
         library: what `build` returned.
         contact: the names of its bodies, as "a-b"; of shapes with edges or vertices, one pair of features
-            that can touch, as "a-b:rim". Or its index among the links of the manifest.
+            that can touch, as "a-b:rim". Or its index among the feature pairs of the manifest.
         pose_o: (n, 12) or (12,) of body o: centre of mass (m, world), then the rotation body -> world column
             by column. Not read of a body fixed at the world frame, nor the rotation of a point mass.
         pose_f: the same of body f; a single pose goes with all of the other body.
@@ -98,7 +98,7 @@ def closest_points(
     Raises:
         SimulationError: no such contact, arrays that do not fit, or no `eta` where one is needed.
     """
-    name, entry = link_of(library, contact)
+    name, entry = feature_pair_of(library, contact)
     kind, where = library.manifest.kinds["contact"][entry["kind"]], f"contact {name!r}"
     own = parameters if parameters is not None else np.array(entry["parameters"], dtype=float)
     given = [
@@ -110,7 +110,7 @@ def closest_points(
     n, real = _common(where, given), library.dtype
     whole = [np.array(np.broadcast_to(rows, (n, rows.shape[1])), dtype=real, order="C") for rows in given]
     queries, points = prepared(library, entry, whole)
-    queries.warm = eta is not None
+    queries.is_warm_start = eta is not None
     library.cdll.mg_closest(ctypes.byref(queries))
     return points
 
@@ -128,36 +128,38 @@ def _start(where: str, kind: Mapping[str, Any]) -> Array:
 
 
 def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> tuple[Any, ClosestPoints]:
-    """The mg_closest_queries of a link of the sentence, and the answers that `mg_closest` then fills in.
+    """The mg_closest_queries of a feature pair, and the arrays that `mg_closest` then fills in.
 
     `rows`: pose_o, pose_f, parameters and eta, n contiguous rows of each, of the library's type.
     """
     real, (pose_o, pose_f, lengths, eta) = library.dtype, rows
     out = {name: np.zeros((len(eta), size), dtype=real) for name, size in OUTPUTS.items()}
     outcome = np.zeros(len(eta), dtype=np.intc)
-    reach = np.array([*_reach(library, entry), 0], dtype=real)
+    limits = np.array([*_step_limits(library, entry), 0], dtype=real)
     queries = Tables(real).Queries(kernel_table(library.cdll), entry["kind"], len(eta), 0, lengths.shape[1])
-    queries.kept = [lengths, pose_o, pose_f, reach, eta, *out.values(), outcome]
+    queries.kept = [lengths, pose_o, pose_f, limits, eta, *out.values(), outcome]
     for name, array in zip((*QUERY_GIVEN, *QUERY_FOUND), queries.kept, strict=True):
         setattr(queries, name, address(array))
-    queries.length = library.manifest.sentence["scales"]["length"]
-    resolved = RESOLVED["residual"] * float(np.finfo(real).eps)
+    queries.length = library.manifest.instance["scales"]["length"]
+    resolved = RESOLVED["extremality_residual"] * float(np.finfo(real).eps)
     queries.residual = max(Accuracy().extremality_residual, resolved)
     out["d"] = out["d"][:, 0]
     return queries, ClosestPoints(**out, eta=eta, outcome=outcome)
 
 
-def link_of(library: Library, contact: str | int) -> tuple[str, Mapping[str, Any]]:
-    """The name and the entry of a link of the sentence."""
-    sentence = library.manifest.sentence
-    links: Sequence[Mapping[str, Any]] = sentence["links"]
+def feature_pair_of(library: Library, contact: str | int) -> tuple[str, Mapping[str, Any]]:
+    """The name and the entry of a feature pair of the instance."""
+    instance = library.manifest.instance
+    feature_pairs: Sequence[Mapping[str, Any]] = instance["feature_pairs"]
     names = [
-        sentence["pairs"][link["pair"]]["name"] + (":" + link["name"]) * bool(link["name"]) for link in links
+        instance["pairs"][feature_pair["pair"]]["name"]
+        + (":" + feature_pair["name"]) * bool(feature_pair["name"])
+        for feature_pair in feature_pairs
     ]
     if isinstance(contact, str) and contact in names:
-        return contact, links[names.index(contact)]
-    if isinstance(contact, int) and 0 <= contact < len(links):
-        return names[contact], links[contact]
+        return contact, feature_pairs[names.index(contact)]
+    if isinstance(contact, int) and 0 <= contact < len(feature_pairs):
+        return names[contact], feature_pairs[contact]
     found, known = f"no contact {contact!r}", f"contacts: {', '.join(names)}"
     raise SimulationError("closest_points", found, known, nearest(str(contact), names))
 
@@ -180,14 +182,14 @@ def _common(where: str, given: list[Array]) -> int:
     return counts.pop() if counts else 1
 
 
-def _reach(library: Library, entry: Mapping[str, Any]) -> list[float]:
+def _step_limits(library: Library, entry: Mapping[str, Any]) -> list[float]:
     """How far each entry of eta may go in one step: points by the shape's size, parameters by their range."""
-    kinds, length = library.manifest.kinds, library.manifest.sentence["scales"]["length"]
-    reach: list[float] = []
+    kinds, length = library.manifest.kinds, library.manifest.instance["scales"]["length"]
+    limits: list[float] = []
     for carrier, side in zip(kinds["contact"][entry["kind"]]["eta"], ("shape_o", "shape_f"), strict=True):
-        size = 2 * (entry[side]["bounding"] or length) / PART
+        size = 2 * (entry[side]["bounding_radius"] or length) / PART
         domain = entry[side]["domain"]
         ranges = [size if None in ends else (ends[1] - ends[0]) / PART for ends in domain]
         points = [size] * 3 if carrier == "point" else [] if carrier == "sign" else ranges
-        reach += [*points, *SIGNS][: ETA_SIZE[carrier]]
-    return reach
+        limits += [*points, *SIGNS][: ETA_SIZE[carrier]]
+    return limits

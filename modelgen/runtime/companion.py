@@ -28,7 +28,7 @@ from modelgen.runtime.warnings.impact_order import undecided_blows
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
-DYING = ("stick", "spin-stop", "roll-stop")  # events at which slip has died
+DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
 UNBALANCED = (
     1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
 )
@@ -39,7 +39,7 @@ NUDGE = 2.0  # roundings by which each number of the start differs, at most
 def nudge(session: Session) -> None:
     """Changes each number of the start that is not 0 by a few roundings."""
     epsilon = float(np.finfo(session.tables.dtype).eps)
-    n = session.sentence["n_q"] + session.sentence["n_u"]
+    n = session.instance["n_q"] + session.instance["n_u"]
     session.x[:n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
 
 
@@ -47,7 +47,7 @@ def estimate_of(
     path: Trajectory,
     twin: Trajectory | None,
     accuracy: Accuracy,
-    sentence: Mapping[str, Any],
+    instance: Mapping[str, Any],
     missing: str = "",
 ) -> Estimate:
     """The error of `path` from its companion's run `twin` at the same times.
@@ -55,21 +55,21 @@ def estimate_of(
     Args:
         path, accuracy: the run, and its record.
         twin: None where there is none; `missing` says why.
-        sentence: of the manifest.
+        instance: of the manifest.
     """
-    length, last = sentence["scales"]["length"], len(path.t)
+    length, last = instance["scales"]["length"], len(path.t)
     position, rotation = np.full(last, np.inf), np.full(last, np.inf)
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
     if twin is not None:
-        position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, sentence))
+        position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, instance))
     predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
-    slow = BOUNCE * accuracy.rest_speed * length / sentence["scales"]["time"]
+    slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     other = _other(path, twin, predicted, slow, safe)
-    reasons = [*_reasons(path, twin, accuracy, sentence, missing)]
+    reasons = [*_reasons(path, twin, accuracy, instance, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
     if twin is not None:
-        reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), sentence)
+        reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), instance)
     return Estimate(
         position=position,
         rotation=rotation,
@@ -99,14 +99,14 @@ def _safe(path: Trajectory, accuracy: Accuracy) -> float:
 
 
 def _errors(
-    path: Trajectory, twin: Trajectory, n: int, sentence: Mapping[str, Any]
+    path: Trajectory, twin: Trajectory, n: int, instance: Mapping[str, Any]
 ) -> tuple[tuple[Array, float], tuple[Array, float]]:
     """m and rad: (n,) what differs up to each sample, and what rounding hides."""
-    bodies = list(enumerate(sentence["bodies"]))
+    bodies = list(enumerate(instance["bodies"]))
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
     tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    size = max(sentence["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
+    size = max(instance["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
     apart = distance_between(path, twin, moving)[:n]
     turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
     return (
@@ -141,7 +141,7 @@ def _reasons(
     path: Trajectory,
     twin: Trajectory | None,
     accuracy: Accuracy,
-    sentence: Mapping[str, Any],
+    instance: Mapping[str, Any],
     missing: str,
 ) -> Iterator[str]:
     """What a companion shares with its run, or why there is none."""
@@ -151,23 +151,23 @@ def _reasons(
         yield f"the companion run was interrupted at {twin.t_end:.6g} s"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
-    if not accuracy.use_gamma and sentence["pairs"]:
+    if not accuracy.use_gamma and instance["pairs"]:
         yield "Gamma2 is left out, and so the motion is another"
-    if _is_unbalanced(path, sentence):
+    if _is_unbalanced(path, instance):
         yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
     if _steps_in_time(path, accuracy):
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
         yield "fixed steps lose their order where slip dies"
-    if path.redundant_max and any("grips" in pair for pair in sentence["pairs"]):
+    if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
         yield "contact forces with friction were not unique: which contact slips first is not decided by them"
-    sampled = [pair["name"] for pair in sentence["pairs"] if _is_sampled(pair, sentence)]
+    sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
     if sampled:
         yield f"closest points are sought by sampling: {', '.join(sampled)}"
 
 
-def _is_unbalanced(path: Trajectory, sentence: Mapping[str, Any]) -> bool:
-    scales, bodies = sentence["scales"], sentence["bodies"]
+def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
+    scales, bodies = instance["scales"], instance["bodies"]
     mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
     kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
     least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
@@ -175,18 +175,18 @@ def _is_unbalanced(path: Trajectory, sentence: Mapping[str, Any]) -> bool:
 
 
 def _order(
-    path: Trajectory, twin: Trajectory, error: float, end: float, sentence: Mapping[str, Any]
+    path: Trajectory, twin: Trajectory, error: float, end: float, instance: Mapping[str, Any]
 ) -> Iterator[str]:
-    found = undecided_blows(path.events, twin.events, sentence, SAFE, error, end)
+    found = undecided_blows(path.events, twin.events, instance, SAFE, error, end)
     if found is not None:
         names = f"{found[0].contact} and {found[1].contact}"
         yield f"which of the blows at {names} (t = {found[1].t:.6g} s) comes first is within the error"
 
 
-def _is_sampled(pair: Mapping[str, Any], sentence: Mapping[str, Any]) -> bool:
+def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
     """Whether contacts of the pair may be overlooked: there may be several, not all known at any time."""
     if pair["search"] == "never":
         return False
-    contacts = sentence["contacts"][slice(*pair["contacts"])]
-    own = all(contact["link"] >= 0 for contact in contacts)
+    contacts = instance["contacts"][slice(*pair["contacts"])]
+    own = all(contact["feature_pair"] >= 0 for contact in contacts)
     return not (own and all(contact["room"] == 0 for contact in contacts))

@@ -1,4 +1,4 @@
-"""What a run knows of its own error, and the sentence that says it."""
+"""What a run knows of its own error, and the instance that says it."""
 
 from __future__ import annotations
 

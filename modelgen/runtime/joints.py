@@ -19,7 +19,7 @@ def coordinate_names(session: Session) -> tuple[str, ...]:
     kinds = session.library.manifest.kinds["joint"]
     return tuple(
         f"{joint['name']}.{each['name']}"
-        for joint in session.sentence["joints"]
+        for joint in session.instance["joints"]
         for each in kinds[joint["kind"]]["coordinates"]
     )
 
@@ -30,7 +30,7 @@ def joint_columns(session: Session, kept: Mapping[str, Array], rotation: Array) 
 
     `rotation`: (n, nb, 3, 3) body -> world.
     """
-    joints, wrench = session.sentence["joints"], kept["joint_wrench"]
+    joints, wrench = session.instance["joints"], kept["joint_wrench"]
     force, torque = wrench[..., :3].copy(), np.zeros_like(wrench[..., :3])
     columns = [np.zeros((len(wrench), 0), dtype=wrench.dtype)]
     for k, joint in enumerate(joints):
@@ -42,7 +42,7 @@ def joint_columns(session: Session, kept: Mapping[str, Array], rotation: Array) 
 
 
 def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: Array) -> Array:
-    joint = session.sentence["joints"][k]
+    joint = session.instance["joints"][k]
     listed = session.library.manifest.kinds["joint"][joint["kind"]]["coordinates"]
     values: Array = kept["coordinate"][:, k, : len(listed)].copy()
     axis = rotation[:, joint["b"]] @ np.array(joint["parameters"][21:24])  # z of the frame in b
@@ -75,7 +75,7 @@ def joint_warnings(session: Session, accuracy: Accuracy) -> list[str]:
 def redundancy(session: Session) -> list[str]:
     """The joints of which the joints before them hold some rows already, at the session's state."""
     kinds, found = session.library.manifest.kinds["joint"], []
-    for joint, rank in zip(session.sentence["joints"], session.ranks(), strict=True):
+    for joint, rank in zip(session.instance["joints"], session.ranks(), strict=True):
         rows = int(kinds[joint["kind"]]["rows"])
         if rank < rows:
             found.append(
@@ -87,7 +87,7 @@ def redundancy(session: Session) -> list[str]:
 
 
 def _misfit(session: Session) -> list[str]:
-    speed, scales = float(session.run.joint_speed), session.sentence["scales"]
+    speed, scales = float(session.run.joint_speed), session.instance["scales"]
     if speed <= float(session.settings.start_joint) * scales["length"] / scales["time"]:
         return []
     name = session.joints[session.run.failed_joint]

@@ -44,7 +44,7 @@ def area_friction(
     """Friction on region f, which slides on region o.
 
     Args:
-        core: a library whose vocabulary holds the curves.
+        core: a library whose set of kinds holds the curves.
         o: arcs that bound A, or none for the whole plane.
         f: arcs that bound B, in the axes of f's face.
         load: (m, 3) resultant, N, and the centre of pressure, m, in the axes of o's face.
@@ -78,6 +78,6 @@ def area_friction(
 @cache
 def _structure() -> Any:
     """mg_patch_friction_query (modelgen.h)."""
-    names = ("load", "twist", "wrench", "found", "pressure", "friction", "needed", "limiting")
+    names = ("load", "twist", "wrench", "found", "pressure", "friction", "friction_needed", "limiting_twist")
     fields: list[tuple[str, Any]] = [("regions", ctypes.c_void_p), ("n", ctypes.c_int)]
-    return structure("RubQuery", fields + [(name, ctypes.c_void_p) for name in names])
+    return structure("PatchFrictionQuery", fields + [(name, ctypes.c_void_p) for name in names])

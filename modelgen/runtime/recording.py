@@ -17,21 +17,29 @@ class Recording:
 
     def __init__(self, session: Session, times: Array) -> None:
         n, nb, nc, nj = len(times), session.n_body, session.n_contact, len(session.joints)
-        n_eta = session.sentence["n_eta"]
+        n_eta = session.instance["n_eta"]
         shapes: dict[str, tuple[int, ...]] = {
             **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
             **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
-            **{"point_o": (n, nc, 3), "point_f": (n, nc, 3), "link": (n, nc), "energy": (n,), "work": (n,)},
+            **{
+                "point_o": (n, nc, 3),
+                "point_f": (n, nc, 3),
+                "feature_pair": (n, nc),
+                "energy": (n,),
+                "work": (n,),
+            },
             **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
             **{
-                "patch": (n, session.n_slot),
-                "pressure": (n, session.n_slot, 4),
-                "rub": (n, session.n_slot, 8),
+                "patch": (n, session.n_patch_slot),
+                "pressure": (n, session.n_patch_slot, 4),
+                "patch_friction": (n, session.n_patch_slot, 8),
             },
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
         self.arrays = {
-            name: np.zeros(shapes[name], dtype=np.intc if name in ("link", "patch") else session.tables.dtype)
+            name: np.zeros(
+                shapes[name], dtype=np.intc if name in ("feature_pair", "patch") else session.tables.dtype
+            )
             for name in RECORD_ARRAYS
         }
         self.arrays["t"][:] = times
@@ -62,13 +70,13 @@ class Recording:
             "v": kept["twist"][..., :3],
             **turning,
             **{name: kept[name] for name in ("eta", "energy", "work", "patch")},
-            **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "link")},
+            **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "feature_pair")},
             "patch_force": kept["pressure"][..., 0],
             "patch_point": kept["pressure"][..., 1:],
-            "patch_friction": kept["rub"][..., :3],
-            "patch_torque": kept["rub"][..., 3],
-            "patch_slip": kept["rub"][..., 4:7],
-            "patch_spin": kept["rub"][..., 7],
+            "patch_friction": kept["patch_friction"][..., :3],
+            "patch_torque": kept["patch_friction"][..., 3],
+            "patch_slip": kept["patch_friction"][..., 4:7],
+            "patch_spin": kept["patch_friction"][..., 7],
             **joint_columns(self.session, kept, rotation),
             "points_o": kept["point_o"][:, : self.session.n_shown],
             "points_f": kept["point_f"][:, : self.session.n_shown],
@@ -80,8 +88,8 @@ class Recording:
 
     def _unknown_turning(self) -> list[int]:
         """The bodies that may turn, but whose orientation and spin nobody observes."""
-        sentence = self.session.sentence
-        return [k for k, b in enumerate(sentence["bodies"]) if sentence["observe"] and b["motion"] == "point"]
+        instance = self.session.instance
+        return [k for k, b in enumerate(instance["bodies"]) if instance["observe"] and b["motion"] == "point"]
 
 
 def quaternions(rotation: Array) -> Array:

@@ -1,7 +1,7 @@
 """Two planar regions laid on each other: their intersection, its convex hull, how deep points are inside it.
 
 The regions lie in one plane: A on the face of body o, or the whole plane; B on the face of body f, which
-looks against o's. Boundaries are arcs of the plane curves of a library's vocabulary. All results are in the
+looks against o's. Boundaries are arcs of the plane curves of a library's set of kinds. All results are in the
 axes of o's face.
 """
 
@@ -38,7 +38,7 @@ class Core(Protocol):
 class Arc:
     """A piece of a region's boundary. The arcs of a loop follow each other and run end to start."""
 
-    shape: int  # index of the curve's kind in the vocabulary
+    shape: int  # index of the curve's kind in the set of kinds
     parameters: Sequence[float]  # of the curve, as the kind orders them
     ends: tuple[float, float]  # first and last parameter of the curve
     placement: Sequence[float] = tuple(IDENTITY)  # (12,) position and rotation, in the axes of the face
@@ -56,7 +56,7 @@ class Overlap:
     normal: Array  # (m, 2) outward unit normal of the hull where it is nearest
     supports: Array  # (m,) what is nearest: 1 a point of the boundary, 2 a straight side, 0 nothing
     identity: Array  # (m, 2, 3) per support: its boundary (0 o, 1 f), arc, arc of the other boundary or -1
-    where: Array  # (m, 2, 4) per support: parameters on those two arcs, then the point, m
+    support_position: Array  # (m, 2, 4) per support: parameters on those two arcs, then the point, m
 
 
 def overlap(
@@ -71,7 +71,7 @@ def overlap(
     """Lay region f on region o; the module says how they are described.
 
     Args:
-        core: a library whose vocabulary holds the curves.
+        core: a library whose set of kinds holds the curves.
         o: arcs that bound A, or none for the whole plane.
         f: arcs that bound B, in the axes of f's face; numbered on from those of o in the result.
         pose: (12,) of f's face in the axes of o's: position, m, and rotation column by column; flattened.
@@ -110,36 +110,38 @@ def query_of(
         "parameters": np.array([x for arc in arcs for x in arc.parameters] or [0], dtype=real),
         "numbers": np.array([[*arc.placement, *arc.ends] for arc in arcs], dtype=real),
         "pose": np.array(pose, dtype=real),
-        "x": x,
+        "points": x,
     }
     found = {
         "margin": np.zeros(len(x), dtype=real),
         "normal": np.zeros((len(x), 2), dtype=real),
         "supports": np.zeros(len(x), dtype=np.intc),
         "identity": np.zeros((len(x), 2, 3), dtype=np.intc),
-        "where": np.zeros((len(x), 2, 4), dtype=real),
+        "support_position": np.zeros((len(x), 2, 4), dtype=real),
     }
     outline, regions = _structures(np.dtype(real))
     outlines = {"outline": outline(), "hull": outline()}
-    query = regions(kernels=kernel_table(core.cdll), n_arc=len(arcs), n_o=len(o), fine=fine, n_point=len(x))
+    query = regions(
+        kernels=kernel_table(core.cdll), n_arc=len(arcs), n_o=len(o), points_per_turn=fine, n_point=len(x)
+    )
     query.kept = [given, found, outlines]
     for name, array in (given | found).items():
         setattr(query, name, address(array))
     for name, outline in outlines.items():
         setattr(query, name, ctypes.addressof(outline))
-    query.shared = SHARED * float(np.finfo(real).eps) * _size(arcs, given["pose"])
+    query.coincidence = SHARED * float(np.finfo(real).eps) * _size(arcs, given["pose"])
     return query, found
 
 
 @cache
 def _structures(real: np.dtype[Any]) -> tuple[Any, Any]:
     """mg_outline and mg_region_query (modelgen.h)."""
-    integers = ("n_arc", "n_o", "fine", "n_point")
+    integers = ("n_arc", "n_o", "points_per_turn", "n_point")
     given = ("shape", "loop", "first", "parameters", "numbers", "pose")
-    found = ("x", "margin", "normal", "supports", "identity", "where", "outline", "hull")
+    found = ("points", "margin", "normal", "supports", "identity", "support_position", "outline", "hull")
     fields: list[tuple[str, Any]] = [(KERNELS, ctypes.c_void_p)]
     fields += [(name, ctypes.c_int) for name in integers]
-    fields += [(name, ctypes.c_void_p) for name in given] + [("shared", Tables(real).real)]
+    fields += [(name, ctypes.c_void_p) for name in given] + [("coincidence", Tables(real).real)]
     fields += [(name, ctypes.c_void_p) for name in found]
     counts: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in ("capacity", "count", "n_loop")]
     return (

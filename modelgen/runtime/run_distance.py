@@ -29,7 +29,7 @@ def angle_between(a: Array, b: Array) -> Array:
 def gaps_between(a: Trajectory, b: Trajectory, n: int) -> float | None:
     """m: the largest difference of a gap in n samples while its contact is on the same features in both."""
     mine, theirs = a.gap[:n], b.gap[:n]
-    same = (a.link[:n] == b.link[:n]) & np.isfinite(mine) & np.isfinite(theirs)
+    same = (a.feature_pair[:n] == b.feature_pair[:n]) & np.isfinite(mine) & np.isfinite(theirs)
     return float(np.abs(mine - theirs)[same].max()) if same.any() else None
 
 

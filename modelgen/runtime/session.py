@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.tables.planar_contacts import PADS, slot_count
+from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
 from modelgen.runtime.tables.structures import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
@@ -25,37 +25,42 @@ class Session:
         self.library = library
         self.accuracy = accuracy
         self.redundant_joints: list[str] = []
-        self.sentence: Mapping[str, Any] = library.manifest.sentence
+        self.instance: Mapping[str, Any] = library.manifest.instance
         self.tables = Tables(library.dtype)
-        sentence = self.sentence
-        named = (str(link["name"]) for link in sentence["links"])
-        self.link_names = (*named, *("" for _ in sentence["limits"]))  # limits have no features
-        self.contacts = [c["name"] for c in (*sentence["contacts"], *sentence["limits"])]
-        self.joints = [joint["name"] for joint in sentence["joints"]]
-        self.n_shown, self.n_slot = len(self.contacts), slot_count(sentence)
-        n_contact, n_body = self.n_shown + PADS * self.n_slot, len(sentence["bodies"])
-        self.n_x = sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1
+        instance = self.instance
+        named = (str(feature_pair["name"]) for feature_pair in instance["feature_pairs"])
+        self.feature_pair_names = (*named, *("" for _ in instance["limits"]))  # limits have no features
+        self.contacts = [c["name"] for c in (*instance["contacts"], *instance["limits"])]
+        self.joints = [joint["name"] for joint in instance["joints"]]
+        self.n_shown, self.n_patch_slot = len(self.contacts), slot_count(instance)
+        n_contact, n_body = self.n_shown + SUPPORT_POINTS * self.n_patch_slot, len(instance["bodies"])
+        self.n_x = instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1
         self.system, self._kept = fill_system(
             self.tables, library.manifest, kernel_table(library.cdll), self._scales()
         )
-        self.settings = fill_settings(self.tables, accuracy, library.manifest.sentence)
+        self.settings = fill_settings(self.tables, accuracy, library.manifest.instance)
         self.x = self._reals(self.n_x)
-        self.x[: sentence["n_q"]] = sentence["initial_q"]
-        self.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = sentence["initial_u"]
+        self.x[: instance["n_q"]] = instance["initial_q"]
+        self.x[instance["n_q"] : instance["n_q"] + instance["n_u"]] = instance["initial_u"]
         self.closed = np.zeros(n_contact + 1, dtype=np.intc)
         self.active = np.zeros(n_contact + 1, dtype=np.intc)
-        grips = int(self.system.n_grip)
-        self.grip, self.slip_direction = np.zeros(grips + 1, dtype=np.intc), self._reals(3 * grips + 1)
-        self.patch_mode = np.zeros(self.n_slot + 1, dtype=np.intc)
-        self.patch_slip_direction = self._reals(4 * self.n_slot + 1)
-        self.reference_force = self._reals(n_contact + 1 + int(self.system.n_row) + int(self.system.n_below))
+        constraints = int(self.system.n_friction)
+        self.friction_mode, self.slip_direction = (
+            np.zeros(constraints + 1, dtype=np.intc),
+            self._reals(3 * constraints + 1),
+        )
+        self.patch_mode = np.zeros(self.n_patch_slot + 1, dtype=np.intc)
+        self.patch_slip_direction = self._reals(4 * self.n_patch_slot + 1)
+        self.reference_force = self._reals(
+            n_contact + 1 + int(self.system.n_joint_row) + int(self.system.n_friction_row)
+        )
         self.point = self._reals(3 * n_contact + 1)
         self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
-        self.fresh = np.zeros(n_contact + 1, dtype=np.intc)
-        self.outward = self._reals(3 * n_contact + 3)
+        self.rolling_start = np.zeros(n_contact + 1, dtype=np.intc)
+        self.tilt_direction = self._reals(3 * n_contact + 3)
         self.run = self.tables.Run()
-        self.link = np.full(n_contact + 1, -1, dtype=np.intc)
-        self.moved = self._reals(len(sentence["pairs"]) + len(sentence["limits"]) + 1)
+        self.feature_pair = np.full(n_contact + 1, -1, dtype=np.intc)
+        self.moved_since_search = self._reals(len(instance["pairs"]) + len(instance["limits"]) + 1)
         for name in RUN_ARRAYS:
             setattr(self.run, name, address(getattr(self, name)))
         self.n_body, self.n_contact = n_body, n_contact
@@ -65,18 +70,18 @@ class Session:
     @property
     def eta(self) -> Array:
         """The contact parameters of all contacts, (n_eta,)."""
-        return self.x[self.n_x - 1 - self.sentence["n_eta"] : self.n_x - 1]
+        return self.x[self.n_x - 1 - self.instance["n_eta"] : self.n_x - 1]
 
     def _reals(self, n: int) -> Array:
         return np.zeros(n, dtype=self.tables.dtype)
 
     def _scales(self) -> Array:
         """The size of each state against which its local error is measured; of eta the core knows it."""
-        sentence, scales = self.sentence, self.sentence["scales"]
+        instance, scales = self.instance, self.instance["scales"]
         length, time = scales["length"], scales["time"]
-        sizes = np.ones(sentence["n_q"] + sentence["n_u"] + sentence["n_eta"] + 1, dtype=self.tables.dtype)
-        for body in sentence["bodies"]:
-            u = sentence["n_q"] + body["u"]
+        sizes = np.ones(instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1, dtype=self.tables.dtype)
+        for body in instance["bodies"]:
+            u = instance["n_q"] + body["u"]
             if body["motion"] in ("point", "free"):
                 sizes[body["q"] : body["q"] + 3] = length
                 sizes[u : u + 3] = length / time
@@ -97,7 +102,7 @@ class Session:
             "t": self._reals(capacity),
             "kind": np.zeros(capacity, dtype=np.intc),
             "contact": np.zeros(capacity, dtype=np.intc),
-            "link": np.zeros(capacity, dtype=np.intc),
+            "feature_pair": np.zeros(capacity, dtype=np.intc),
             "speed": self._reals(capacity),
         }
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
@@ -118,17 +123,17 @@ class Session:
         columns = [a[: self.events.count].tolist() for a in self.event_arrays.values()]
         self.events.count = 0
         return [
-            Event(float(t), EVENT_KINDS[kind], *self._named(contact, link), speed=float(speed))
-            for t, kind, contact, link, speed in zip(*columns, strict=True)
+            Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))
+            for t, kind, contact, feature_pair, speed in zip(*columns, strict=True)
         ]
 
-    def _named(self, contact: int, link: int) -> tuple[str, str]:
-        """The contact and the features that it is between; the patch that a pad holds, and its faces."""
+    def _named(self, contact: int, feature_pair: int) -> tuple[str, str]:
+        """The contact and its features; of a support point, its patch and the two faces."""
         if contact < self.n_shown:
-            return self.contacts[contact], self.link_names[link] if link >= 0 else ""
-        if not self.sentence["patches"]:
+            return self.contacts[contact], self.feature_pair_names[feature_pair] if feature_pair >= 0 else ""
+        if not self.instance["patches"]:
             return "", ""
-        patch = self.sentence["patches"][(link - len(self.link_names)) // PADS]
+        patch = self.instance["patches"][(feature_pair - len(self.feature_pair_names)) // SUPPORT_POINTS]
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
 
@@ -151,7 +156,7 @@ class Session:
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
-        start = (*self.sentence["contacts"], *self.sentence["limits"])[contact]["eta"]
+        start = (*self.instance["contacts"], *self.instance["limits"])[contact]["eta"]
         size = sum(ETA_SIZE[kind] for kind in self.layout(contact))
         local = np.array(self.eta[start : start + size] if eta is None else eta, dtype=self.tables.dtype)
         out = {"d": 1, "residual": 2, "margin": 2, "normal": 3, "point_o": 3, "point_f": 3}
@@ -162,11 +167,11 @@ class Session:
         return {"steps": steps, "eta": local, **arrays}
 
     def layout(self, contact: int) -> list[str]:
-        """What carries eta on each side of a contact: a key of ETA_SIZE; nothing where it is on no link."""
-        link = int(self.link[contact])
-        if not 0 <= link < len(self.sentence["links"]):
+        """The parametrisation of each side of a contact (keys of ETA_SIZE); empty on no feature pair."""
+        feature_pair = int(self.feature_pair[contact])
+        if not 0 <= feature_pair < len(self.instance["feature_pairs"]):
             return []
-        kind = self.sentence["links"][link]["kind"]
+        kind = self.instance["feature_pairs"][feature_pair]["kind"]
         return list(self.library.manifest.kinds["contact"][kind]["eta"])
 
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:
@@ -188,7 +193,7 @@ class Session:
 
     def energy_drift(self, run: Any) -> float:
         """max |E - E_0 - work| of an mg_run over its largest kinetic energy; at rest, m L^2 / T^2."""
-        scales = self.sentence["scales"]
+        scales = self.instance["scales"]
         resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
         moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * resting
         return float(run.energy_error_max) / (float(run.kinetic_max) if moved else resting)

@@ -27,13 +27,13 @@ NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, 
 
 
 def accuracy_of(
-    sentence: Mapping[str, Any], accuracy: Accuracy | str | None, own: Mapping[str, Any]
+    instance: Mapping[str, Any], accuracy: Accuracy | str | None, own: Mapping[str, Any]
 ) -> Accuracy:
     """The record of a run: the caller's or the scene's, with what the caller says of its own (STEPPING).
 
     A whole Accuracy stands for itself; the scene's other settings go with named ones.
     """
-    source, run = sentence["source"], {} if isinstance(accuracy, Accuracy) else sentence["run"]
+    source, run = instance["source"], {} if isinstance(accuracy, Accuracy) else instance["run"]
     said = {key: run[key] for key in STEPPING if run.get(key) is not None}
     given = {key: value for key, value in own.items() if value is not None}
     if "method" in given and given["method"] != said.get("method"):  # what goes with another one is not meant

@@ -63,10 +63,10 @@ def simulate(
     """
     expect("simulate", library, Library)
     check_keywords("simulate", stepping, KEYWORDS)
-    sentence = library.manifest.sentence
-    end, intervals = _extent(sentence, until, samples)
-    chosen = accuracy_of(sentence, accuracy, stepping)
-    doubled = sentence["run"].get("estimate", True) if estimate is None else estimate
+    instance = library.manifest.instance
+    end, intervals = _extent(instance, until, samples)
+    chosen = accuracy_of(instance, accuracy, stepping)
+    doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
     path = _path(Session(library, chosen), end, np.linspace(0.0, end, intervals + 1), half)
     if not doubled or not len(path.t):
@@ -91,24 +91,24 @@ def _path(session: Session, end: float, times: Array, report: Report) -> Traject
 
 def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
     """The error of a run, by its companion; a run that was interrupted has none."""
-    sentence = library.manifest.sentence
+    instance = library.manifest.instance
     if path.interrupted:
-        return estimate_of(path, None, accuracy, sentence, "the run was interrupted: no companion followed")
+        return estimate_of(path, None, accuracy, instance, "the run was interrupted: no companion followed")
     try:
         twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
         nudge(twin)
-        return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, sentence)
+        return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, instance)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
-        return estimate_of(path, None, accuracy, sentence, why)
+        return estimate_of(path, None, accuracy, instance, why)
     except KeyboardInterrupt:
-        stopped = estimate_of(path, None, accuracy, sentence, "the companion run was interrupted")
+        stopped = estimate_of(path, None, accuracy, instance, "the companion run was interrupted")
         return replace(stopped, interrupted=True)
 
 
-def _extent(sentence: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
+def _extent(instance: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
     """End time and output intervals, the scene's where the caller gives none."""
-    run, scene = sentence["run"], f"{sentence['source']}: run."
+    run, scene = instance["run"], f"{instance['source']}: run."
     end: Any = run["until"] if until is None else until
     intervals: Any = run["samples"] if samples is None else samples
     check_span(f"{scene}until" if until is None else "until", end, "give the end of the run")
@@ -169,12 +169,12 @@ def _trajectory(
     failed = run.failed_contact
     kinds = (kind["name"] for group in GROUPS for kind in manifest.kinds[group])
     return Trajectory(
-        scene=session.sentence["name"],
+        scene=session.instance["name"],
         **recording.columns(),
-        body_names=tuple(b["name"] for b in session.sentence["bodies"]),
+        body_names=tuple(b["name"] for b in session.instance["bodies"]),
         contact_names=tuple(session.contacts),
-        link_names=session.link_names,
-        patch_names=tuple(patch["name"] for patch in session.sentence["patches"]),
+        feature_pair_names=session.feature_pair_names,
+        patch_names=tuple(patch["name"] for patch in session.instance["patches"]),
         joint_names=tuple(session.joints),
         coordinate_names=coordinate_names(session),
         events=tuple(_in_order(ending.events)),

@@ -50,7 +50,7 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
             "a gap, or a contact that says on which side the second curve lies",
             "give the contact a normal, from the first curve to the second",
         )
-    if contact >= len(session.sentence["contacts"]):
+    if contact >= len(session.instance["contacts"]):
         return _beyond(session, contact, label)
     settled = session.settle(contact)
     depth, allowed = -float(settled["d"]), session.settings.start_gap * session.system.length
@@ -63,9 +63,9 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
 
 
 def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str:
-    """Which body to move along the normal, which points from the first body of the link to the second."""
-    link = session.sentence["links"][int(session.link[contact])]
-    bodies = [session.sentence["bodies"][link[side]] for side in ("f", "o")]
+    """Which body to move along the normal; it points from the first body of the pair to the second."""
+    feature_pair = session.instance["feature_pairs"][int(session.feature_pair[contact])]
+    bodies = [session.instance["bodies"][feature_pair[side]] for side in ("f", "o")]
     moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
     along = ", ".join(f"{sign * float(x) + 0.0:.3g}" for x in normal)
     return f"move {moving['name']!r} by {depth:.3g} m along ({along}), or check the units: lengths are in m"
@@ -73,14 +73,14 @@ def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str
 
 def _place_of(session: Session, contact: int, label: str) -> str:
     """`scene.toml: contact[1] (contact 'ball-table')`: where it stands in the scene."""
-    sentence, name = session.sentence, session.contacts[contact]
-    if contact >= len(sentence["contacts"]):
+    instance, name = session.instance, session.contacts[contact]
+    if contact >= len(instance["contacts"]):
         return _place_of_joint(session, name.rsplit(":", 1)[0], label)
-    return f"{sentence['source']}: contact[{sentence['contacts'][contact]['pair']}] ({label}contact {name!r})"
+    return f"{instance['source']}: contact[{instance['contacts'][contact]['pair']}] ({label}contact {name!r})"
 
 
 def _place_of_joint(session: Session, name: str, label: str) -> str:
-    return f"{session.sentence['source']}: joint[{session.joints.index(name)}] ({label}joint {name!r})"
+    return f"{session.instance['source']}: joint[{session.joints.index(name)}] ({label}joint {name!r})"
 
 
 def _apart(session: Session, run: Any, label: str) -> SimulationError:
@@ -96,7 +96,7 @@ def _apart(session: Session, run: Any, label: str) -> SimulationError:
 
 def _frames_apart(session: Session, index: int) -> Iterator[str]:
     """How the frames of a joint stand to each other, in what its kind may hold."""
-    joint = session.sentence["joints"][index]
+    joint = session.instance["joints"][index]
     kind = session.library.manifest.kinds["joint"][joint["kind"]]["kind"]
     poses, numbers = session.poses(), np.array(joint["parameters"][:24]).reshape(2, 12)
     placed = [_matrix(poses[joint[side]]) @ _matrix(own) for side, own in zip("ab", numbers, strict=True)]

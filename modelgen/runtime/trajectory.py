@@ -53,10 +53,20 @@ OUTCOME_OF_CODE = {
     26: Outcome.NO_FRICTION,
 }
 EVENT_KINDS = (
-    *("impact", "touch-down", "lift-off", "margin", "walk", "appear", "vanish", "flat", "tip"),
-    *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
-    *("roll", "roll-stop", "roll-reversal"),
-    *("time-stepping", "event-driven"),
+    *(
+        "impact",
+        "touch-down",
+        "lift-off",
+        "near-singular",
+        "feature-change",
+        "appear",
+        "vanish",
+        "face-contact",
+        "tipping",
+    ),
+    *("slip-start", "slip-stop", "slip-reversal", "spin-start", "spin-stop", "spin-reversal"),
+    *("roll-start", "roll-stop", "roll-reversal"),
+    *("fallback-start", "fallback-end"),
 )
 
 
@@ -91,8 +101,8 @@ class Trajectory:
     w: Array  # (n, nb, 3) rad/s
     eta: Array  # (n, n_eta) contact parameters
     force: Array  # (n, nc) N
-    gap: Array  # (n, nc) m; NaN where the contact is on no link
-    link: Array  # (n, nc) index into `link_names`, -1 on no link
+    gap: Array  # (n, nc) m; NaN where the contact is on no feature pair
+    feature_pair: Array  # (n, nc) index into `link_names`, -1 on no feature pair
     points_o: Array  # (n, nc, 3) m
     points_f: Array  # (n, nc, 3) m
     friction: Array  # (n, nc, 3) N, world, on the second body of the contact's kind
@@ -113,7 +123,7 @@ class Trajectory:
     work: Array  # (n,) J, of loads, driven bodies and impacts
     body_names: tuple[str, ...]
     contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
-    link_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
+    feature_pair_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
     patch_names: tuple[str, ...]  # of faces that may rest on each other: "glass-table:bottom"
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle"

@@ -41,7 +41,7 @@ class Partnership:
 
 
 def partnership(kind: ContactKind, parameters: tuple[float, ...], length: float) -> Partnership:
-    """Splits the parameters of a link into lengths and placements; `length` is that of the scene, m."""
+    """Splits a feature pair's parameters into lengths and placements; `length` is that of the scene, m."""
     rest = list(parameters)
     numbers, placements = [], []
     for side in (kind.o, kind.f):

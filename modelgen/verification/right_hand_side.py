@@ -54,7 +54,7 @@ def random_state(model: Model, random: np.random.Generator) -> list[Array]:
         if model.body_kinds[body.kind].motion == "free":
             quaternion = random.normal(size=4)
             q[body.q + 3 : body.q + 7] = quaternion / np.linalg.norm(quaternion)
-    blocks = (model.bodies, model.links, model.loads)
+    blocks = (model.bodies, model.feature_pairs, model.loads)
     parameters = [value for block in blocks for entry in block for value in entry.parameters]
     eta = model.scales.length * random.normal(size=model.n_eta)
     u = random.normal(size=model.n_u)
@@ -64,7 +64,7 @@ def random_state(model: Model, random: np.random.Generator) -> list[Array]:
 def _residuals(
     derivation: Derivation, state: list[Array], qdot: Array, udot: Array, eta_dot: Array, force: Array
 ) -> tuple[Array, Array]:
-    """J u_dot + gamma of each link, and M (u_dot - a) - J^T lambda of each body that no load acts on."""
+    """J u_dot + gamma of each feature pair; M (u_dot - a) - J^T lambda of each body without loads."""
     model, (t, q, u, eta, gravity, _) = derivation.model, state
     poses, twists, accels = _kinematics(derivation, t, q, u, udot)
     left = {k: np.zeros(0) for k, _ in enumerate(model.bodies)}
@@ -73,15 +73,24 @@ def _residuals(
         if kind.motion in ("point", "free") and not kind.loaded:
             left[k] = _pushed(derivation, k, q, u, gravity, accels[k])
     gaps = []
-    for index, link in enumerate(model.links):
-        rates = derivation.function(f"mg_{model.contact_kinds[link.kind].name}_rates")
-        start = model.contacts[model.pairs[link.pair].contacts[0]].eta
+    for index, feature_pair in enumerate(model.feature_pairs):
+        rates = derivation.function(f"mg_{model.contact_kinds[feature_pair.kind].name}_rates")
+        start = model.contacts[model.pairs[feature_pair.pair].contacts[0]].eta
         own = eta[start : start + rates.numel_in("eta")]
-        given = [poses[link.o], twists[link.o], poses[link.f], twists[link.f], own, np.array(link.parameters)]
+        given = [
+            poses[feature_pair.o],
+            twists[feature_pair.o],
+            poses[feature_pair.f],
+            twists[feature_pair.f],
+            own,
+            np.array(feature_pair.parameters),
+        ]
         cut = [ca.DM(value[: rates.numel_in(k)]) for k, value in enumerate(given)]
         _, J_o, J_f, gamma, _, _ = (np.asarray(value).ravel() for value in rates.call(cut))
-        gaps.append(gamma[0] + J_o @ accels[link.o][: len(J_o)] + J_f @ accels[link.f][: len(J_f)])
-        for side, J in ((link.o, J_o), (link.f, J_f)):
+        gaps.append(
+            gamma[0] + J_o @ accels[feature_pair.o][: len(J_o)] + J_f @ accels[feature_pair.f][: len(J_f)]
+        )
+        for side, J in ((feature_pair.o, J_o), (feature_pair.f, J_f)):
             if left[side].size:
                 left[side] -= J * force[index]
     return np.array(gaps), np.concatenate([np.zeros(0), *left.values()])

@@ -130,16 +130,16 @@ def partnership_of(model: Model, kind: int) -> Partnership:
 
 
 def _contacts_of(model: Model) -> Iterator[tuple[int, tuple[float, ...]]]:
-    """Kinds and parameters: of links, and of the points that faces rest on."""
-    for link in model.links:
-        yield link.kind, link.parameters
+    """Kinds and parameters: of feature pairs, and of the points that faces rest on."""
+    for feature_pair in model.feature_pairs:
+        yield feature_pair.kind, feature_pair.parameters
     for patch in model.patches:
         for number, parameters in enumerate(patch.parameters):
-            yield patch.kind if number or patch.rubbing < 0 else patch.rubbing, parameters
+            yield patch.kind if number or patch.friction_kind < 0 else patch.friction_kind, parameters
 
 
 def lengths_of(model: Model, shape: int) -> tuple[float, ...]:
-    """The parameters of a shape kind in the first link that has it."""
+    """The parameters of a shape kind in the first feature pair that has it."""
     kind = model.shape_kinds[shape]
     if kind.folded is not None:
         return kind.folded

@@ -72,7 +72,7 @@ def judged(name: str, library: Library, truth: Library, seed: int, number: int) 
     """Case `number` of a scene: `library` as it is built unasked, `truth` in long double."""
     rng = np.random.default_rng([seed, number])
     accuracy, span = _accuracy(rng, library), rng.uniform(*SPAN)
-    until = library.manifest.sentence["run"]["until"] * span
+    until = library.manifest.instance["run"]["until"] * span
     state = rng.bit_generator.state
     libraries = []
     for each in (library, truth):
@@ -102,12 +102,12 @@ def _judge(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library, u
 
 def _compared(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library, n: int) -> Verdict:
     """Estimate against truth over the first n samples."""
-    sentence, estimate = truth.manifest.sentence, path.estimate
+    instance, estimate = truth.manifest.instance, path.estimate
     assert estimate is not None
-    bodies = list(enumerate(sentence["bodies"]))
+    bodies = list(enumerate(instance["bodies"]))
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
-    length = sentence["scales"]["length"]
+    length = instance["scales"]["length"]
     size = max(length, float(np.abs(path.p[:n, moving]).max(initial=0.0)))
     least = ROUNDED * float(np.finfo(path.p.dtype).eps)
     far = float(distance_between(path, real, moving)[:n].max(initial=0.0))
@@ -128,9 +128,9 @@ def _compared(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library
 def _predictable(real: Trajectory, truth: Library, until: float) -> int:
     """How many samples there are before one rounding of gravity has grown to PREDICTABLE."""
     twin = simulate(nudged(truth), until=until, samples=SAMPLES, accuracy=Accuracy.finest(), estimate=False)
-    sentence = truth.manifest.sentence
-    moving = [k for k, body in enumerate(sentence["bodies"]) if body["motion"] in ("point", "free")]
-    apart = distance_between(real, twin, moving) / sentence["scales"]["length"]
+    instance = truth.manifest.instance
+    moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
+    apart = distance_between(real, twin, moving) / instance["scales"]["length"]
     turned = angle_between(real.quaternion[: len(apart), moving], twin.quaternion[: len(apart), moving])
     lost = np.flatnonzero(np.maximum(apart, turned) > PREDICTABLE)
     return max(int(lost[0]), 1) if lost.size else len(real.t)
@@ -141,7 +141,7 @@ def _accuracy(rng: np.random.Generator, library: Library) -> Accuracy:
     tolerance = float(10 ** rng.uniform(-13, -3))
     accuracy = Accuracy.of(tolerance)
     if rng.random() < 0.15:
-        scales = library.manifest.sentence["scales"]
+        scales = library.manifest.instance["scales"]
         accuracy = accuracy.fixed_step(float(scales["time"] * 10 ** rng.uniform(-3, -1.3)))
     name = accuracy.name
     if rng.random() < 0.3:
@@ -155,20 +155,20 @@ def _accuracy(rng: np.random.Generator, library: Library) -> Accuracy:
 
 def _varied(library: Library, rng: np.random.Generator) -> Library:
     """The library with other masses, gravity, friction, restitution and velocities; one build serves all."""
-    sentence = deepcopy(library.manifest.sentence)
-    sentence["gravity"] = (np.array(sentence["gravity"]) * rng.uniform(0.7, 1.3)).tolist()
-    u = np.array(sentence["initial_u"], dtype=float)
+    instance = deepcopy(library.manifest.instance)
+    instance["gravity"] = (np.array(instance["gravity"]) * rng.uniform(0.7, 1.3)).tolist()
+    u = np.array(instance["initial_u"], dtype=float)
     u *= rng.choice([-1.0, 1.0]) * rng.uniform(0.6, 1.2) * (1 + 0.1 * rng.uniform(-1, 1, u.shape))
-    sentence["initial_u"] = u.tolist()
-    for body in sentence["bodies"]:
+    instance["initial_u"] = u.tolist()
+    for body in instance["bodies"]:
         factor = rng.uniform(0.5, 2.0)
         if body["motion"] in ("point", "free") and body["parameters"]:
             body["parameters"] = [factor * value for value in body["parameters"]]
             body["mass_inverse"] = [value / factor for value in body["mass_inverse"]]
-    for pair in sentence["pairs"]:
+    for pair in instance["pairs"]:
         rough, bouncy = rng.uniform(0.8, 1.2), rng.uniform(0.7, 1.0)
         pair["restitution"] *= bouncy
-        for grip in pair.get("grips", ()):
+        for constraint in pair.get("friction", ()):
             for key in ("static", "kinetic"):
-                grip[key] = [rough * value for value in grip[key]]
-    return Library(replace(library.manifest, sentence=sentence), library.record, library.path.parent)
+                constraint[key] = [rough * value for value in constraint[key]]
+    return Library(replace(library.manifest, instance=instance), library.record, library.path.parent)

@@ -51,9 +51,9 @@ def root(built: Path) -> Path:
 
 def test_folded_bodies_have_the_masses_that_they_have_otherwise() -> None:
     def told(scene: Scene) -> tuple[Bodies, np.ndarray]:
-        sentence = emit(derive(require(scene))).manifest.sentence
-        solid = _solid((), sentence["bodies"][0], [np.zeros(3), np.zeros(4), np.zeros(3), np.zeros(3)])
-        return Bodies.of(sentence), np.array([solid.mass, *np.ravel(solid.inertia)])
+        instance = emit(derive(require(scene))).manifest.instance
+        solid = _solid((), instance["bodies"][0], [np.zeros(3), np.zeros(4), np.zeros(3), np.zeros(3)])
+        return Bodies.of(instance), np.array([solid.mass, *np.ravel(solid.inertia)])
 
     (plain, numbers), (folded, other) = told(thrown()), told(thrown(FOLDED))
     assert plain.mass == pytest.approx([0.7], rel=1e-15)

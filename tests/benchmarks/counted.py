@@ -45,16 +45,16 @@ def hand_steps(library: ctypes.CDLL, state: np.ndarray, n: int) -> None:
 
 def state_of(session: Session) -> np.ndarray:
     """The 13 states of the body in the hand-written step's order."""
-    sentence = session.sentence
-    egg = next(body for body in sentence["bodies"] if body["name"] == "egg")
-    q, u = egg["q"], sentence["n_q"] + egg["u"]
+    instance = session.instance
+    egg = next(body for body in instance["bodies"] if body["name"] == "egg")
+    q, u = egg["q"], instance["n_q"] + egg["u"]
     return np.concatenate([session.x[q : q + 7], session.x[u : u + 6]]).copy()
 
 
 def bowl_steps(library: Library, loaded: bool, n: int) -> None:
     session = Session(library, Accuracy.balanced().fixed_step(1e-9))
     begin(session)
-    session.active[: len(session.sentence["bodies"]) - 1] = loaded
+    session.active[: len(session.instance["bodies"]) - 1] = loaded
     session.smooth(n)
 
 

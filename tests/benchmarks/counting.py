@@ -10,7 +10,7 @@ from pathlib import Path
 
 from modelgen.codegen.compiler import compile_library, find_compiler
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest import SENTENCE, STRUCTURE
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE
 from modelgen.codegen.runtime_object import runtime_object
 
 COUNTED_CPU = "-march=haswell"  # callgrind knows no newer vector instructions
@@ -30,7 +30,7 @@ def callgrind(module: str, *arguments: object) -> int:
 def countable(library: Library, folder: Path) -> None:
     """The library compiled again for COUNTED_CPU into `folder`, with its records beside it."""
     (folder / STRUCTURE).write_text(library.manifest.structure_json())
-    (folder / SENTENCE).write_text(library.manifest.sentence_json())
+    (folder / INSTANCE).write_text(library.manifest.instance_json())
     (folder / "library.json").write_text(library.record.to_json())
     compiler = find_compiler()
     flags = [COUNTED_CPU if flag == "-march=native" else flag for flag in compiler.flags("double")]

@@ -95,7 +95,7 @@ def measured(load: Load, accuracy: Accuracy) -> Row:
     path = simulate(
         library_of(scene_of(load)), until=until, samples=SAMPLES, accuracy=accuracy, estimate=False
     )
-    return Row(error(load, path), path.energy_drift, sum(e.kind == "flat" for e in path.events) - 1)
+    return Row(error(load, path), path.energy_drift, sum(e.kind == "face-contact" for e in path.events) - 1)
 
 
 def error(load: Load, path: Trajectory) -> float:

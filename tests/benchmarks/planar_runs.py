@@ -134,7 +134,7 @@ def faults_of(scene: Scene, path: Trajectory) -> list[str]:
     gaps = path.gap[np.isfinite(path.gap)]
     known = {
         path.outcome.name: path.outcome.name != "DONE",
-        "time-stepping": any(event.kind == "time-stepping" for event in path.events),
+        "fallback-start": any(event.kind == "fallback-start" for event in path.events),
         "drift": path.energy_drift > DRIFT,
         "gap": bool((gaps < -DEPTH).any()),
         "sunk": deepest(scene, path).max() > SUNK,

@@ -257,7 +257,7 @@ def main() -> None:
         verdicts = list(pool.map(lambda seed: _run(seed, given.out), seeds))
     early = sum(verdict.startswith("ends early") for verdict in verdicts)
     failed = [seed for seed, verdict in zip(seeds, verdicts, strict=True) if verdict.startswith("FAILS")]
-    fell = sum("time-stepping" in verdict for verdict in verdicts)
+    fell = sum("fallback-start" in verdict for verdict in verdicts)
     whole = len(seeds) - len(failed) - early
     print(f"{whole} of {len(seeds)} pass, {early} end early and say why, fail: {failed}")
     print(f"{fell} fell back on time-stepping")

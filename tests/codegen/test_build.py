@@ -18,7 +18,7 @@ from modelgen.codegen import compiler
 from modelgen.codegen.amalgamation import SOURCE
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest import SENTENCE, STRUCTURE
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE
 from modelgen.errors import CompilerMissing, LibraryError
 from tests.model.scenes import TABLE, contact, egg, scene
 
@@ -74,7 +74,7 @@ def test_changed_numbers_compile_nothing(calls: Path, tmp_path: Path) -> None:
     second = build(package("[0.3, 0.2, 0.1]", moved), folder=tmp_path / "out")
     assert count(calls) == 1
     assert first.path == second.path
-    assert first.manifest.sentence["initial_q"] != second.manifest.sentence["initial_q"]
+    assert first.manifest.instance["initial_q"] != second.manifest.instance["initial_q"]
 
 
 def test_changed_structure_and_real_type_compile_beside(calls: Path, tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_the_default_folder_is_generated_scene(
     monkeypatch.chdir(tmp_path)
     library = build(package())
     assert library.path.parent == tmp_path / "generated" / "test"
-    expected = {*package().files, STRUCTURE, SENTENCE, "library.json", library.path.name}
+    expected = {*package().files, STRUCTURE, INSTANCE, "library.json", library.path.name}
     assert {path.name for path in library.path.parent.iterdir()} == expected
 
 
@@ -126,7 +126,7 @@ def test_a_folder_gives_its_library_again(real: str, calls: Path, tmp_path: Path
 def test_a_library_of_another_vocabulary_is_not_taken_for_this_one(calls: Path, tmp_path: Path) -> None:
     build(package(), folder=tmp_path)
     build(package(form="implicit"), real="float", folder=tmp_path)
-    with pytest.raises(LibraryError, match=r"vocabulary.*stale: build again"):
+    with pytest.raises(LibraryError, match=r"set of kinds.*stale: build again"):
         Library.load(tmp_path)
 
 
@@ -134,9 +134,9 @@ def test_a_folder_without_a_build_says_so(tmp_path: Path) -> None:
     with pytest.raises(LibraryError, match=r"manifest\.json: it cannot be read.*build first"):
         Library.load(tmp_path)
     (tmp_path / STRUCTURE).write_text(package().manifest.structure_json())
-    with pytest.raises(LibraryError, match=r"sentence\.json: it cannot be read.*build first"):
+    with pytest.raises(LibraryError, match=r"instance\.json: it cannot be read.*build first"):
         Library.load(tmp_path)
-    (tmp_path / SENTENCE).write_text(package().manifest.sentence_json())
+    (tmp_path / INSTANCE).write_text(package().manifest.instance_json())
     with pytest.raises(LibraryError, match=r"library-float\.json: it cannot be read.*build first"):
         Library.load(tmp_path, "float")
 

@@ -26,7 +26,7 @@ from modelgen import derive, emit, require
 from tests.model.scenes import WIDE
 package = emit(derive(require(WIDE)))
 text = "".join(name + package.files[name] for name in package.files)
-text += package.manifest.structure_json() + package.manifest.sentence_json()
+text += package.manifest.structure_json() + package.manifest.instance_json()
 print(hashlib.sha256(text.encode()).hexdigest())
 """
 
@@ -82,7 +82,7 @@ def test_the_text_knows_the_vocabulary_and_not_the_scene() -> None:
     one = emit(derive(require(scene(TABLE, egg(), contact("egg", "table")))))
     other = emit(derive(require(scene(TABLE, egg("pebble", "[0.3, 0.2, 0.1]"), contact("pebble", "table")))))
     assert one.files == other.files
-    assert one.manifest.sentence != other.manifest.sentence
+    assert one.manifest.instance != other.manifest.instance
 
 
 def test_text_does_not_grow_with_the_number_of_bodies() -> None:

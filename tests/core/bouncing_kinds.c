@@ -1,4 +1,4 @@
-/* The smallest vocabulary, written by hand: a point mass above the plane z = 0. Lets the core be tested alone. */
+/* The smallest set of kinds, written by hand: a point mass above the plane z = 0. Lets the core be tested alone. */
 #include "modelgen.h"
 
 static const mg_body_kind body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};

@@ -1,4 +1,4 @@
-"""The core's solvers compiled alone, without the vocabulary of a scene."""
+"""The core's solvers compiled alone, without the set of kinds of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-/* A vocabulary of plane curves, written by hand: lets regions be tested without the rest of the core. */
+/* A set of kinds of plane curves, written by hand: lets regions be tested without the rest of the core. */
 #include "modelgen.h"
 
 enum { EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC };

@@ -107,7 +107,7 @@ def test_a_disc_over_an_edge_of_a_table_keeps_the_part_on_it(plane_core: CoreBui
     found = overlap(plane_core, table, disc(1), facing(2.6), np.array([[2.9, 0], [3.5, 0.2], [1.7, 0.0]]))
     assert found.margin == pytest.approx([0.1, -0.5, 0.1], abs=CLOSE * 4)
     assert found.supports.tolist() == [2, 2, 1]
-    ends = found.where[0, :, 2:]
+    ends = found.support_position[0, :, 2:]
     half = sqrt(1 - 0.4**2)
     assert sorted(ends[:, 1]) == pytest.approx([-half, half], abs=1e-15)
     assert ends[:, 0] == pytest.approx([3, 3], abs=1e-15)

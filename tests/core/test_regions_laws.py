@@ -90,7 +90,7 @@ def test_a_margin_is_the_distance_to_a_point_of_the_boundary(
     found = overlap(plane_core, o, f, pose, POINTS)
     assume(found.sides)
     for i, x in enumerate(POINTS):
-        ends = found.where[i, : found.supports[i], 2:]
+        ends = found.support_position[i, : found.supports[i], 2:]
         side = ends[-1] - ends[0]
         part = np.clip((x - ends[0]) @ side / (side @ side), 0, 1) if side @ side else 0.0
         assert np.hypot(*(ends[0] + part * side - x)) == pytest.approx(abs(found.margin[i]), rel=0, abs=1e-13)
@@ -105,7 +105,7 @@ def test_supports_are_where_their_arcs_are(
     arcs, places = [*o, *f], [at()] * len(o) + [pose] * len(f)
     for i, count in enumerate(found.supports):
         for (side, arc, other), (t, u, *point) in zip(
-            found.identity[i], found.where[i][:count], strict=False
+            found.identity[i], found.support_position[i][:count], strict=False
         ):
             assert side == (arc >= len(o))
             for index, parameter in [(arc, t), (other, u)][: 1 + (other >= 0)]:

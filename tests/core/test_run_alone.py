@@ -1,4 +1,4 @@
-"""The core alone: a hand-written vocabulary, every real type, sanitizers on, warnings as errors."""
+"""The core alone: a hand-written set of kinds, every real type, sanitizers on, warnings as errors."""
 
 from __future__ import annotations
 

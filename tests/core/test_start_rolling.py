@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import Accuracy
 from modelgen.scene import build as make
 from modelgen.scene.types import Scene
-from tests.oracles.flat_start import FRESH, Rolling, rolled, scene_of_glass
+from tests.oracles.flat_start import FLAT_START, Rolling, rolled, scene_of_glass
 from tests.oracles.glass_reference import DIGITS, Glass, harmonics
 
 RIM = make.circle(0.04, position=[0.0, 0.0, -0.05])
@@ -144,13 +144,13 @@ def test_a_start_is_excused_from_the_bound_on_margins_until_it_is_above() -> Non
     """After 1 ms the lean is 1e-8, far below the margin at which a contact is refused."""
     tau = np.array([0.001, 0.1])
     run = rolled(scene_of_glass(GLASS, RIM), OUTWARD, tau[:1], Accuracy.tight(), step=0.001)
-    assert run.session.fresh[0] == YOUNG
+    assert run.session.rolling_start[0] == YOUNG
     assert run.session.margin[0] < Accuracy.tight().margin_refuse
     later = rolled(scene_of_glass(GLASS, RIM), OUTWARD, tau, Accuracy.tight(), step=0.001)
     assert later.code == 0
-    assert later.session.fresh[0] == 0
+    assert later.session.rolling_start[0] == 0
     assert later.session.run.margin_min >= Accuracy.tight().margin_refuse
-    assert FRESH != YOUNG
+    assert FLAT_START != YOUNG
 
 
 def test_two_glasses_start_at_once_as_each_alone() -> None:

@@ -1,4 +1,4 @@
-"""Curves through the whole street: shipped scenes and small ones against references of their own."""
+"""Curves through the whole pipeline: shipped scenes and small ones against references of their own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Points, centres and straight edges through the whole street, against references of their own."""
+"""Points, centres and straight edges through the whole pipeline, against references of their own."""
 
 from __future__ import annotations
 

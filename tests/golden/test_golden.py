@@ -69,7 +69,7 @@ def test_the_manifest_is_as_reviewed_and_no_count_rises(name: str, request: pyte
 
 
 def test_a_count_that_rises_and_any_other_change_are_seen() -> None:
-    count, name = ("functions", "mg_x_rates", "instructions"), ("sentence", "name")
+    count, name = ("functions", "mg_x_rates", "instructions"), ("instance", "name")
     assert agree(count, 9, 10)
     assert not agree(count, 11, 10)
     assert agree(name, "a", "a")

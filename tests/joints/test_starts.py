@@ -154,7 +154,7 @@ def test_a_batch_of_pendulums_is_as_many_single_runs() -> None:
     pin = {"name": "pin", "kind": "revolute", "between": ["world", "block"], **FLAT}
     library = library_of(make.scene("batched", [block(position=[0.5, 0.0, 0.0])], joint=[pin]))
     rates = np.array([0.0, 1.0, -2.0])
-    q = np.tile(library.manifest.sentence["initial_q"], (3, 1))
+    q = np.tile(library.manifest.instance["initial_q"], (3, 1))
     u = np.stack([np.zeros(3), np.zeros(3), -0.5 * rates, np.zeros(3), rates, np.zeros(3)], axis=1)
     batch = simulate_batch(library, q, u, until=1.0, accuracy="tight")
     alone = simulate(library, until=1.0, accuracy="tight", samples=1)

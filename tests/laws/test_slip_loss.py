@@ -94,7 +94,7 @@ def beside(direction: Array) -> list[Array]:
 @pytest.mark.parametrize("centre", [SEAM, 1.0, -1.0, 0.0])
 def test_no_digit_is_lost_where_the_frame_jumps_nor_at_its_poles(centre: float, side: int) -> None:
     """The third component of N by decades on both sides of the seam, of both poles and of the equator."""
-    kind = ContactKind("balls", "explicit", Side(BALL, "free"), Side(BALL, "free"), 6)
+    kind = ContactKind("bounding_balls", "explicit", Side(BALL, "free"), Side(BALL, "free"), 6)
     with mp.workdps(50):
         for distance in 10.0 ** np.arange(-1, -18, -2.0):
             height = np.clip(centre + side * distance, -1, 1)

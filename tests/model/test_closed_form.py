@@ -63,9 +63,9 @@ def reference(
     """udot and forces by M a + J^T lambda = f, J a = -gamma with dense matrices."""
     model = derivation.model
     poses, twists, accels, columns = bodies(derivation, t, q, u, g)
-    m = len(model.links)
+    m = len(model.feature_pairs)
     J, gamma = np.zeros((m, 6 * len(poses))), np.zeros(m)
-    for i, entry in enumerate(model.links):
+    for i, entry in enumerate(model.feature_pairs):
         rates = derivation.function(f"mg_{model.contact_kinds[entry.kind].name}_rates")
         sides = [poses[entry.o], twists[entry.o], poses[entry.f], twists[entry.f]]
         at = model.contacts[model.pairs[entry.pair].contacts[0]].eta
@@ -129,7 +129,7 @@ def test_composed_and_assembled_accelerations_agree(seed: int) -> None:
     assert rhs is not None
     q, u = np.array(model.initial_q), random.normal(size=model.n_u)
     eta, g, t = random.normal(size=model.n_eta), random.normal(size=3), random.normal()
-    entries = (*model.bodies, *model.links, *model.loads)
+    entries = (*model.bodies, *model.feature_pairs, *model.loads)
     parameters = [value for entry in entries for value in entry.parameters]
     _, udot, _, force = call(rhs, t, q, u, eta, g, parameters)
     expected_udot, expected_force = reference(derivation, t, q, u, eta, g)

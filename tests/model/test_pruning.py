@@ -28,16 +28,16 @@ def rhs(what: Scene) -> ca.Function:
 
 def counted(package: Package) -> int:
     """Instructions of the kernels that one evaluation calls, from the manifest."""
-    manifest, sentence = package.manifest, package.manifest.sentence
+    manifest, instance = package.manifest, package.manifest.instance
     functions, kinds = manifest.functions, manifest.kinds
     names = [
         f"{kinds['body'][b['kind']]['name']}_{r}"
-        for b in sentence["bodies"]
+        for b in instance["bodies"]
         for r in ("pose", "motion", "path")
     ]
-    links = [sentence["links"][max(c["link"], 0)] for c in sentence["contacts"]]
-    names += [f"{kinds['contact'][link['kind']]['name']}_rates" for link in links]
-    names += [f"{kinds['joint'][joint['kind']]['name']}_rows" for joint in sentence["joints"]]
+    feature_pairs = [instance["feature_pairs"][max(c["feature_pair"], 0)] for c in instance["contacts"]]
+    names += [f"{kinds['contact'][feature_pair['kind']]['name']}_rates" for feature_pair in feature_pairs]
+    names += [f"{kinds['joint'][joint['kind']]['name']}_rows" for joint in instance["joints"]]
     return sum(functions[f"mg_{name}"]["instructions"] for name in names if f"mg_{name}" in functions)
 
 
@@ -64,7 +64,7 @@ def test_what_a_decision_saves_is_the_difference_of_two_derivations(name: str) -
         assert undone is not None
         found = [emit(derive(require(what))) for what in (model.scene, undone[1])]
         text = [sum(len(each.files[name]) for name in ("kernels.c", "model.c")) for each in found]
-        states = [sum(each.manifest.sentence[n] for n in ("n_q", "n_u", "n_eta")) for each in found]
+        states = [sum(each.manifest.instance[n] for n in ("n_q", "n_u", "n_eta")) for each in found]
         assert saving.as_json()["saved"]["bytes"] == text[1] - text[0]
         assert saving.as_json()["saved"]["states"] == states[1] - states[0]
         assert saving.as_json()["saved"]["instructions"] == counted(found[1]) - counted(found[0])
@@ -89,7 +89,7 @@ def two_balls(**keys: object) -> Scene:
     ]
     pairs = [{"between": ["left", "table"]}, {"between": ["right", "table"]}, {"between": ["right", "last"]}]
     pairs.append({"between": ["last", "table"]})
-    return scene("balls", [fixed("table", plane()), *balls], contact=pairs, **keys)
+    return scene("bounding_balls", [fixed("table", plane()), *balls], contact=pairs, **keys)
 
 
 @pytest.mark.parametrize(

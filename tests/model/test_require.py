@@ -27,7 +27,7 @@ def test_equal_structure_is_one_kind_whatever_the_numbers() -> None:
     assert len(model.contact_kinds) == 1
     assert len(model.shape_kinds) == 2  # ellipsoid and plane
     assert [kind.motion for kind in model.body_kinds] == ["fixed", "free"]
-    assert model.links[0].parameters != model.links[1].parameters
+    assert model.feature_pairs[0].parameters != model.feature_pairs[1].parameters
 
 
 def test_kinds_have_names_of_their_own() -> None:
@@ -40,7 +40,7 @@ def test_folded_numbers_leave_no_parameters_and_split_kinds() -> None:
     parts = (TABLE, egg("a"), egg("b", "[0.3, 0.2, 0.1]"), contact("a", "table"), contact("b", "table"))
     model = require(replace(scene(*parts), fold=True))
     assert len(model.contact_kinds) == 2
-    assert all(entry.parameters == () for entry in model.links)
+    assert all(entry.parameters == () for entry in model.feature_pairs)
     assert all(body.parameters == () for body in model.bodies if body.name != "table")
 
 
@@ -49,8 +49,11 @@ def test_order_in_the_file_changes_only_the_flag() -> None:
         require(scene(TABLE, egg(), contact(*pair))) for pair in (("egg", "table"), ("table", "egg"))
     )
     assert one.contact_kinds == other.contact_kinds
-    assert (one.links[0].o, one.links[0].f) == (other.links[0].o, other.links[0].f)
-    assert one.links[0].swapped != other.links[0].swapped
+    assert (one.feature_pairs[0].o, one.feature_pairs[0].f) == (
+        other.feature_pairs[0].o,
+        other.feature_pairs[0].f,
+    )
+    assert one.feature_pairs[0].swapped != other.feature_pairs[0].swapped
 
 
 PUSH = '[[force]]\nbody = "ball"\n'
@@ -126,10 +129,12 @@ def test_two_balls_balance_at_their_common_centre() -> None:
     model = require(scene(TABLE, dumbbell, touch))
     m = 1000 * 4 / 3 * np.pi * 0.1**3
     about_x, about_y = 2 * 0.4 * m * 0.01, 2 * (0.4 * m * 0.01 + m * 0.2**2)
-    np.testing.assert_allclose(model.bodies[1].com, (0.3, 0, 0), atol=1e-15)
+    np.testing.assert_allclose(model.bodies[1].centre_of_mass, (0.3, 0, 0), atol=1e-15)
     np.testing.assert_allclose(model.initial_q[:3], (1.3, 0, 0), rtol=1e-14)
     np.testing.assert_allclose(model.bodies[1].parameters, (2 * m, about_x, about_y, about_y), rtol=1e-12)
-    np.testing.assert_allclose([entry.parameters[1] for entry in model.links], (-0.2, 0.2), rtol=1e-13)
+    np.testing.assert_allclose(
+        [entry.parameters[1] for entry in model.feature_pairs], (-0.2, 0.2), rtol=1e-13
+    )
     assert [entry.name for entry in model.contacts] == ["pair/left-table/plane", "pair/right-table/plane"]
 
 
@@ -141,7 +146,7 @@ def test_initial_spin_is_in_body_axes_and_position_is_of_the_centre_of_mass() ->
     model, R = require(made), rotation_of(made.bodies[1].pose.quaternion)
     np.testing.assert_allclose(model.initial_q[:3], np.array([1, 2, 3]) + R @ [0.1, 0.2, 0.3], rtol=1e-15)
     np.testing.assert_allclose(R @ np.array(model.initial_u[3:]), (0.4, 0.5, 0.6), rtol=1e-14)
-    assert model.links[0].parameters[3:6] == (-0.1, -0.2, -0.3)
+    assert model.feature_pairs[0].parameters[3:6] == (-0.1, -0.2, -0.3)
 
 
 def test_a_fixed_body_at_the_origin_has_no_pose() -> None:

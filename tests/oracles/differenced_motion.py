@@ -30,13 +30,13 @@ def exponents(found: Linearised) -> Array:
 def differenced(library: Library, found: Linearised) -> Array:
     """As many eigenvalues (1/s), the largest."""
     session = Session(library, Accuracy.tight())
-    sentence = library.manifest.sentence
-    for body in sentence["bodies"]:
+    instance = library.manifest.instance
+    for body in instance["bodies"]:
         if body["name"] in found.p:
             q = np.concatenate([found.p[body["name"]], found.quaternion[body["name"]]])
             size = 7 if body["motion"] == "free" else 3
             session.x[body["q"] : body["q"] + size] = q[:size]
-    session.x[sentence["n_q"] : sentence["n_q"] + sentence["n_u"]] = 0.0
+    session.x[instance["n_q"] : instance["n_q"] + instance["n_u"]] = 0.0
     begin(session)
     n, x = len(session.x) - 1, session.x.copy()
     columns, out = [], np.zeros_like(x)

@@ -83,8 +83,12 @@ CAN = Solid(lambda: make.cylinder(RADIUS, LENGTH), of_rims)
 
 def touching(path: Trajectory, sample: int, within: float) -> set[str]:
     """Features whose contact with the table has a gap below `within` at a sample."""
-    on_a_link = [k for k, link in enumerate(path.link[sample]) if link >= 0]
-    return {path.link_names[path.link[sample, k]] for k in on_a_link if abs(path.gap[sample, k]) < within}
+    on_a_feature_pair = [k for k, feature_pair in enumerate(path.feature_pair[sample]) if feature_pair >= 0]
+    return {
+        path.feature_pair_names[path.feature_pair[sample, k]]
+        for k in on_a_feature_pair
+        if abs(path.gap[sample, k]) < within
+    }
 
 
 def run_until(library: Library, until: float, samples: int) -> Trajectory:

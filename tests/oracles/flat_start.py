@@ -16,7 +16,7 @@ from tests.oracles.glass_reference import Glass
 from tests.oracles.pieces import TABLE
 from tests.running import library_of
 
-FRESH = 1  # MG_START_FLAT
+FLAT_START = 1  # MG_START_FLAT
 
 
 def polynomial(coefficients: Sequence[float]) -> str:
@@ -78,11 +78,11 @@ def rolled(
 
 def start_flat(session: Session, outward: Sequence[float], eta: Sequence[float]) -> None:
     """The first contact of each pair starts from flat at the state, as at a hand-over, with one way out."""
-    for pair in session.sentence["pairs"]:
+    for pair in session.instance["pairs"]:
         i = pair["contacts"][0]
-        session.link[i], session.fresh[i] = pair["links"][0], FRESH
+        session.feature_pair[i], session.rolling_start[i] = pair["feature_pairs"][0], FLAT_START
         session.closed[i] = session.active[i] = 1
-        session.outward[3 * i : 3 * i + 3] = outward
+        session.tilt_direction[3 * i : 3 * i + 3] = outward
     session.eta[: len(eta)] = eta
     session.run.margin_min, session.run.failed_contact = 1.0, -1
     at_start = Recording(session, np.array([float(session.run.t)]))

@@ -42,7 +42,7 @@ def ran(
     samples: int = 20,
     **keys: object,
 ) -> Trajectory:
-    """The run of a scene, tight unless told otherwise. Scenes of one vocabulary share one library."""
+    """The run of a scene, tight unless told otherwise. Scenes of one set of kinds share one library."""
     scene = make.scene("oracle", bodies, contact=list(contact), **keys)
     return simulate(
         library_of(scene), until=until, accuracy=accuracy or Accuracy.tight(), samples=samples, estimate=False

@@ -1,6 +1,6 @@
 """The equations of a scene at one instant, assembled densely: kernels called one by one, matrices in full.
 
-Of the program it uses the kernels (through `library.kernel`) and the manifest's sentence.
+Of the program it uses the kernels (through `library.kernel`) and the manifest's instance.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ MOVING = ("point", "free")
 Entry = dict[str, Any]
 
 
-def followed(library: Library, links: np.ndarray) -> list[Entry]:
-    """The contacts of a scene that are on a link (-1: none), each with what its link and its pair say."""
-    sentence = library.manifest.sentence
-    restitution = [pair["restitution"] for pair in sentence["pairs"]]
+def followed(library: Library, feature_pairs: np.ndarray) -> list[Entry]:
+    """The contacts that are on a feature pair (-1: none), with the entries of feature pair and pair."""
+    instance = library.manifest.instance
+    restitution = [pair["restitution"] for pair in instance["pairs"]]
     return [
-        {**sentence["links"][link], **contact, "restitution": restitution[contact["pair"]]}
-        for contact, link in zip(sentence["contacts"], links, strict=True)
-        if link >= 0
+        {**instance["feature_pairs"][feature_pair], **contact, "restitution": restitution[contact["pair"]]}
+        for contact, feature_pair in zip(instance["contacts"], feature_pairs, strict=True)
+        if feature_pair >= 0
     ]
 
 
@@ -58,17 +58,17 @@ class Bodies:
 class PlainScene:
     """The scene of a library as functions of time and state x = [q, u, eta, work].
 
-    `links` (contacts,) says which link each contact is on, all along.
+    `feature pairs` (contacts,) says which feature pair each contact is on, all along.
     """
 
-    def __init__(self, library: Library, links: np.ndarray) -> None:
-        self.library, self.sentence = library, library.manifest.sentence
+    def __init__(self, library: Library, feature_pairs: np.ndarray) -> None:
+        self.library, self.instance = library, library.manifest.instance
         self.kinds = library.manifest.kinds
-        self.bodies: list[Entry] = self.sentence["bodies"]
-        self.contacts = followed(library, links)
-        self.n_q, self.n_u = self.sentence["n_q"], self.sentence["n_u"]
+        self.bodies: list[Entry] = self.instance["bodies"]
+        self.contacts = followed(library, feature_pairs)
+        self.n_q, self.n_u = self.instance["n_q"], self.instance["n_u"]
         self.u = slice(self.n_q, self.n_q + self.n_u)
-        self.gravity = np.array(self.sentence["gravity"], float)
+        self.gravity = np.array(self.instance["gravity"], float)
         self.inverse_mass = self._inverse_mass()
 
     def _call(self, name: str, *values: np.ndarray | list[float]) -> tuple[np.ndarray, ...]:
@@ -136,7 +136,7 @@ class PlainScene:
     def _loads(self, t: float, bodies: Bodies) -> tuple[np.ndarray, float]:
         """Wrench on each body, and the power that the loads put into the moving ones."""
         wrenches, power = np.zeros((len(self.bodies), 6)), 0.0
-        for load in self.sentence["loads"]:
+        for load in self.instance["loads"]:
             ends = load["bodies"]
             sides = [side[end] for end in (ends[0], ends[-1]) for side in (bodies.pose, bodies.twist)]
             pair = self._call(f"{self.kind('load', load)['name']}_wrench", [t], *sides, load["parameters"])
@@ -159,7 +159,7 @@ class PlainScene:
                 )
                 qdot[q : q + len(rates[0])], free[u : u + len(rates[1])] = rates
         n = len(self.contacts)
-        J, eta_dot = np.zeros((n, self.n_u)), np.zeros(self.sentence["n_eta"])
+        J, eta_dot = np.zeros((n, self.n_u)), np.zeros(self.instance["n_eta"])
         rows = Rows(*np.zeros((3, n)), J, np.zeros(n), qdot, free, eta_dot, power, np.zeros((n, 3)))
         for index, contact in enumerate(self.contacts):
             self._row(rows, index, contact, x, bodies)

@@ -50,21 +50,21 @@ def complementary(A: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 class PlainStepper:
-    """One run from the sentence's start.
+    """One run from the instance's start.
 
-    `links` (contacts,) says which link each contact is on, `eta` (n_eta,) guesses the closest points there.
+    `feature_pairs` (contacts,) says which one each contact is on, `eta` (n_eta,) guesses the closest points.
     """
 
-    def __init__(self, library: Library, links: np.ndarray, eta: np.ndarray) -> None:
-        self.scene = PlainScene(library, links)
-        sentence = library.manifest.sentence
-        scales, accuracy = sentence["scales"], Accuracy.tight()
+    def __init__(self, library: Library, feature_pairs: np.ndarray, eta: np.ndarray) -> None:
+        self.scene = PlainScene(library, feature_pairs)
+        instance = library.manifest.instance
+        scales, accuracy = instance["scales"], Accuracy.tight()
         self.near = TOUCHING * scales["length"]
         self.rest = accuracy.rest_speed * scales["length"] / scales["time"]
         self.slack = accuracy.rest_acceleration * scales["length"] / scales["time"] ** 2
         self.restitution = np.array([contact["restitution"] for contact in self.scene.contacts])
         self.t = 0.0
-        start = [sentence["initial_q"], sentence["initial_u"], eta, [0.0]]
+        start = [instance["initial_q"], instance["initial_u"], eta, [0.0]]
         self.x = np.concatenate([np.asarray(part, float) for part in start])
         self.closed: set[int] = set()
         self.active: list[int] = []

@@ -29,7 +29,7 @@ def path_of(form: str) -> Trajectory:
 
 
 def length() -> float:
-    return float(forced("ellipsoids_in_bowl", "implicit").manifest.sentence["scales"]["length"])
+    return float(forced("ellipsoids_in_bowl", "implicit").manifest.instance["scales"]["length"])
 
 
 def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:

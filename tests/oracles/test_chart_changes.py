@@ -38,9 +38,9 @@ def test_two_hundred_seconds_keep_energy_and_contact(name: str) -> None:
     path = long_run(name)
     assert path.outcome is Outcome.DONE
     assert path.energy_drift < 1e-7
-    assert path.gap_max < 1e-10 * scene_of(name).manifest.sentence["scales"]["length"]
+    assert path.gap_max < 1e-10 * scene_of(name).manifest.instance["scales"]["length"]
     assert path.force[:, 0].min() > 0
-    assert {event.kind for event in path.events} <= {"walk"}
+    assert {event.kind for event in path.events} <= {"feature-change"}
     assert len(path.events) >= WALKS[name]
 
 
@@ -70,17 +70,17 @@ def test_the_egg_crosses_knots_of_both_directions() -> None:
 
 @dataclass(frozen=True)
 class Change:
-    """One contact told on the links before and after a walk, at the same poses and twists."""
+    """One contact told on the feature pairs before and after a walk, at the same poses and twists."""
 
     event: Event
-    links: tuple[str, str]
+    feature_pairs: tuple[str, str]
     before: Rows
     after: Rows
 
 
-def told(session: Session, links: np.ndarray, eta: np.ndarray) -> Rows:
-    """The contacts' rows on these links at the session's state, from a guess of eta."""
-    scene, x, t = PlainScene(session.library, links[:-1]), session.x.copy(), float(session.run.t)
+def told(session: Session, feature_pairs: np.ndarray, eta: np.ndarray) -> Rows:
+    """The contacts' rows on these feature pairs at the session's state, from a guess of eta."""
+    scene, x, t = PlainScene(session.library, feature_pairs[:-1]), session.x.copy(), float(session.run.t)
     x[-1 - len(eta) : -1] = eta
     return scene.rows(t, scene.corrected(t, x))
 
@@ -92,12 +92,18 @@ def changes(library: Library, until: float) -> list[Change]:
     begin(session)
     recording, code, found = Recording(session, np.array([2 * until])), CONTINUE, []
     while code in (CONTINUE, FULL):
-        link, eta = session.link.copy(), session.eta.copy()
+        feature_pair, eta = session.feature_pair.copy(), session.eta.copy()
         code = session.advance(until, 1, recording.record)
         for event in session.drain_events():
-            if event.kind == "walk" and event.contact == session.contacts[0]:
-                one, other = told(session, link, eta), told(session, session.link, session.eta)
-                names = [session.sentence["links"][each[0]]["name"] for each in (link, session.link)]
+            if event.kind == "feature-change" and event.contact == session.contacts[0]:
+                one, other = (
+                    told(session, feature_pair, eta),
+                    told(session, session.feature_pair, session.eta),
+                )
+                names = [
+                    session.instance["feature_pairs"][each[0]]["name"]
+                    for each in (feature_pair, session.feature_pair)
+                ]
                 found.append(Change(event, (names[0], names[1]), one, other))
     assert code == 0
     return found
@@ -111,7 +117,7 @@ def test_a_change_leaves_no_trace(name: str) -> None:
     assert len(found) >= 5
     for change in found:
         one, other = change.before, change.after
-        assert abs(one.d - other.d)[0] < TRACE * library.manifest.sentence["scales"]["length"]
+        assert abs(one.d - other.d)[0] < TRACE * library.manifest.instance["scales"]["length"]
         assert np.abs(one.normal - other.normal).max() < TRACE
         assert np.abs(one.J - other.J).max() < TRACE
         assert abs(one.bias - other.bias)[0] < TRACE * bias
@@ -121,10 +127,10 @@ def test_a_change_leaves_no_trace(name: str) -> None:
 def test_events_name_the_features_before_and_after(name: str) -> None:
     found = changes(scene_of(name), 10.0)
     for change in found:
-        assert change.event.features == change.links[1]
-        assert are_neighbours(*change.links)
+        assert change.event.features == change.feature_pairs[1]
+        assert are_neighbours(*change.feature_pairs)
     for one, other in pairwise(found):
-        assert one.links[1] == other.links[0]
+        assert one.feature_pairs[1] == other.feature_pairs[0]
 
 
 def are_neighbours(one: str, other: str) -> bool:
@@ -187,7 +193,7 @@ PAIRS = {
 def test_the_motion_does_not_depend_on_how_a_surface_is_told(name: str) -> None:
     told, least = PAIRS[name]
     one, other = (fallen(base, stone) for base, stone in told)
-    assert sum(event.kind == "walk" for event in other.events) >= least
+    assert sum(event.kind == "feature-change" for event in other.events) >= least
     assert np.abs(one.p - other.p).max() < 1e-9
     assert np.abs(rotations(one, 1) - rotations(other, 1)).max() < 1e-8
     assert {event.kind for event in one.events} <= {"touch-down"}

@@ -35,7 +35,7 @@ def test_a_bouncing_ball_follows_its_geometric_series(accuracy: Accuracy) -> Non
     assert np.abs(np.array(impacts) - exact).max() < 1e-9
     assert path.events[-1].kind == "touch-down"
     assert path.events[-1].t == pytest.approx(fall * (1 + e) / (1 - e), abs=1e-9)
-    scales = scene_of("bouncing_ball").manifest.sentence["scales"]
+    scales = scene_of("bouncing_ball").manifest.instance["scales"]
     slowest = accuracy.rest_speed * scales["length"] / scales["time"]
     assert e ** (len(impacts) + 1) < slowest / (G * fall) < e ** len(impacts)
 

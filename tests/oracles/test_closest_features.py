@@ -95,12 +95,14 @@ def pair(name: str, other: str) -> Library:
 def gaps_at(library: Library, poses: list[tuple[np.ndarray, Rotation]]) -> list[float]:
     """The gaps of the contacts at the start with the bodies at these poses, least first."""
     session = Session(library, Accuracy.balanced())
-    for body, (p, turn) in zip(session.sentence["bodies"], poses, strict=True):
+    for body, (p, turn) in zip(session.instance["bodies"], poses, strict=True):
         session.x[body["q"] : body["q"] + 3] = p
         if body["motion"] == "free":
             session.x[body["q"] + 3 : body["q"] + 7] = np.roll(turn.as_quat(), 1)
     begin(session)
-    return sorted(float(session.settle(i)["d"]) for i in range(session.n_contact) if session.link[i] >= 0)
+    return sorted(
+        float(session.settle(i)["d"]) for i in range(session.n_contact) if session.feature_pair[i] >= 0
+    )
 
 
 @pytest.mark.parametrize("name", SOLIDS)

@@ -136,7 +136,7 @@ def test_no_corner_and_no_rim_is_ever_below_the_table(start: str, tilt: float) -
 @EVERY_START
 def test_vertical_forces_neither_push_aside_nor_spin_about_the_vertical(start: str, tilt: float) -> None:
     _, library, path = dropped(start, tilt)
-    mass, *inertia = library.manifest.sentence["bodies"][1]["parameters"]
+    mass, *inertia = library.manifest.instance["bodies"][1]["parameters"]
     spins = np.einsum("nji,nj->ni", rotations(path, 1), path.w[:, 1]) * inertia
     about = np.einsum("nij,nj->ni", rotations(path, 1), spins)[:, 2]
     assert np.abs(path.p[:, 1, :2]).max() < 1e-12
@@ -155,7 +155,7 @@ def test_what_impacts_take_is_booked(start: str, tilt: float) -> None:
 def test_the_ends_of_a_level_edge_share_the_load(tilt: float) -> None:
     """The motion stays in one plane: mirror images carry the same, touch and leave at the same times."""
     _, _, path = dropped("box on an edge", tilt)
-    left = [name.endswith("left") for name in path.link_names]
+    left = [name.endswith("left") for name in path.feature_pair_names]
     force = path.force[:, left], path.force[:, np.invert(left)]
     assert np.abs(force[0].sum(axis=1) - force[1].sum(axis=1)).max() < 1e-6 * np.abs(force).max()
     assert np.abs(path.w[:, 1, 1:]).max() < 1e-9

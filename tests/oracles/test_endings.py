@@ -160,7 +160,7 @@ def test_a_scene_without_contacts_goes_on_by_time_stepping() -> None:
     path = simulate(cranked("t**2/(0.3 - t)"), until=0.5, estimate=False)
     assert path.outcome is Outcome.DONE
     assert [(each.kind, each.contact) for each in path.events[:2]] == [
-        ("time-stepping", ""), ("event-driven", "")
+        ("fallback-start", ""), ("fallback-end", "")
     ]  # fmt: skip
 
 

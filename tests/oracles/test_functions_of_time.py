@@ -62,7 +62,7 @@ def test_a_short_push_moves_a_ball_that_sticks(accuracy: str, width: float) -> N
     """It slips while the push exceeds 3.5 times friction, until its surface has caught up."""
     text = BALL.format(height=0.1) + PUSH.format(force=f"20*max(0, 1 - abs(t - 0.418)/{width})", lift=0.0)
     path = ran(text + PLANE.format(motion="fixed", path="", contact="friction = 0.3"), accuracy)
-    assert [event.kind for event in path.events] == ["slip", "stick"]
+    assert [event.kind for event in path.events] == ["slip-start", "slip-stop"]
     begins = 0.418 - width * (1 - 0.3 * WEIGHT * 3.5 / 20)
     assert path.events[0].t == pytest.approx(begins, abs=1e-6)
     momentum = 20 * width * 0.1 / (0.1 + 4e-3 / 0.1)  # about the contact, over its arm

@@ -74,7 +74,7 @@ def test_a_belt_that_starts_slips_under_a_ball_until_it_rolls(accuracy: str, off
     rolls = START + 2.0 / (a * (1 + 0.1**2 / 4e-3))
     slides, then = a / 2 * (path.t - START) ** 2, a * (rolls - START) * (path.t - (START + rolls) / 2)
     x = np.where(path.t < START, 0, np.where(path.t < rolls, slides, then))
-    assert [event.kind for event in path.events] == ["slip", "stick"]
+    assert [event.kind for event in path.events] == ["slip-start", "slip-stop"]
     assert np.abs(path.p[:, 1, 0] - x).max() < off
 
 

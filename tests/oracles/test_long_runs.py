@@ -21,7 +21,7 @@ def test_a_thousand_seconds(name: str, form: str, accuracy: str, drift: float) -
     assert path.outcome is Outcome.DONE
     assert path.events == ()
     assert path.energy_drift < drift
-    assert path.gap_max < 1e-10 * library.manifest.sentence["scales"]["length"]
+    assert path.gap_max < 1e-10 * library.manifest.instance["scales"]["length"]
 
 
 def test_many_short_steps_lose_no_time() -> None:

@@ -23,10 +23,10 @@ STONES = (
 
 
 def core_run(library: Library, until: float) -> tuple[PlainStepper, np.ndarray, list[Event]]:
-    """The plain stepper at the links and contact parameters found at the start; state at the end, events."""
+    """The plain stepper from the feature pairs and eta found at the start; state at the end, events."""
     session = Session(library, Accuracy.tight())
     begin(session)
-    plain = PlainStepper(library, session.link[:-1], session.eta)
+    plain = PlainStepper(library, session.feature_pair[:-1], session.eta)
     recording = Recording(session, np.array([2 * until]))
     events, code = session.drain_events(), CONTINUE
     while code in (CONTINUE, FULL):

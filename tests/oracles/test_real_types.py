@@ -18,8 +18,8 @@ from tests.running import run, scene_of
 FORMS = REGISTRY["ellipsoid_on_plane"].forms
 WIDER = np.finfo(np.longdouble).eps < np.finfo(np.float64).eps
 GRIPS = (
-    *("slip", "stick", "reversal", "spin", "spin-stop", "spin-reversal"),
-    *("roll", "roll-stop", "roll-reversal"),
+    *("slip-start", "slip-stop", "slip-reversal", "spin-start", "spin-stop", "spin-reversal"),
+    *("roll-start", "roll-stop", "roll-reversal"),
 )
 IN_FLOAT = ("box_dropped", "egg_on_spline", "four_bar", "glass_on_table", "linked_rings", "turntable")
 SCENES_IN_FLOAT = [
@@ -105,7 +105,7 @@ def starts_of(library: Library) -> dict[str, dict[str, np.ndarray]]:
     session = Session(library, Accuracy.tight())
     begin(session)
     poses, starts = session.poses(), {}
-    for contact in followed(library, session.link[:-1]):
+    for contact in followed(library, session.feature_pair[:-1]):
         kind = library.manifest.kinds["contact"][contact["kind"]]
         eta = session.eta[contact["eta"] : contact["eta"] + kind["n_eta"]].copy()
         values = {"pose_o": poses[contact["o"]], "pose_f": poses[contact["f"]], "eta": eta}

@@ -70,10 +70,10 @@ def test_every_scene_has_a_test_against_its_reference(name: str) -> None:
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accuracy: str) -> None:
     path, library = path_of(name, form, accuracy), forced(name, form)
-    length = library.manifest.sentence["scales"]["length"]
+    length = library.manifest.instance["scales"]["length"]
     assert path.outcome is Outcome.DONE
-    assert path.t_end == path.t[-1] == library.manifest.sentence["run"]["until"]
-    followed = path.link >= 0
+    assert path.t_end == path.t[-1] == library.manifest.instance["run"]["until"]
+    followed = path.feature_pair >= 0
     numbers = (path.p, path.quaternion, path.v, path.w, path.eta, path.force)
     numbers += (path.gap[followed], path.points_o[followed], path.points_f[followed], path.normals[followed])
     assert all(np.isfinite(array).all() for array in numbers)

@@ -21,8 +21,8 @@ UNTIL = 2.0
 
 
 def body_of(name: str) -> dict[str, Any]:
-    """The sentence of a scene's second body."""
-    body: dict[str, Any] = scene_of(name).manifest.sentence["bodies"][1]
+    """The instance of a scene's second body."""
+    body: dict[str, Any] = scene_of(name).manifest.instance["bodies"][1]
     return body
 
 
@@ -46,12 +46,12 @@ def compared(name: str, gap: Gap, guess: list[float]) -> tuple[float, float, int
 
 
 def walks(path: Trajectory) -> int:
-    return sum(event.kind == "walk" for event in path.events)
+    return sum(event.kind == "feature-change" for event in path.events)
 
 
 def test_a_pebble_that_passes_its_poles_follows_a_second_route() -> None:
     _, pebble = shapes_of("bean_with_poles")
-    centre = np.array(body_of("bean_with_poles")["com"])
+    centre = np.array(body_of("bean_with_poles")["centre_of_mass"])
     gap = pebble_on_plane(dict(pebble.parameters), centre)
     position, rotation, changes = compared("bean_with_poles", gap, [-1.5, 0.0])
     assert changes >= 2

@@ -59,11 +59,11 @@ def ran(
 
 
 def kinds(path: Trajectory) -> list[str]:
-    return [event.kind for event in path.events if event.kind != "flat"]
+    return [event.kind for event in path.events if event.kind != "face-contact"]
 
 
 def slid(force: float, held: float, kinetic: float) -> float:
-    """Where a box of 1 kg is after a load of force sin(2 t) that breaks its grip."""
+    """Where a box of 1 kg is after a load of force sin(2 t) that breaks its friction constraint."""
     start = asin(held / force) / 2
 
     def speed(t: float) -> float:
@@ -108,7 +108,7 @@ def check_place(path: Trajectory, exact: float, over: float, preset: str) -> Non
 def test_a_box_slides_once_its_grip_was_exceeded_for_a_moment(preset: str, over: float) -> None:
     friction, base = "friction = { static = 0.4, kinetic = 0.3 }", "point = [0, 0, -0.05]"
     path = ran(BOX, "force", '["4*sin(2*t)", "0", "0"]', over, preset, friction, base)
-    assert kinds(path) == ["slip", "stick"]
+    assert kinds(path) == ["slip-start", "slip-stop"]
     check_place(path, slid(4.0, 4 * (1 - over), 3 * (1 - over)), over, preset)
 
 
@@ -116,7 +116,7 @@ def test_a_box_slides_once_its_grip_was_exceeded_for_a_moment(preset: str, over:
 @OVER
 def test_a_ball_slips_once_its_grip_was_exceeded_for_a_moment(preset: str, over: float) -> None:
     path = ran(BALL, "force", '["7*sin(2*t)", "0", "0"]', over, preset, GRIPPING)
-    assert kinds(path)[:2] == ["slip", "stick"]
+    assert kinds(path)[:2] == ["slip-start", "slip-stop"]
     check_place(path, rolled(7.0, 7 * (1 - over), 1 - over), over, preset)
 
 
@@ -133,9 +133,9 @@ def test_what_is_lifted_for_a_moment_leaves_and_comes_back(preset: str, over: fl
 def test_what_is_tipped_for_a_moment_leans_and_lies_down(preset: str, over: float) -> None:
     path = ran(BOX, "torque", '["sin(2*t)", "0", "0"]', over, preset)
     told = kinds(path)
-    assert told[0] == "tip"
+    assert told[0] == "tipping"
     assert "touch-down" in told
-    assert path.events[-1].kind == "flat"
+    assert path.events[-1].kind == "face-contact"
 
 
 @PRESETS

@@ -18,8 +18,8 @@ Array = np.ndarray[Any, Any]
 def patch_overlap(library: Library, trajectory: Trajectory, sample: int, patch: int) -> Overlap:
     """The regions of a patch laid on each other at a sample of a run, and its centre of pressure against
     their hull, in the axes of o's face; of f's where o's is a whole plane."""
-    entry = library.manifest.sentence["patches"][patch]
-    o, f = (library.manifest.sentence["faces"][k] for k in entry["faces"])
+    entry = library.manifest.instance["patches"][patch]
+    o, f = (library.manifest.instance["faces"][k] for k in entry["faces"])
     whole = not o["boundary"]
     hull, other = (_face_pose(trajectory, sample, face) for face in ((f if whole else o), f))
     slots = np.flatnonzero(trajectory.patch[sample] == patch)

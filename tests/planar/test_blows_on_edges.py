@@ -65,7 +65,7 @@ def test_a_can_is_struck_at_one_point_of_its_rim_where_its_base_cannot_take_the_
 def test_a_can_whose_base_takes_the_blow_stops_flat() -> None:
     path = landed(0.0, CAN, 0.01, turn=0.9 * RADIUS * MASS * FALL / SPIN)
     assert np.abs(path.w).max() < 1e-12
-    assert [event.kind for event in path.events][-1] == "flat"
+    assert [event.kind for event in path.events][-1] == "face-contact"
 
 
 @pytest.mark.slow
@@ -134,4 +134,4 @@ def test_what_comes_down_over_an_edge_is_seen_before_it_sinks_in(seed: int, unti
     path = simulate(library_of(scene), until=until, samples=250, accuracy="balanced", estimate=False)
     assert deepest(scene, path).max() < 1e-9
     assert path.energy_drift < 1e-8
-    assert not events(path, "time-stepping")
+    assert not events(path, "fallback-start")

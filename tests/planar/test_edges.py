@@ -32,16 +32,16 @@ def test_the_papers_glass_reaches_the_rim_when_and_where_moment_balance_says() -
     path = glass(1.962, 50)
     assert exit_time(RADIUS) == pytest.approx(1.962, abs=1e-12)
     assert path.p[-1, 1, 0] == pytest.approx(8.39178792, abs=1e-7)
-    tip = events(glass(2.0), "tip")
+    tip = events(glass(2.0), "tipping")
     assert [event.features for event in tip] == ["bottom"]
     assert tip[0].t == pytest.approx(1.962, abs=1e-10)
 
 
 def test_the_shipped_glass_tips_when_its_force_and_torque_have_driven_the_pressure_to_the_rim() -> None:
     path = run("glass_on_table", TIGHT)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(RADIUS * MASS * G / np.hypot(RATE * ARM, 0.01), abs=1e-10)
-    rim = path.link_names.index("rim_bottom")
+    rim = path.feature_pair_names.index("rim_bottom")
     assert (path.force[path.t > tip.t, rim] > 0).all()
 
 
@@ -71,7 +71,7 @@ def polygon_tips(n: int, turn: float) -> float:
     corners = [[RADIUS * cos(2 * pi * k / n), RADIUS * sin(2 * pi * k / n)] for k in range(n)]
     force = [f"{RATE * cos(turn)!r}*t", f"{RATE * sin(turn)!r}*t", "0"]
     path = pushed(make.extrusion(HEIGHT, points=corners), force, [0, 0, ARM], exit_time(RADIUS) + 0.01, 4)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     return tip.t
 
 
@@ -83,7 +83,7 @@ def test_a_regular_polygon_tips_when_its_inscribed_circle_or_vertex_is_reached(n
 
 
 def test_the_times_of_polygons_tend_to_that_of_the_circle_with_the_square_of_the_side() -> None:
-    circle = events(glass(exit_time(RADIUS) + 0.01, 4), "tip")[0].t
+    circle = events(glass(exit_time(RADIUS) + 0.01, 4), "tipping")[0].t
     short = [circle - polygon_tips(n, pi / n) for n in (16, 32, 64)]
     assert short[0] == pytest.approx(circle * (pi / 16) ** 2 / 2, rel=0.01)
     assert np.log2(short[0] / short[1]) == pytest.approx(2, abs=0.02)
@@ -98,7 +98,7 @@ def test_a_book_tips_when_its_centre_of_mass_passes_the_edge() -> None:
     )
     scene = make.scene("book", [desk, book], contact=[{"between": ["desk", "book"]}])
     path = simulate(library_of(scene), until=0.45, samples=10, accuracy=TIGHT)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(-start / speed, abs=1e-10)
     assert path.w[-1, 1, 1] > 0
 
@@ -107,10 +107,10 @@ def test_a_lifted_glass_lets_go_everywhere_at_once() -> None:
     """The pull reaches the weight at m g/k; from there on all is free flight under a growing pull."""
     rate = 1.5
     path = pushed(make.cylinder(RADIUS, HEIGHT), ["0", "0", f"{rate}*t"], [0, 0, ARM], 2.2, 50)
-    (flat,), (lift,) = events(path, "flat"), events(path, "lift-off")
+    (flat,), (lift,) = events(path, "face-contact"), events(path, "lift-off")
     assert (flat.t, lift.features) == (0.0, "bottom")
     assert lift.t == pytest.approx(MASS * G / rate, abs=1e-9)
-    assert not events(path, "tip")
+    assert not events(path, "tipping")
     late = path.t > lift.t
     flight = rate * (path.t[late] - lift.t) ** 3 / (6 * MASS)
     assert path.p[late, 1, 2] - HEIGHT / 2 == pytest.approx(flight, abs=1e-11)
@@ -123,7 +123,7 @@ def test_a_can_that_comes_down_flat_rests_flat(speed: float) -> None:
     body = standing(make.cylinder(RADIUS, HEIGHT), height=HEIGHT / 2 + drop, velocity=[speed, 0, 0])
     scene = make.scene("drop", [table(), body], contact=[{"between": ["body", "table"]}])
     path = simulate(library_of(scene), until=0.3, samples=10, accuracy=TIGHT)
-    (flat,) = events(path, "flat")
+    (flat,) = events(path, "face-contact")
     assert flat.t == pytest.approx((2 * drop / G) ** 0.5, abs=1e-11)
     assert path.patch_force[-1, 0] == pytest.approx(MASS * G, rel=1e-12)
     assert path.p[-1, 1] == pytest.approx([speed * 0.3, 0, HEIGHT / 2], abs=1e-12)

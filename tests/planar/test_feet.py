@@ -84,8 +84,8 @@ def test_a_body_on_feet_tips_where_the_ray_of_its_pressure_leaves_the_hull_of_al
     direction = np.array([cos(angle), sin(angle)])
     time = time_of(reach_of_hull(outer(places), direction))
     path = pushed(feet(places), angle, time + 0.05)
-    assert [event.kind for event in path.events][:2] == ["flat", "tip"]
-    (tip,) = events(path, "tip")
+    assert [event.kind for event in path.events][:2] == ["face-contact", "tipping"]
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(time, abs=1e-9)
     assert (tip.contact, tip.features) == ("stool-table", "bottom")
     rests = path.t < tip.t
@@ -101,7 +101,7 @@ def test_a_body_on_feet_with_friction_tips_at_the_same_place_and_not_before(n: i
     reach = reach_of_hull(outer(places), np.array([cos(0.7), sin(0.7)]))
     tip = reach * MASS * G / (RATE * (HEIGHT + ARM))
     path = pushed(feet(places), 0.7, tip + 0.02, friction=1.5)
-    assert [event.kind for event in path.events] == ["flat", "tip"]
+    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
     assert path.events[1].t == pytest.approx(tip, abs=1e-9)
 
 
@@ -119,7 +119,7 @@ def test_a_body_on_round_feet_turns_about_the_line_that_touches_two_of_them() ->
     radius = 0.02
     start = time_of(0.08 + radius)
     path = pushed(feet(FOUR, radius), pi / 2, start + 0.12)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(start, abs=1e-9)
     after = path.t > start + 1e-3
     lean = np.arctan2(rotations(path, 1)[after][:, 1, 2], rotations(path, 1)[after][:, 2, 2])
@@ -136,7 +136,7 @@ def test_a_stool_that_slides_over_an_edge_tips_when_its_feet_in_front_have_left_
         contact=[{"between": ["desk", f"stool/{shape.name}"]} for shape in shapes],
     )  # fmt: skip
     path = simulate(library_of(scene), until=0.5, samples=10, accuracy=TIGHT)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx((-begin - 0.08) / speed, abs=1e-8)
     assert path.outcome.name == "DONE"
 
@@ -160,7 +160,7 @@ def test_a_plank_on_two_bricks_tips_over_the_far_edge_of_one(bodies: int) -> Non
     )
     scene = make.scene("plank", [*bricks, plank], contact=[{"between": [name, "plank"]} for name in names])
     path = simulate(library_of(scene), until=0.53, samples=20, accuracy=TIGHT)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(0.25 / speed, abs=1e-9)
     assert path.patch_force[path.t < tip.t, 0] == pytest.approx(0.7 * 0.1 * 0.03 * 700.0 * G, rel=1e-12)
     assert path.w[-1, -1, 1] > 0
@@ -178,8 +178,8 @@ def test_a_plank_on_two_loose_bricks_tips_over_the_far_edge_of_one() -> None:
     pairs = [["table", "west"], ["table", "east"], ["west", "plank"], ["east", "plank"]]
     scene = make.scene("loose", [table(), *bricks, plank], contact=[{"between": pair} for pair in pairs])
     path = simulate(library_of(scene), until=0.53, samples=53, accuracy=TIGHT, estimate=False)
-    assert not any(event.kind == "time-stepping" for event in path.events)
-    assert events(path, "tip")[-1].t == pytest.approx(0.5, abs=1e-9)
+    assert not any(event.kind == "fallback-start" for event in path.events)
+    assert events(path, "tipping")[-1].t == pytest.approx(0.5, abs=1e-9)
     rests = path.t < 0.5
     assert np.abs(path.v[rests, 1:3]).max() < 1e-12
     assert np.abs(path.w[rests, 3]).max() < 1e-12

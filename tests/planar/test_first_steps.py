@@ -65,11 +65,11 @@ def test_a_run_may_end_as_soon_as_it_likes_after_a_face_has_begun_to_roll(shape:
     ellipse = make.extrusion(HEIGHT, x="a*cos(t)", y="b*sin(t)", domain=["-pi", "pi"], parameters=numbers)
     library = glass_pushed(shape=ellipse if shape == "ellipse" else None)
     path = simulate(library, until=2.5, accuracy=TIGHT, estimate=False)
-    times = [events(path, "tip")[0].t + after for after in AFTER]
+    times = [events(path, "tipping")[0].t + after for after in AFTER]
     _, whole = stepped(library, [times[-1] + LAST], [*times, times[-1] + LAST])
     session, parts = stepped(library, [*times, times[-1] + LAST], [*times, times[-1] + LAST])
     assert apart(whole, parts) < 1e-12
-    assert [event.kind for event in session.drain_events()] == ["flat", "tip"]
+    assert [event.kind for event in session.drain_events()] == ["face-contact", "tipping"]
     for number, end in enumerate(times):
         _, one = stepped(library, [end], [end])
         assert apart({name: whole[name][number : number + 1] for name in ("p", "quaternion")}, one) < 1e-12
@@ -82,7 +82,7 @@ def test_a_glass_that_begins_to_roll_may_be_stepped_from_outside() -> None:
     stops = [*np.arange(TIP - 0.01, times[-1], 5e-4).tolist(), times[-1]]
     session, parts = stepped(library, stops, times)
     assert apart(whole, parts) < 1e-12
-    assert [event.kind for event in session.drain_events()] == ["flat", "tip"]
+    assert [event.kind for event in session.drain_events()] == ["face-contact", "tipping"]
 
 
 def test_samples_are_right_in_a_first_step_that_an_event_ends() -> None:
@@ -92,13 +92,13 @@ def test_samples_are_right_in_a_first_step_that_an_event_ends() -> None:
     times = [TIP + after for after in (1e-4, 2e-4, 3e-4, 4e-4, 1e-3, 1e-2)]
     _, alone = stepped(glass_pushed(), times[-1:], times)
     session, both = stepped(glass_pushed(("2.0*t", "0.4*t", "0"), ball), times[-1:], times)
-    assert [event.kind for event in session.drain_events()] == ["flat", "tip", "touch-down"]
+    assert [event.kind for event in session.drain_events()] == ["face-contact", "tipping", "touch-down"]
     assert apart(alone, both) < 1e-11
 
 
 def pushed_to(library: Library, end: float, accuracy: Accuracy) -> Trajectory:
     path = simulate(library, until=end, samples=4, accuracy=accuracy, estimate=False)
-    assert [event.kind for event in path.events] == ["flat", "tip"]
+    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
     return path
 
 
@@ -122,7 +122,7 @@ def test_a_glass_tips_at_once_where_a_load_is_switched_on_that_tips_it(force: fl
     library = glass_pushed((f"{force * cos(2.0)!r}*{switch}", f"{force * sin(2.0)!r}*{switch}", "0"))
     coarse, fine = (pushed_to(library, start + 0.05, accuracy) for accuracy in (BALANCED, TIGHT))
     for path in (coarse, fine):
-        assert events(path, "tip")[0].t == pytest.approx(start, abs=1e-13)
+        assert events(path, "tipping")[0].t == pytest.approx(start, abs=1e-13)
     assert coarse.quaternion[-1, 1] == pytest.approx(fine.quaternion[-1, 1], abs=2e-9)
 
 
@@ -140,5 +140,5 @@ def test_a_frustum_tips_on_a_can_that_is_named_after_it() -> None:
         make.scene("named", [can, body], contact=[{"between": ["body", "table"]}], force=[load])
     )
     path = pushed_to(library, time + 0.02, BALANCED)
-    assert events(path, "tip")[0].t == pytest.approx(time, abs=1e-9)
+    assert events(path, "tipping")[0].t == pytest.approx(time, abs=1e-9)
     assert path.energy_drift < 1e-12

@@ -57,7 +57,7 @@ def test_a_glass_that_slides_off_a_straight_edge_is_left_by_it_where_its_rim_is(
     theta, rate, s, slip = done.y[:, -1]
     e, n, h = np.array([cos(theta), -sin(theta)]), np.array([sin(theta), cos(theta)]), HEIGHT / 2
     end = done.t[-1]
-    assert events(path, "tip")[0].t == pytest.approx(start, abs=1e-10)
+    assert events(path, "tipping")[0].t == pytest.approx(start, abs=1e-10)
     assert events(path, "vanish")[-1].t == pytest.approx(end, abs=1e-8)
     v = (slip + h * rate) * e - s * rate * n
     fall = path.t[path.t > end] - end
@@ -87,7 +87,7 @@ def test_a_plate_that_spins_over_the_rim_of_a_can_keeps_what_symmetry_keeps(
     a, b, c = v @ v, p @ v, p @ p - radius**2
     time = float((-b + np.sqrt(b * b - a * c)) / a)
     path = slid(make.cylinder(radius, 0.1, position=[0, 0, -0.05]), plate, time + 0.04, 60)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(time, abs=1e-10)
     R, w = rotations(path, 1), path.w[:, 1]
     own = np.einsum("nji,nj->ni", R, w)
@@ -132,7 +132,7 @@ def test_a_plate_that_tips_over_a_straight_edge_moves_alike_whatever_its_outline
         )
         for shape in (OUTLINES[name], make.box(0.3, 0.26, 0.02))
     ]
-    (tip,) = events(paths[0], "tip")
+    (tip,) = events(paths[0], "tipping")
     assert tip.t == pytest.approx(0.2, abs=1e-10)
     assert np.abs(paths[0].p[:, 1] - paths[1].p[:, 1]).max() < 1e-9
     assert np.abs(paths[0].quaternion[:, 1] - paths[1].quaternion[:, 1]).max() < 1e-7
@@ -151,4 +151,4 @@ def test_a_glass_that_slides_over_the_corner_of_a_table_keeps_its_energy(
     path = slid(make.box(2 * EDGE, 2 * EDGE, 0.05, position=[0, 0, -0.025]), glass, 0.45)
     assert path.outcome.name == "DONE"
     assert path.energy_drift < 1e-11
-    assert not events(path, "time-stepping")
+    assert not events(path, "fallback-start")

@@ -42,7 +42,7 @@ def test_an_l_shape_tips_where_the_ray_of_its_pressure_leaves_its_convex_hull(an
     time = reach * MASS * G / (2.0 * 0.03)
     force = [f"{2 * float(direction[0])!r}*t", f"{2 * float(direction[1])!r}*t", "0"]
     path = pushed(make.extrusion(HEIGHT, points=L_SHAPE), force, [0, 0, 0.03], time + 0.01, 4)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(time, abs=1e-9)
 
 
@@ -57,7 +57,7 @@ def test_an_elliptic_base_tips_where_the_ray_of_its_pressure_leaves_the_ellipse(
     shape = make.extrusion(HEIGHT, **outline)
     force = [f"{2 * cos(angle)!r}*t", f"{2 * sin(angle)!r}*t", "0"]
     path = pushed(shape, force, [0, 0, 0.03], time + 1e-4, 4)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(time, abs=1e-9)
 
 
@@ -107,7 +107,7 @@ def bricks() -> tuple[Library, Trajectory]:
 
 def test_a_brick_slides_across_the_corners_of_another_on_one_planar_contact() -> None:
     _, path = bricks()
-    assert [event.kind for event in path.events] == ["flat"]
+    assert [event.kind for event in path.events] == ["face-contact"]
     weight = 1000.0 * 0.2 * 0.16 * 0.05 * G
     assert path.patch_force[:, 0] == pytest.approx(weight, rel=1e-10)
     assert path.patch_point[:, 0, :2] == pytest.approx(path.p[:, 1, :2], abs=1e-10)

@@ -38,8 +38,8 @@ def test_a_glass_that_sticks_turns_over_the_edge_of_its_base_as_a_pendulum() -> 
     """About the point of the rim where it tips: torque F z - m g (-x) of what is pushed and of its weight."""
     tip = RADIUS * MASS * G / (GROWTH * (HALF + ABOVE))
     path = glass(1.0, 0.0, tip + 0.15)
-    assert [event.kind for event in path.events] == ["flat", "tip"]
-    assert events(path, "tip")[0].t == pytest.approx(tip, abs=1e-12)
+    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
+    assert events(path, "tipping")[0].t == pytest.approx(tip, abs=1e-12)
     pivoted = INERTIA[1] + MASS * (RADIUS**2 + HALF**2)
 
     def rates(t: float, y: np.ndarray) -> list[float]:
@@ -63,7 +63,7 @@ def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> Non
     tip = MASS * G * (RADIUS - mu * HALF) / (GROWTH * ABOVE)
     path = glass(mu, 0.0, tip + 0.1)
     assert [(event.kind, event.contact) for event in path.events][:3] == [
-        ("flat", "body-table"), ("slip", "body-table"), ("tip", "body-table"),
+        ("face-contact", "body-table"), ("slip-start", "body-table"), ("tipping", "body-table"),
     ]  # fmt: skip
     assert [event.t for event in path.events[1:3]] == pytest.approx([slip, tip], abs=1e-11)
 
@@ -72,8 +72,10 @@ def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> Non
         c, s, force = cos(lean), sin(lean), GROWTH * t
         arm, z = RADIUS * c - HALF * s, RADIUS * s + HALF * c
         # I lean'' = F a c - N arm + mu N z, N = m (g + arm lean'' - z turn^2)
-        grip = mu * z - arm
-        lean2 = (force * ABOVE * c + grip * MASS * (G - z * turn**2)) / (INERTIA[1] - grip * MASS * arm)
+        constraint = mu * z - arm
+        lean2 = (force * ABOVE * c + constraint * MASS * (G - z * turn**2)) / (
+            INERTIA[1] - constraint * MASS * arm
+        )
         N = MASS * (G + arm * lean2 - z * turn**2)
         return [v, (force - mu * N) / MASS, turn, lean2]
 
@@ -89,10 +91,10 @@ def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> Non
 @pytest.mark.parametrize("azimuth", [pytest.param(0.4, marks=pytest.mark.slow), 1.0])
 def test_an_elliptic_base_rolls_without_slip_alike_on_both_sides(azimuth: float) -> None:
     path = glass(1.2, azimuth, 1.0, ELLIPSE)
-    tip = events(path, "tip")[0].t
-    assert [event.kind for event in path.events][:2] == ["flat", "tip"]
+    tip = events(path, "tipping")[0].t
+    assert [event.kind for event in path.events][:2] == ["face-contact", "tipping"]
     path, other = (glass(1.2, sign * azimuth, tip + 0.12, ELLIPSE) for sign in (1, -1))
-    assert [event.kind for event in path.events] == ["flat", "tip"]
+    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
     mirror = np.array([1, -1, 1])
     assert np.abs(path.p[:, 1] - mirror * other.p[:, 1]).max() < 1e-11
     assert path.p[-1, 1, 2] > HALF + 1e-3

@@ -68,7 +68,7 @@ def test_a_face_turns_on_the_straight_side_of_its_hull_though_it_ends_on_curves(
         torque=[{"body": "body", "torque": ["0", f"{aside}*t", "0"]}],
     )  # fmt: skip
     path = simulate(library_of(scene), until=start + AFTER, samples=60, accuracy=TIGHT)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(start, abs=1e-9)
     after = path.t > start + 1e-3
     R = rotations(path, 1)[after]
@@ -93,7 +93,7 @@ def test_a_face_turns_on_the_middle_of_a_side_that_is_nearly_straight() -> None:
     )
     start = reach * MASS * G / (RATE * ARM)
     path = pushed(shape, ["0", f"{RATE}*t", "0"], [0, 0, ARM], start + AFTER, 60)
-    (tip,) = events(path, "tip")
+    (tip,) = events(path, "tipping")
     assert tip.t == pytest.approx(start, abs=1e-9)
     after = path.t > start + 1e-3
     R = rotations(path, 1)[after]
@@ -110,7 +110,7 @@ def test_a_ring_tips_where_a_disc_of_its_radius_does_and_rolls_like_it(angle: fl
         pushed(shape, force, [0, 0, ARM], 2.06, 40)
         for shape in (make.tube(0.04, 0.025, HEIGHT), make.cylinder(0.04, HEIGHT))
     )
-    (tip,) = events(ring, "tip")
+    (tip,) = events(ring, "tipping")
     assert tip.t == pytest.approx(0.04 * MASS * G / (RATE * ARM), abs=1e-9)
     assert np.abs(ring.p - disc.p).max() < 1e-12
     assert np.abs(ring.quaternion - disc.quaternion).max() < 1e-11
@@ -123,7 +123,7 @@ def test_a_glass_that_is_pressed_outside_its_base_from_the_start_rolls_over_its_
     push = RATE * np.array([cos(angle), sin(angle)])
     force = [f"{float(push[0])!r}*({start!r} + t)", f"{float(push[1])!r}*({start!r} + t)", "0"]
     path = pushed(make.cylinder(0.04, HEIGHT), force, [0, 0, ARM], 0.1, 20)
-    assert [event.kind for event in path.events] == ["flat", "tip"]
+    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
     lean = np.arccos(np.clip(rotations(path, 1)[1:, 2, 2], -1, 1))
     assert np.abs(lean - leans(0.04, start, start + path.t[1:])).max() < 1e-8
 
@@ -134,7 +134,7 @@ def test_a_glass_on_an_imaginary_edge_turns_with_it() -> None:
         simulate(library_of(rocking()), until=2.1, samples=30, accuracy=replace(TIGHT, imaginary_edge=lean))
         for lean in (0.01, 0.0)
     )
-    (walk,) = events(edge, "walk")
+    (walk,) = events(edge, "feature-change")
     start = 0.04 * MASS * G / (RATE * ARM)
     assert leans(0.04, start, np.array([start + 0.01, walk.t]))[-1] == pytest.approx(0.01, abs=1e-8)
     assert np.abs(edge.p - rim.p).max() < 1e-12

@@ -74,7 +74,7 @@ def test_a_body_tips_over_its_rim_until_the_other_rim_touches(name: str, spin: f
 @LEVELS
 def test_a_can_that_does_not_slip_turns_about_its_rim(accuracy: str) -> None:
     path = tipped(SHAPES["can"][0], 6.0, 0.8, accuracy)
-    sticks = (path.t > 0.02) & (path.t < min(event.t for event in path.events if event.kind == "slip"))
+    sticks = (path.t > 0.02) & (path.t < min(event.t for event in path.events if event.kind == "slip-start"))
     leans = 2 * np.arcsin(path.quaternion[sticks, path.body_names.index("body"), 2])
     bound = {"fast": 1e-4, "balanced": 1e-8, "tight": 1e-11}[accuracy]
     assert len(leans) > 5
@@ -140,5 +140,5 @@ def test_a_spinning_can_that_is_pushed_tips_at_one_time_wherever_samples_and_end
     library = library_of(make.scene("pushed", [table(), can], contact=[touch], force=[push]))
     for until, samples in [(0.22, 2), (0.22, 6), (0.22, 12), (0.22, 60), (0.24, 20), (0.26, 200)]:
         path = simulate(library, until=until, accuracy="fast", samples=samples, estimate=False)
-        tips = [event.t for event in path.events if event.kind == "tip"]
+        tips = [event.t for event in path.events if event.kind == "tipping"]
         assert tips[0] == pytest.approx(PUSHED_TIPS, abs=1e-6)

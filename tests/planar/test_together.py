@@ -59,7 +59,7 @@ def test_two_glasses_tip_each_in_its_own_time_however_near() -> None:
         torque=[{"body": body.name, "torque": ["0", "0", "0.0004"]} for body in bodies],
     )  # fmt: skip
     path = simulate(library_of(scene), until=1.95, samples=40, accuracy=TIGHT, estimate=False)
-    tips = [event for event in path.events if event.kind == "tip"]
+    tips = [event for event in path.events if event.kind == "tipping"]
     assert [event.contact for event in tips] == ["first-table", "twin-table", "last-table"]
     for event, force in zip(tips, forces, strict=True):
         assert event.t == pytest.approx(TIP * 2.0 / float(np.hypot(force, 0.4)), abs=1e-12)

@@ -110,7 +110,7 @@ def test_a_run_along_a_mode_stays_on_it_with_its_frequency(name: str) -> None:
     (body,) = found.p
     index = [each.name for each in scene.bodies].index(body)
     turn = Rotation.from_quat(np.roll(found.quaternion[body], -1))
-    origin = found.p[body] - turn.apply(require(scene).bodies[index].com)
+    origin = found.p[body] - turn.apply(require(scene).bodies[index].centre_of_mass)
     for mode in found.modes:
         if mode.kind != "oscillation":
             continue

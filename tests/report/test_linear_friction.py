@@ -109,7 +109,7 @@ def test_a_run_along_a_mode_stays_on_it(scene: Scene) -> None:
     found = linear(scene)
     (index,) = [k for k, body in enumerate(scene.bodies) if body.name == "stone"]
     turn = Rotation.from_quat(np.roll(found.quaternion["stone"], -1))
-    origin = found.p["stone"] - turn.apply(require(scene).bodies[index].com)
+    origin = found.p["stone"] - turn.apply(require(scene).bodies[index].centre_of_mass)
     for mode in found.modes:
         if mode.kind != "oscillation":
             continue

@@ -12,8 +12,8 @@ from tests.running import scene_of
 
 def test_a_batch_of_one_start_is_the_run_of_the_scene() -> None:
     library = scene_of("ellipsoid_on_ellipsoid")
-    sentence = library.manifest.sentence
-    q, u = np.array([sentence["initial_q"]] * 3), np.array([sentence["initial_u"]] * 3)
+    instance = library.manifest.instance
+    q, u = np.array([instance["initial_q"]] * 3), np.array([instance["initial_u"]] * 3)
     u[1, 5] = 0.3
     batch = simulate_batch(library, q, u, until=0.6, accuracy=Accuracy.tight())
     alone = simulate(library, until=0.6, accuracy=Accuracy.tight(), samples=1)
@@ -27,8 +27,8 @@ def test_a_batch_of_one_start_is_the_run_of_the_scene() -> None:
 
 def test_a_batch_names_the_run_that_cannot_start() -> None:
     library = scene_of("ellipsoid_on_plane")
-    sentence = library.manifest.sentence
-    q, u = np.array([sentence["initial_q"]] * 2), np.array([sentence["initial_u"]] * 2)
+    instance = library.manifest.instance
+    q, u = np.array([instance["initial_q"]] * 2), np.array([instance["initial_u"]] * 2)
     q[1, 2] -= 0.01
     with pytest.raises(
         SimulationError, match=r"\(run 1, contact 'egg-table'\): .* by 0\.01 m; at most .* m; move"
@@ -40,8 +40,8 @@ def test_a_batch_names_the_run_that_cannot_start() -> None:
 
 def test_a_batch_says_what_its_starts_lack() -> None:
     library = scene_of("ellipsoid_on_plane")
-    sentence = library.manifest.sentence
-    q, u = np.array([sentence["initial_q"]] * 2), np.array([sentence["initial_u"]] * 2)
+    instance = library.manifest.instance
+    q, u = np.array([instance["initial_q"]] * 2), np.array([instance["initial_u"]] * 2)
     lost = u.copy()
     lost[1, 0] = np.nan
     for starts, until, words in (
@@ -57,8 +57,8 @@ def test_a_batch_says_what_its_starts_lack() -> None:
 
 def test_a_batch_at_rest_measures_its_drift_as_a_run_does() -> None:
     library = scene_of("bouncing_ball")
-    sentence = library.manifest.sentence
-    q, u = np.array([sentence["initial_q"]]), np.array([sentence["initial_u"]])
+    instance = library.manifest.instance
+    q, u = np.array([instance["initial_q"]]), np.array([instance["initial_u"]])
     q[0, 2] = 0.05
     batch = simulate_batch(library, q, u, until=1.0)
     assert batch.outcomes[0].succeeded

@@ -1,4 +1,4 @@
-"""What is decided by less than a step errs: links left and grips taken at `fast`, where that is much."""
+"""Decisions closer than the error of a step: feature changes, stick and slip at `fast`, where it is large."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ friction = 0.6399
 
 def built(text: str, name: str) -> tuple[Library, Any]:
     library = library_of(read_text(FLOOR + text, name))
-    return library, library.manifest.sentence
+    return library, library.manifest.instance
 
 
 def thrown(n: int) -> tuple[Array, Array]:
@@ -100,9 +100,9 @@ def test_an_arch_that_falls_flat_lies_on_its_crest() -> None:
 
 
 def test_a_ring_that_lies_almost_flat_turns_on_past_the_point_at_the_wall() -> None:
-    """It hardly slips at floor and wall, which it touches at nearly one point: two grips would stop it."""
-    library, sentence = built(LYING, "lying ring")
-    q, u = (np.array([sentence[key]] * 8) for key in ("initial_q", "initial_u"))
+    """It hardly slips at floor and wall, which it touches at nearly one point: two would stop it."""
+    library, instance = built(LYING, "lying ring")
+    q, u = (np.array([instance[key]] * 8) for key in ("initial_q", "initial_u"))
     u[:, 4] *= 1 + 1e-4 * np.arange(8)
     ends = simulate_batch(library, q, u, until=0.01, accuracy="fast")
     assert ends.energy_drift.max() < 1e-5

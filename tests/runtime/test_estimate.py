@@ -145,7 +145,7 @@ def test_a_companion_that_ends_early_is_compared_at_the_samples_of_its_run(
 def test_a_companion_that_does_not_start_is_no_estimate() -> None:
     egg = scene_of("ellipsoid_on_plane")
     path = simulate(egg, until=0.1, estimate=False)
-    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.sentence, "it did not start")
+    none = estimate_of(path, None, Accuracy.balanced(), egg.manifest.instance, "it did not start")
     assert none.statement == "uncertified: it did not start"
     assert none.as_json()["position"] is None
     assert none.status == "uncertified"

@@ -24,7 +24,7 @@ Events = tuple[Event, ...]
 
 
 def found(mine: Events, theirs: Events, least: float = 1e-6) -> Events | None:
-    return undecided_blows(mine, theirs, scene_of("cube_toss").manifest.sentence, SAFE, least, 0.36)
+    return undecided_blows(mine, theirs, scene_of("cube_toss").manifest.instance, SAFE, least, 0.36)
 
 
 def shifted(event: Event, by: float) -> Event:
@@ -64,7 +64,7 @@ def test_an_estimate_says_so() -> None:
     path = simulate(library, until=0.2, estimate=False)
     path = replace(path, events=tuple(shifted(event, -0.2) for event in FALLS_ON_AN_EDGE))
     twin = replace(path, events=(path.events[0], replace(path.events[1], t=path.events[0].t + 1e-10)))
-    stated = estimate_of(path, twin, Accuracy.balanced(), library.manifest.sentence)
+    stated = estimate_of(path, twin, Accuracy.balanced(), library.manifest.instance)
     assert stated.status == "uncertified"
     assert np.isfinite(stated.position).all()
     assert f"which of the blows at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement

@@ -39,8 +39,8 @@ def test_simulate_names_the_features_that_touch(modelgen: Modelgen, tmp_path: Pa
     summary = modelgen("simulate", BOX, "--samples", 30, "--out", npz, "--plot", picture, "--json").json
     Draft202012Validator(modelgen("schema").json["$defs"]["result"]).validate(summary)
     assert summary["outcome"] == "done"
-    assert {event["features"] for event in summary["events"] if event["kind"] != "flat"} <= CORNERS
-    assert [event["features"] for event in summary["events"] if event["kind"] == "flat"] == ["bottom"]
+    assert {event["features"] for event in summary["events"] if event["kind"] != "face-contact"} <= CORNERS
+    assert [event["features"] for event in summary["events"] if event["kind"] == "face-contact"] == ["bottom"]
     assert summary["final"]["box"]["p"][2] == pytest.approx(0.03, abs=1e-9)
     record = load(npz)
     assert record.summary | {"out": str(npz), "plot": str(picture)} == summary

@@ -1,4 +1,4 @@
-"""The street from Python: what is given in the wrong place is named, with the call that makes it right."""
+"""The pipeline from Python: what is given in the wrong place is named, with the call that makes it right."""
 
 from __future__ import annotations
 

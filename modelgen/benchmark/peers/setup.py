@@ -64,14 +64,14 @@ class Setup:
 
     @classmethod
     def of(cls, bench: Bench) -> Setup:
-        sentence, path = bench.plain.manifest.sentence, bench.reference.path
+        instance, path = bench.plain.manifest.instance, bench.reference.path
         scene, subject = bench.subject.scene, bench.subject
         start = (path.p, path.quaternion, path.v, path.w)
         solids = tuple(
             _solid(body.shapes, entry, [values[0, k].astype(float) for values in start])
-            for k, (body, entry) in enumerate(zip(scene.bodies, sentence["bodies"], strict=True))
+            for k, (body, entry) in enumerate(zip(scene.bodies, instance["bodies"], strict=True))
         )
-        scales = sentence["scales"]
+        scales = instance["scales"]
         return cls(scene, solids, subject.until, subject.samples, scales["length"], scales["time"])
 
     @property
@@ -106,7 +106,9 @@ def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], start: list[Arra
     p, quaternion, v, w = start
     if entry["motion"] == "point":
         quaternion, w = np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3)
-    return Solid(entry["name"], fixed, mass, inertia, np.array(entry["com"]), p, quaternion, v, w, shapes)
+    return Solid(
+        entry["name"], fixed, mass, inertia, np.array(entry["centre_of_mass"]), p, quaternion, v, w, shapes
+    )
 
 
 def _mass(inverse: Sequence[float]) -> tuple[float, Array]:

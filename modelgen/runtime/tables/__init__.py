@@ -1,1 +1,1 @@
-"""The tables of the core (modelgen.h) as ctypes structures, filled from the sentence of a manifest."""
+"""The tables of the core (modelgen.h) as ctypes structures, filled from the instance of a manifest."""

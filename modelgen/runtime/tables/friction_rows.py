@@ -1,40 +1,48 @@
-"""Friction and resistances in the tables of the core (modelgen.h): the grips of every contact."""
+"""The friction constraints of every contact in the tables of the core (modelgen.h)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.runtime.tables.planar_contacts import patch_friction, rubbing_points
+from modelgen.runtime.tables.planar_contacts import patch_friction, points_with_friction
 
-ASPECTS = ("slip", "spin", "roll")  # MG_FRICTION_SLIP ..
-BELOW = {"slip": 2, "spin": 5, "roll": 5}  # rows below the normal one that a contact with this grip has
+FRICTION_KINDS = ("slip", "spin", "roll")  # MG_FRICTION_SLIP ..
+FRICTION_ROWS = {
+    "slip": 2,
+    "spin": 5,
+    "roll": 5,
+}  # rows below the normal one that a contact with this friction constraint has
 
-RUBBING = 5  # and the first point of a patch with friction
+PATCH_FRICTION_ROWS = 5  # and the first point of a patch with friction
 
 
-class Grips:
+class FrictionTables:
     """`integers`, `reals`: arrays of mg_system; `count`, `rows`: of all contacts."""
 
-    def __init__(self, sentence: Mapping[str, Any]) -> None:
-        of_contacts = [sentence["pairs"][each["pair"]].get("grips", []) for each in sentence["contacts"]]
-        points = [RUBBING if rubs else 0 for rubs in rubbing_points(sentence)]
-        of_contacts += [[]] * (len(sentence["limits"]) + len(points))
+    def __init__(self, instance: Mapping[str, Any]) -> None:
+        of_contacts = [instance["pairs"][each["pair"]].get("friction", []) for each in instance["contacts"]]
+        points = [
+            PATCH_FRICTION_ROWS if has_friction else 0 for has_friction in points_with_friction(instance)
+        ]
+        of_contacts += [[]] * (len(instance["limits"]) + len(points))
         more = [0] * (len(of_contacts) - len(points)) + points
-        grips = [grip for listed in of_contacts for grip in listed]
+        constraints = [constraint for listed in of_contacts for constraint in listed]
         first, below = [0], [0]
         for listed, rows in zip(of_contacts, more, strict=True):
             first.append(first[-1] + len(listed))
-            below.append(below[-1] + max((BELOW[grip["aspect"]] for grip in listed), default=rows))
-        self.count, self.rows = len(grips), below[-1]
+            below.append(
+                below[-1] + max((FRICTION_ROWS[constraint["kind"]] for constraint in listed), default=rows)
+            )
+        self.count, self.rows = len(constraints), below[-1]
         self.integers: dict[str, list[int]] = {
-            "contact_below": below,
-            "contact_grip": first,
-            "grip_aspect": [ASPECTS.index(grip["aspect"]) for grip in grips],
-            "grip_row": [grip["row"] for grip in grips],
-            "grip_body": [grip["body"] for grip in grips],
+            "contact_friction_row": below,
+            "contact_friction": first,
+            "friction_kind": [FRICTION_KINDS.index(constraint["kind"]) for constraint in constraints],
+            "friction_row": [constraint["row"] for constraint in constraints],
+            "friction_body": [constraint["body"] for constraint in constraints],
         }
         self.reals: dict[str, list[float]] = {
-            f"grip_{key}": [value for grip in grips for value in grip[key]]
+            f"friction_{key}": [value for constraint in constraints for value in constraint[key]]
             for key in ("static", "kinetic", "direction")
-        } | {"patch_friction": patch_friction(sentence)}
+        } | {"patch_friction": patch_friction(instance)}

@@ -9,18 +9,27 @@ from typing import Any
 def add_limits(
     integers: dict[str, list[int]], limits: Sequence[Mapping[str, Any]], parameters: list[int]
 ) -> None:
-    """Each limit is a contact, with a pair and a link of its own behind those with shapes."""
+    """Each limit is a contact, with a pair and a feature pair of its own behind those with shapes."""
     for limit, start in zip(limits, parameters, strict=True):
-        pair, link = len(integers["pair_search"]), len(integers["link_kind"])
+        pair, feature_pair = len(integers["pair_search"]), len(integers["feature_pair_kind"])
         rows = {
-            **{"contact_pair": pair, "contact_eta": limit["eta"], "contact_link": link},
-            **{"pair_contact": len(integers["contact_pair"]) + 1, "pair_link": link + 1, "pair_search": 0},
-            **{"link_kind": limit["kind"], "link_o": limit["o"], "link_f": limit["f"], "link_pair": pair},
-            **{"link_group": -1, "link_parameters": start},
-            "link_condition": integers["link_condition"][-1],
+            **{"contact_pair": pair, "contact_eta": limit["eta"], "contact_feature_pair": feature_pair},
+            **{
+                "pair_contact": len(integers["contact_pair"]) + 1,
+                "pair_feature_pair": feature_pair + 1,
+                "pair_search": 0,
+            },
+            **{
+                "feature_pair_kind": limit["kind"],
+                "feature_pair_o": limit["o"],
+                "feature_pair_f": limit["f"],
+                "feature_pair_owner": pair,
+            },
+            **{"feature_pair_group": -1, "feature_pair_parameters": start},
+            "feature_pair_condition": integers["feature_pair_condition"][-1],
         }
         for name, value in rows.items():
             integers[name].append(value)
-        for name in ("side_shape", "side_parameters", "side_numbers"):
+        for name in ("feature_shape", "feature_parameters", "feature_numbers"):
             integers[name] += [0, 0]
-        integers["side_table"] += [-1, -1]
+        integers["feature_table"] += [-1, -1]

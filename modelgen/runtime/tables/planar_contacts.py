@@ -5,46 +5,46 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modelgen.runtime.tables.feature_sides import append
+from modelgen.runtime.tables.features import append
 
-PADS = 3
+SUPPORT_POINTS = 3
 
 
-def slot_count(sentence: Mapping[str, Any]) -> int:
+def slot_count(instance: Mapping[str, Any]) -> int:
     """How many patches may rest at a time, over all pairs."""
-    return int(sentence["patches"][-1]["slots"][1]) if sentence["patches"] else 0
+    return int(instance["patches"][-1]["patch_slots"][1]) if instance["patches"] else 0
 
 
 def add_patches(
-    integers: dict[str, list[int]], numbers: list[float], parameters: list[float], sentence: Mapping[str, Any]
+    integers: dict[str, list[int]], numbers: list[float], parameters: list[float], instance: Mapping[str, Any]
 ) -> None:
-    """The tables of the patches; their points are the last contacts, on links behind all others."""
-    faces = [_add_face(face, numbers, parameters) for face in sentence["faces"]]
+    """The tables of the patches; their points are the last contacts, on feature pairs behind all others."""
+    faces = [_add_face(face, numbers, parameters) for face in instance["faces"]]
     boundary: dict[str, list[int]] = {f"arc_{key}": [] for key in ("shape", "parameters", "numbers", "loop")}
     first, cover = [0], [0]
     second: list[int] = []
     covered: list[int] = []
-    for patch in sentence["patches"]:
+    for patch in instance["patches"]:
         for side, face in enumerate(patch["faces"]):
             for arc in faces[face]:
                 for key, value in zip(boundary, arc, strict=True):
                     boundary[key].append(value)
             (first if side else second).append(len(boundary["arc_shape"]))
-        covered += patch["links"]
+        covered += patch["feature_pairs"]
         cover.append(len(covered))
     placed = [
-        [sentence["faces"][face]["placement"] for face in patch["faces"]] for patch in sentence["patches"]
+        [instance["faces"][face]["placement"] for face in patch["faces"]] for patch in instance["patches"]
     ]
     integers |= boundary | {
-        "patch_pair": [patch["pair"] for patch in sentence["patches"]],
-        "patch_slots": [slot for patch in sentence["patches"] for slot in patch["slots"]],
+        "patch_pair": [patch["pair"] for patch in instance["patches"]],
+        "patch_slots": [slot for patch in instance["patches"] for slot in patch["patch_slots"]],
         "patch_arc": first,
         "patch_arc_f": second,
         "patch_numbers": [append(numbers, [*o, *f]) for o, f in placed],
-        "patch_cover": cover,
-        "covered": covered,
+        "patch_covered": cover,
+        "covered_feature_pair": covered,
     }
-    _add_points(integers, parameters, sentence)
+    _add_points(integers, parameters, instance)
 
 
 def _add_face(
@@ -62,47 +62,63 @@ def _add_face(
     ]
 
 
-def _add_points(integers: dict[str, list[int]], parameters: list[float], sentence: Mapping[str, Any]) -> None:
-    faces = sentence["faces"]
+def _add_points(integers: dict[str, list[int]], parameters: list[float], instance: Mapping[str, Any]) -> None:
+    faces = instance["faces"]
     pairs: dict[int, int] = {}
-    for patch in sentence["patches"]:
+    for patch in instance["patches"]:
         o, f = (faces[face]["body"] for face in patch["faces"])
-        for slot in range(*patch["slots"]):
+        for slot in range(*patch["patch_slots"]):
             pairs[slot] = patch["pair"]
-        for number, values in enumerate(patch["pads"]):
-            kind = patch["kind"] if number else patch.get("rubbing", patch["kind"])
-            _add_link(integers, kind, patch["pair"], o, f, append(parameters, values))
+        for number, values in enumerate(patch["support_points"]):
+            kind = patch["kind"] if number else patch.get("friction_kind", patch["kind"])
+            _add_feature_pair(integers, kind, patch["pair"], o, f, append(parameters, values))
     for _, pair in sorted(pairs.items()):
-        for _ in range(PADS):
+        for _ in range(SUPPORT_POINTS):
             integers["contact_pair"].append(pair)
-            integers["contact_eta"].append(sentence["n_eta"])
-            integers["contact_link"].append(-1)
+            integers["contact_eta"].append(instance["n_eta"])
+            integers["contact_feature_pair"].append(-1)
 
 
-def _add_link(integers: dict[str, list[int]], kind: int, pair: int, o: int, f: int, start: int) -> None:
+def _add_feature_pair(
+    integers: dict[str, list[int]], kind: int, pair: int, o: int, f: int, start: int
+) -> None:
     row = {
-        **{"link_kind": kind, "link_o": o, "link_f": f, "link_pair": pair},
-        **{"link_group": -1, "link_parameters": start, "link_condition": integers["link_condition"][-1]},
+        **{"feature_pair_kind": kind, "feature_pair_o": o, "feature_pair_f": f, "feature_pair_owner": pair},
+        **{
+            "feature_pair_group": -1,
+            "feature_pair_parameters": start,
+            "feature_pair_condition": integers["feature_pair_condition"][-1],
+        },
     }
     for name, value in row.items():
         integers[name].append(value)
-    for name in ("side_shape", "side_parameters", "side_numbers"):
+    for name in ("feature_shape", "feature_parameters", "feature_numbers"):
         integers[name] += [0, 0]
-    integers["side_table"] += [-1, -1]
+    integers["feature_table"] += [-1, -1]
 
 
-def point_restitutions(sentence: Mapping[str, Any]) -> Sequence[float]:
+def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:
     """Of the points of all places, the last contacts."""
-    pairs = {slot: patch["pair"] for patch in sentence["patches"] for slot in range(*patch["slots"])}
-    return [sentence["pairs"][pair]["restitution"] for _, pair in sorted(pairs.items()) for _ in range(PADS)]
+    pairs = {slot: patch["pair"] for patch in instance["patches"] for slot in range(*patch["patch_slots"])}
+    return [
+        instance["pairs"][pair]["restitution"]
+        for _, pair in sorted(pairs.items())
+        for _ in range(SUPPORT_POINTS)
+    ]
 
 
-def patch_friction(sentence: Mapping[str, Any]) -> list[float]:
+def patch_friction(instance: Mapping[str, Any]) -> list[float]:
     """Static and kinetic coefficient of each patch, 0 without friction."""
-    return [value for patch in sentence["patches"] for value in patch.get("friction", (0.0, 0.0))]
+    return [value for patch in instance["patches"] for value in patch.get("friction", (0.0, 0.0))]
 
 
-def rubbing_points(sentence: Mapping[str, Any]) -> Sequence[bool]:
+def points_with_friction(instance: Mapping[str, Any]) -> Sequence[bool]:
     """Of the points of all places, those that have rows of friction."""
-    rubs = {slot: "friction" in patch for patch in sentence["patches"] for slot in range(*patch["slots"])}
-    return [rubs and k == 0 for _, rubs in sorted(rubs.items()) for k in range(PADS)]
+    has_friction = {
+        slot: "friction" in patch for patch in instance["patches"] for slot in range(*patch["patch_slots"])
+    }
+    return [
+        has_friction and k == 0
+        for _, has_friction in sorted(has_friction.items())
+        for k in range(SUPPORT_POINTS)
+    ]

@@ -1,4 +1,4 @@
-"""The C core's records as ctypes structures, filled from a manifest's sentence."""
+"""The C core's records as ctypes structures, filled from a manifest's instance."""
 
 from __future__ import annotations
 
@@ -10,75 +10,131 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
-from modelgen.runtime.tables.feature_sides import Sides, append
-from modelgen.runtime.tables.friction_rows import Grips
+from modelgen.runtime.tables.features import FeatureTables, append
+from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
-from modelgen.runtime.tables.planar_contacts import PADS, add_patches, point_restitutions, slot_count
+from modelgen.runtime.tables.planar_contacts import (
+    SUPPORT_POINTS,
+    add_patches,
+    point_restitutions,
+    slot_count,
+)
 
 Array = np.ndarray[Any, Any]
 
 KERNELS = "kernels"  # the table of the scene's library, first field of what the core is given
 SYSTEM_INTEGERS = (
-    *("n_body", "n_contact", "n_load", "n_pair", "n_link"),
-    *("n_q", "n_u", "n_eta", "n_closed", "n_joint", "n_row"),
-    *("n_patch", "n_slot", "n_table", "n_grip", "n_below"),
+    *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
+    *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
+    *("n_patch", "n_patch_slot", "n_sample_table", "n_friction", "n_friction_row"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
-    *("contact_pair", "contact_eta", "contact_link"),
-    *("pair_contact", "pair_link", "pair_search"),
-    *("link_kind", "link_o", "link_f", "link_parameters", "link_pair", "link_group", "link_condition"),
-    *("side_shape", "side_parameters", "side_numbers", "side_table", "table_first"),
-    *("condition_kind", "condition_side", "condition_next", "condition_numbers"),
+    *("contact_pair", "contact_eta", "contact_feature_pair"),
+    *("pair_contact", "pair_feature_pair", "pair_search"),
+    *(
+        "feature_pair_kind",
+        "feature_pair_o",
+        "feature_pair_f",
+        "feature_pair_parameters",
+        "feature_pair_owner",
+        "feature_pair_group",
+        "feature_pair_condition",
+    ),
+    *("feature_shape", "feature_parameters", "feature_numbers", "feature_table", "sample_table_first"),
+    *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
-    *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_cover", "covered"),
+    *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_covered"),
+    "covered_feature_pair",
     *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
-    *("contact_below", "contact_grip", "impact_law", "grip_aspect", "grip_row", "grip_body"),
+    *(
+        "contact_friction_row",
+        "contact_friction",
+        "impact_law",
+        "friction_kind",
+        "friction_row",
+        "friction_body",
+    ),
 )
 SYSTEM_REALS = (
     *("mass_inverse", "restitution", "parameters", "numbers"),
-    *("grip_static", "grip_kinetic", "grip_direction", "patch_friction", "pair_normal", "pair_ball", "scale"),
+    *(
+        "friction_static",
+        "friction_kinetic",
+        "friction_direction",
+        "patch_friction",
+        "pair_normal",
+        "pair_ball",
+        "scale",
+    ),
 )
 SETTINGS_INTEGERS = (
-    *("method", "scheme", "law", "fallback", "use_gamma", "newton", "project"),
-    *("sequential", "planar"),
+    *("method", "stepping_scheme", "stepping_friction_law", "fallback", "use_gamma", "newton", "project"),
+    *("sequential", "planar_contacts"),
 )
 SETTINGS_REALS = (
     *(
         "step",
-        "theta",
-        "loose",
+        "stepping_theta",
+        "stepping_residual",
         "fallback_step",
-        "crawl",
+        "fallback_progress",
         "tolerance",
-        "gap",
+        "contact_gap",
         "start_gap",
-        "start_joint",
-        "drift",
+        "start_joint_gap",
+        "drift_tolerance",
         "rest_speed",
     ),
-    *("slip_speed", "cone", "rest_acceleration"),
-    *("event", "residual", "arrest", "leap", "leave", "polish", "dependent", "singular", "depth", "step_min"),
-    *("margin_warn", "margin_refuse", "margin_appear", "lean", "lost", "apart", "reach", "search"),
-    *("flat", "imaginary_edge", "shared", "border", "look", "stride"),
+    *("slip_speed", "friction_bound_margin", "rest_acceleration"),
+    *(
+        "event_tolerance",
+        "extremality_residual",
+        "slip_stop_speed_ratio",
+        "separation_speed_factor",
+        "rest_loss_factor",
+        "event_correction_step",
+        "contact_rank_tolerance",
+        "joint_rank_tolerance",
+        "appear_depth",
+        "step_min",
+    ),
+    *(
+        "margin_warn",
+        "margin_refuse",
+        "appear_margin",
+        "appear_tilt_sine",
+        "search_margin",
+        "search_merge_distance",
+        "search_gap",
+        "search_movement",
+    ),
+    *(
+        "flat_angle",
+        "imaginary_edge",
+        "boundary_coincidence",
+        "feature_border",
+        "time_resolution",
+        "step_fraction",
+    ),
 )
-SETTINGS_COUNTS = ("lcp_iterations", "scan", "events_at_once")
+SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max")
 RUN_ARRAYS = (
     *(
         "x",
-        "link",
+        "feature_pair",
         "point",
-        "moved",
+        "moved_since_search",
         "closed",
         "active",
-        "grip",
+        "friction_mode",
         "slip_direction",
         "patch_mode",
         "patch_slip_direction",
         "reference_force",
     ),
-    *("force", "margin", "fresh", "outward"),
+    *("force", "margin", "rolling_start", "tilt_direction"),
 )
 RUN_COUNTS = (
     "steps",
@@ -103,21 +159,21 @@ RUN_REALS = (
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
-    *("gain_max", "gain_t", "chain_t", "paradox_t"),
+    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre", "gain_contact", "chain_contact", "paradox_contact"),
+    *("dead_centres", "dead_centre", "impact_gain_contact", "chain_impact_contact", "painleve_contact"),
     *("fallback_cause", "fallback_doublings", "passage_contact", "forces_redundant"),
 )
 RECORD_ARRAYS = (
-    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "link"),
-    *("patch", "pressure", "rub", "friction", "torque", "slip"),
+    *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
+    *("patch", "pressure", "patch_friction", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work"),
 )
-QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "reach")
+QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
-PARAMETRISED = ("bodies", "links", "loads", "joints", "limits")
+PARAMETRISED = ("bodies", "feature_pairs", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
@@ -163,7 +219,7 @@ class Tables:
         self.Events = structure(
             "Events",
             [("capacity", integer), ("count", integer)]
-            + [(n, pointer) for n in ("t", "kind", "contact", "link", "speed")],
+            + [(n, pointer) for n in ("t", "kind", "contact", "feature_pair", "speed")],
         )
         self.Queries = _queries(real)
 
@@ -172,7 +228,7 @@ def _queries(real: Any) -> Any:
     return structure(
         "Queries",
         [(KERNELS, ctypes.c_void_p)]
-        + [(n, ctypes.c_int) for n in ("kind", "n", "warm")]
+        + [(n, ctypes.c_int) for n in ("kind", "n", "is_warm_start")]
         + [("stride", ctypes.c_long)]
         + [(n, ctypes.c_void_p) for n in QUERY_GIVEN]
         + [("length", real), ("residual", real)]
@@ -191,68 +247,73 @@ def address(array: Array) -> int:
 
 
 def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) -> tuple[Any, list[Array]]:
-    """The mg_system of a manifest's sentence over the kernels at an address, and its arrays, which must
+    """The mg_system of a manifest's instance over the kernels at an address, and its arrays, which must
     outlive it."""
-    sentence = manifest.sentence
+    instance = manifest.instance
     parameters: list[float] = []
     starts = {
-        group: [append(parameters, entry["parameters"]) for entry in sentence[group]]
+        group: [append(parameters, entry["parameters"]) for entry in instance[group]]
         for group in PARAMETRISED
     }
-    sides = Sides(manifest, parameters, float(np.finfo(tables.dtype).max))
-    integers = _bodies_and_contacts(sentence, starts) | sides.integers | _loads_and_joints(sentence, starts)
-    add_limits(integers, sentence["limits"], starts["limits"])
-    add_patches(integers, sides.numbers, parameters, sentence)
-    grips = Grips(sentence)
-    integers |= grips.integers
-    reals = _reals(sentence) | {"parameters": parameters, "numbers": sides.numbers} | grips.reals
+    sides = FeatureTables(manifest, parameters, float(np.finfo(tables.dtype).max))
+    integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
+    add_limits(integers, instance["limits"], starts["limits"])
+    add_patches(integers, sides.numbers, parameters, instance)
+    constraints = FrictionTables(instance)
+    integers |= constraints.integers
+    reals = _reals(instance) | {"parameters": parameters, "numbers": sides.numbers} | constraints.reals
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
-    states = (sentence["n_q"], sentence["n_u"], sentence["n_eta"])
-    rows = _room(manifest), len(sentence["joints"]), _row_count(manifest)
-    patches = len(sentence["patches"]), slot_count(sentence)
-    counts = *rows, *patches, len(integers["table_first"]) - 1, grips.count, grips.rows
-    system = tables.System(kernels, *_sizes(sentence, integers), *states, *counts)
+    states = (instance["n_q"], instance["n_u"], instance["n_eta"])
+    rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
+    patches = len(instance["patches"]), slot_count(instance)
+    counts = *rows, *patches, len(integers["sample_table_first"]) - 1, constraints.count, constraints.rows
+    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
-    system.gravity = (tables.real * 3)(*sentence["gravity"])
-    for name, value in sentence["scales"].items():
+    system.gravity = (tables.real * 3)(*instance["gravity"])
+    for name, value in instance["scales"].items():
         setattr(system, name, value)
     return system, list(arrays.values())
 
 
-def _sizes(sentence: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
-    """Numbers of bodies, contacts, loads, pairs and links; limits and points of patches are contacts too."""
-    counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "link_kind"))
-    return len(sentence["bodies"]), *(len(entries) for entries in counted)
+def _sizes(instance: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
+    """Numbers of bodies, contacts, loads, pairs, feature pairs; limits, support points are contacts."""
+    counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "feature_pair_kind"))
+    return len(instance["bodies"]), *(len(entries) for entries in counted)
 
 
 def _bodies_and_contacts(
-    sentence: Mapping[str, Any], starts: Mapping[str, list[int]]
+    instance: Mapping[str, Any], starts: Mapping[str, list[int]]
 ) -> dict[str, list[int]]:
-    bodies, links, contacts, pairs = (sentence[key] for key in ("bodies", "links", "contacts", "pairs"))
+    bodies, feature_pairs, contacts, pairs = (
+        instance[key] for key in ("bodies", "feature_pairs", "contacts", "pairs")
+    )
     return {
         **{f"body_{key}": [b[key] for b in bodies] for key in ("kind", "q", "u")},
         "body_parameters": starts["bodies"],
-        **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "link")},
-        "impact_law": _impact_laws(sentence),
+        **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "feature_pair")},
+        "impact_law": _impact_laws(instance),
         "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
-        "pair_link": [*(p["links"][0] for p in pairs), len(links)],
+        "pair_feature_pair": [*(p["feature_pairs"][0] for p in pairs), len(feature_pairs)],
         "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
-        **{f"link_{key}": [entry[key] for entry in links] for key in ("kind", "o", "f", "pair", "group")},
-        "link_parameters": starts["links"],
+        **{
+            f"feature_pair_{key}": [entry[key] for entry in feature_pairs]
+            for key in ("kind", "o", "f", "pair", "face_group")
+        },
+        "feature_pair_parameters": starts["feature_pairs"],
     }
 
 
-def _impact_laws(sentence: Mapping[str, Any]) -> list[int]:
+def _impact_laws(instance: Mapping[str, Any]) -> list[int]:
     """Of contacts, then of limits and the points of patches, which follow Newton's."""
-    laws = [IMPACT_LAWS[sentence["pairs"][c["pair"]].get("law", "newton")] for c in sentence["contacts"]]
-    return laws + [0] * (len(sentence["limits"]) + PADS * slot_count(sentence))
+    laws = [IMPACT_LAWS[instance["pairs"][c["pair"]].get("law", "newton")] for c in instance["contacts"]]
+    return laws + [0] * (len(instance["limits"]) + SUPPORT_POINTS * slot_count(instance))
 
 
-def _loads_and_joints(sentence: Mapping[str, Any], starts: Mapping[str, list[int]]) -> dict[str, list[int]]:
-    loads, joints = sentence["loads"], sentence["joints"]
+def _loads_and_joints(instance: Mapping[str, Any], starts: Mapping[str, list[int]]) -> dict[str, list[int]]:
+    loads, joints = instance["loads"], instance["joints"]
     return {
         "load_kind": [entry["kind"] for entry in loads],
         "load_a": [entry["bodies"][0] for entry in loads],
@@ -263,21 +324,21 @@ def _loads_and_joints(sentence: Mapping[str, Any], starts: Mapping[str, list[int
     }
 
 
-def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
-    pairs, limits = sentence["pairs"], sentence["limits"]
-    of_contacts = [pairs[c["pair"]]["restitution"] for c in sentence["contacts"]]
+def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
+    pairs, limits = instance["pairs"], instance["limits"]
+    of_contacts = [pairs[c["pair"]]["restitution"] for c in instance["contacts"]]
     return {
-        "mass_inverse": [value for b in sentence["bodies"] for value in b["mass_inverse"]],
+        "mass_inverse": [value for b in instance["bodies"] for value in b["mass_inverse"]],
         "restitution": [
             *of_contacts,
             *(limit["restitution"] for limit in limits),
-            *point_restitutions(sentence),
+            *point_restitutions(instance),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
         "pair_ball": [
             value
             for p in pairs
-            for ball in p["balls"]
+            for ball in p["bounding_balls"]
             for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
         ],
     }
@@ -285,9 +346,9 @@ def _reals(sentence: Mapping[str, Any]) -> dict[str, list[float]]:
 
 def _room(manifest: Manifest) -> int:
     """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
-    sentence = manifest.sentence
-    moving = sum(body["motion"] in ("point", "free") for body in sentence["bodies"])
-    many = len(sentence["contacts"]) + len(sentence["limits"]) + PADS * slot_count(sentence)
+    instance = manifest.instance
+    moving = sum(body["motion"] in ("point", "free") for body in instance["bodies"])
+    many = len(instance["contacts"]) + len(instance["limits"]) + SUPPORT_POINTS * slot_count(instance)
     rows = max((kind.get("rows", 1) for kind in manifest.kinds["contact"]), default=1)
     return min(many, max(ROOM // rows, ROOM_PER_BODY * moving))
 
@@ -295,10 +356,10 @@ def _room(manifest: Manifest) -> int:
 def _row_count(manifest: Manifest) -> int:
     """Rows of all joints."""
     kinds = manifest.kinds["joint"]
-    return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.sentence["joints"])
+    return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.instance["joints"])
 
 
-def fill_settings(tables: Tables, accuracy: Any, sentence: Mapping[str, Any]) -> Any:
+def fill_settings(tables: Tables, accuracy: Any, instance: Mapping[str, Any]) -> Any:
     """The mg_settings of an Accuracy, no tolerance finer than the real type resolves.
 
     Patches are of event-driven runs whose contacts are all struck at once.
@@ -309,11 +370,11 @@ def fill_settings(tables: Tables, accuracy: Any, sentence: Mapping[str, Any]) ->
         setattr(settings, name, int(getattr(accuracy, name)))
     for name in SETTINGS_REALS[1:]:
         setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
-    settings.method, settings.scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
-    settings.law = LAWS[accuracy.solver]
+    settings.method, settings.stepping_scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
+    settings.stepping_friction_law = LAWS[accuracy.solver]
     settings.sequential = int(accuracy.impacts == "sequential")
     settings.use_gamma = int(accuracy.use_gamma)
-    at_once = not (settings.sequential or any(_impact_laws(sentence)))
-    settings.planar = int(accuracy.planar and accuracy.method != "time-stepping" and at_once)
+    at_once = not (settings.sequential or any(_impact_laws(instance)))
+    settings.planar_contacts = int(accuracy.planar and accuracy.method != "time-stepping" and at_once)
     settings.step = accuracy.step or 0.0
     return settings

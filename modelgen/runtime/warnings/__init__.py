@@ -36,8 +36,8 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     """What is remarkable about a run and its scene."""
     margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
     found = [
-        *session.sentence["warnings"],
-        *hints(session.sentence["bodies"], [*session.contacts, *session.joints]),
+        *session.instance["warnings"],
+        *hints(session.instance["bodies"], [*session.contacts, *session.joints]),
     ]
     if margin < accuracy.margin_warn:
         found.append(
@@ -51,7 +51,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
             "one: forces there are peaks whose impulses count, but that samples do not show"
         )
     if redundant:
-        found.append(_redundancy(redundant, bool(session.system.n_grip)))
+        found.append(_redundancy(redundant, bool(session.system.n_friction)))
     found += _far(session, accuracy)
     found += blow_warnings(session, accuracy)
     found += stepping_warnings(session)
@@ -72,10 +72,10 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
 
 def _far(session: Session, accuracy: Accuracy) -> list[str]:
     """Far from the origin positions are rounded more coarsely than gaps are told apart."""
-    bodies = [body for body in session.sentence["bodies"] if body["motion"] in ("point", "free")]
-    starts = (session.sentence["initial_q"], session.x)
+    bodies = [body for body in session.instance["bodies"] if body["motion"] in ("point", "free")]
+    starts = (session.instance["initial_q"], session.x)
     far = max((abs(float(q[b["q"] + k])) for q in starts for b in bodies for k in range(3)), default=0.0)
-    length = session.sentence["scales"]["length"]
+    length = session.instance["scales"]["length"]
     known = far * float(np.finfo(session.tables.dtype).eps) / length
     if not known > float(session.settings.gap):
         return []

@@ -19,7 +19,7 @@ BLOWS = ("impact", "touch-down")
 def undecided_blows(
     mine: Sequence[Event],
     theirs: Sequence[Event],
-    sentence: Mapping[str, Any],
+    instance: Mapping[str, Any],
     safe: float,
     least: float,
     end: float,
@@ -28,11 +28,11 @@ def undecided_blows(
 
     Args:
         mine, theirs: the events of the run, and of its companion.
-        sentence: of the manifest.
+        instance: of the manifest.
         safe: the time between two blows errs by `safe` times what the companion has otherwise.
         least: m; blows that move less than this until `end`, s, are left aside.
     """
-    own, struck = _blows(mine, end), _moving(sentence)
+    own, struck = _blows(mine, end), _moving(instance)
     other = _numbered(_blows(theirs, end))
     for (a, key_a), (b, key_b) in pairwise((event, key) for key, event in _numbered(own).items()):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
@@ -59,13 +59,13 @@ def _numbered(blows: Iterator[Event]) -> dict[tuple[str, int], Event]:
     return numbered
 
 
-def _moving(sentence: Mapping[str, Any]) -> dict[str, set[int]]:
+def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:
     """By contact, pair of bodies, or limit of a joint: its bodies that are not fixed nor driven."""
-    free = {k for k, body in enumerate(sentence["bodies"]) if body["motion"] in ("point", "free")}
-    links = [sentence["links"][pair["links"][0]] for pair in sentence["pairs"]]
-    pairs = [free & {link["o"], link["f"]} for link in links]
+    free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
+    feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
+    pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]
     return {
-        **{contact["name"]: pairs[contact["pair"]] for contact in sentence["contacts"]},
-        **{pair["name"]: bodies for pair, bodies in zip(sentence["pairs"], pairs, strict=True)},
-        **{limit["name"]: free & {limit["o"], limit["f"]} for limit in sentence["limits"]},
+        **{contact["name"]: pairs[contact["pair"]] for contact in instance["contacts"]},
+        **{pair["name"]: bodies for pair, bodies in zip(instance["pairs"], pairs, strict=True)},
+        **{limit["name"]: free & {limit["o"], limit["f"]} for limit in instance["limits"]},
     }

@@ -14,16 +14,18 @@ def blow_warnings(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def _law_of(session: Session, contact: str) -> str:
-    pair = next(c["pair"] for c in session.sentence["contacts"] if c["name"] == contact)
-    return str(session.sentence["pairs"][pair].get("law", "newton"))
+    pair = next(c["pair"] for c in session.instance["contacts"] if c["name"] == contact)
+    return str(session.instance["pairs"][pair].get("law", "newton"))
 
 
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
     """Newton's law of impact, and Poisson's, may make energy where there is friction."""
     run = session.run
-    if run.gain_contact < 0 or float(run.gain_max) <= accuracy.tolerance * float(run.kinetic_max):
+    if run.impact_gain_contact < 0 or float(run.impact_gain_max) <= accuracy.tolerance * float(
+        run.kinetic_max
+    ):
         return []
-    contact = session.contacts[run.gain_contact]
+    contact = session.contacts[run.impact_gain_contact]
     return [
         f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
         f"{contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
@@ -32,7 +34,7 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
 
 def _laws(session: Session) -> list[str]:
     """Time-stepping has Newton's law alone."""
-    others = [p["name"] for p in session.sentence["pairs"] if p.get("law", "newton") != "newton"]
+    others = [p["name"] for p in session.instance["pairs"] if p.get("law", "newton") != "newton"]
     if not others or not (session.accuracy.method == "time-stepping" or session.run.fallbacks):
         return []
     return [f"time-stepping follows Newton's law of impact; another is asked for at {', '.join(others)}"]
@@ -40,7 +42,7 @@ def _laws(session: Session) -> list[str]:
 
 def _chains(session: Session) -> list[str]:
     run = session.run
-    if run.chain_contact < 0:
+    if run.chain_impact_contact < 0:
         return []
     return [
         f"a blow at t = {float(run.chain_t):.6g} s reached {session.contacts[run.chain_contact]}, "
@@ -51,7 +53,7 @@ def _chains(session: Session) -> list[str]:
 
 def _paradox(session: Session) -> list[str]:
     run = session.run
-    if run.paradox_contact < 0:
+    if run.painleve_contact < 0:
         return []
     return [
         f"at t = {float(run.paradox_t):.6g} s the contact {session.contacts[run.paradox_contact]} could as "

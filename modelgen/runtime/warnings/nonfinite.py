@@ -12,7 +12,7 @@ def unbounded(session: Session, outcome: Outcome) -> str:
     at = session.unbounded() if outcome is Outcome.NOT_FINITE else -1
     if at < 0:
         return ""
-    loads, bodies = session.sentence["loads"], session.sentence["bodies"]
+    loads, bodies = session.instance["loads"], session.instance["bodies"]
     if at < len(loads):
         return _load(session, at)
     at -= len(loads)
@@ -22,11 +22,11 @@ def unbounded(session: Session, outcome: Outcome) -> str:
 
 
 def _load(session: Session, at: int) -> str:
-    sentence, kinds = session.sentence, session.library.manifest.kinds["load"]
-    named = [kinds[load["kind"]]["kind"] for load in sentence["loads"]]
+    instance, kinds = session.instance, session.library.manifest.kinds["load"]
+    named = [kinds[load["kind"]]["kind"] for load in instance["loads"]]
     kind = named[at].replace("_", " ")
-    bodies = " and ".join(repr(sentence["bodies"][body]["name"]) for body in sentence["loads"][at]["bodies"])
+    bodies = " and ".join(repr(instance["bodies"][body]["name"]) for body in instance["loads"][at]["bodies"])
     # loads that nobody observes may be left out, and the springs of joints are no loads of the scene
-    counted = not sentence["observe"] and kind != "joint spring"
+    counted = not instance["observe"] and kind != "joint spring"
     index = f"[{named[:at].count(named[at])}]" if counted else ""
     return f"{kind}{index} on {bodies}"

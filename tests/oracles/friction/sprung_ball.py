@@ -40,7 +40,7 @@ class SprungBall:
             slip, t = 0.0 if slips else slide(lasts), t + lasts
             needs = 2 / 7 * self.stiffness * abs(x) > self.mu * G * (1 + 1e-12)
             turns = slips and needs
-            events.append(("reversal" if turns else "stick" if slips else "slip", t))
+            events.append(("slip-reversal" if turns else "slip-stop" if slips else "slip-start", t))
             slips, sign = turns or not slips, -sign if turns else -np.sign(x)
 
     def _slides(self, x: float, v: float, slip: float, sign: float) -> tuple[Callable, Callable, Callable]:

@@ -34,8 +34,8 @@ def rolled() -> Array:
 @BOTH
 def test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again(accuracy: str, off: float) -> None:
     path = run("brake_shoe", Accuracy.named(accuracy))
-    assert [event.kind for event in path.events] == ["reversal"] * 4
-    assert times(path, "reversal") == pytest.approx([0.25, 0.75, 1.25, 1.75], abs=off)
+    assert [event.kind for event in path.events] == ["slip-reversal"] * 4
+    assert times(path, "slip-reversal") == pytest.approx([0.25, 0.75, 1.25, 1.75], abs=off)
     shoe, speed = BrakeShoe(), np.cos(2 * np.pi * path.t)
     towards, away = speed > 1e-6, speed < -1e-6  # samples at the reversals lie before or after them
     assert path.force[towards, 0] == pytest.approx(shoe.force(0.3, 1), abs=1e2 * off)
@@ -49,7 +49,7 @@ def test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again(accuracy: str,
 def test_a_wheel_on_rail_follows_a_second_formulation(accuracy: str, off: float) -> None:
     path = run("wheel_on_rail", Accuracy.named(accuracy), samples=3)
     states = rolled()
-    assert [event.kind for event in path.events] == ["walk"]
+    assert [event.kind for event in path.events] == ["feature-change"]
     assert np.abs(path.p[:, 1] - states[:, :3]).max() < off
     assert np.abs(path.w[:, 1] - states[:, 7:]).max() < 1e3 * off
     assert np.ptp(path.energy) < 1e-10 * path.energy[0]

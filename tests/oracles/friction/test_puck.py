@@ -30,7 +30,7 @@ def test_a_sliding_puck_follows_its_reference() -> None:
     puck = Puck(mass, mass * 0.04**2 / 2, disc_with_height(0.04, 0.3, 0.01))
     velocity = np.array([1.0, 0.0, 30.0])
     end, rest = puck.ends(velocity)
-    assert times(path, "stick") == [pytest.approx(end, abs=1e-8)]
+    assert times(path, "slip-stop") == [pytest.approx(end, abs=1e-8)]
     slides = path.t < end - 0.01
     wanted = puck.motion(velocity, path.t[slides])
     assert path.p[slides, 1, :2] == pytest.approx(wanted[:, :2], abs=1e-11)
@@ -51,8 +51,8 @@ def test_slip_and_spin_of_a_ring_die_together(bore: float, speed: float, spin: f
     body = flat_ring(0.04, bore, 0.3, inertia, velocity=[speed, 0, 0], angular_velocity=[0, 0, spin])
     contact = [{"between": ON_TABLE, "friction": 0.25}]
     path = ran([body, TABLE], end + 0.1, contact, Accuracy.balanced(), samples=20)
-    assert [event.kind for event in path.events] == ["flat", "stick"]
-    assert times(path, "stick") == [pytest.approx(end, abs=1e-8)]
+    assert [event.kind for event in path.events] == ["face-contact", "slip-stop"]
+    assert times(path, "slip-stop") == [pytest.approx(end, abs=1e-8)]
     assert path.p[-1, 0, :2] == pytest.approx(rest[:2], abs=1e-9)
     slides = path.t < end
     wanted = puck.motion(velocity, path.t[slides])
@@ -89,7 +89,7 @@ def test_a_box_slides_and_spins_as_by_direct_quadrature() -> None:
     wanted = puck.motion(velocity, path.t[slides])
     assert path.p[slides, 0, :2] == pytest.approx(wanted[:, :2], abs=1e-10)
     assert path.w[slides, 0, 2] == pytest.approx(wanted[:, 5], abs=1e-9)
-    assert times(path, "stick") == [pytest.approx(end, abs=1e-8)]
+    assert times(path, "slip-stop") == [pytest.approx(end, abs=1e-8)]
     assert path.p[-1, 0, :2] == pytest.approx(rest[:2], abs=1e-9)
 
 
@@ -105,7 +105,7 @@ def test_a_block_on_an_incline_slides_until_its_pressure_reaches_its_edge(tall: 
         assert path.events[0].kind == "lift-off"
         assert path.w[2, 0, 1] > 0.01
         return
-    assert [event.kind for event in path.events] == ["flat"]
+    assert [event.kind for event in path.events] == ["face-contact"]
     assert path.p[:, 0, 0] == pytest.approx(G * (sin(angle) - mu * cos(angle)) * path.t**2 / 2, abs=1e-12)
     assert path.patch_point[:, 0, 0] - path.p[:, 0, 0] == pytest.approx(tall * w, rel=1e-9)
     assert np.linalg.norm(path.patch_friction[-1, 0]) == pytest.approx(
@@ -119,7 +119,7 @@ def test_a_block_at_rest_on_an_incline_sticks() -> None:
     gravity = [G * sin(0.4), 0, -G * cos(0.4)]
     path = ran([block, TABLE], 1.0, [{"between": ON_TABLE, "friction": 0.5}], gravity=gravity, samples=2)
     weight = 800 * 0.1 * 0.08 * 0.06 * G
-    assert [event.kind for event in path.events] == ["flat"]
+    assert [event.kind for event in path.events] == ["face-contact"]
     assert np.abs(path.v).max() < 1e-13
     assert path.patch_friction[-1, 0] == pytest.approx([-weight * sin(0.4), 0, 0], abs=1e-12)
     assert path.patch_point[-1, 0, 0] - path.p[-1, 0, 0] == pytest.approx(0.03 * np.tan(0.4), rel=1e-12)
@@ -131,7 +131,7 @@ def test_a_twisted_disc_gives_way_at_two_thirds_of_its_radius() -> None:
     bound = 0.3 * 2.0 * G * 0.06 * 2 / 3
     torque = [{"body": "body", "torque": [0.0, 0.0, f"{2 * bound}*t"]}]
     path = ran([body, TABLE], 1.0, [{"between": ON_TABLE, "friction": 0.3}], torque=torque, samples=4)
-    assert times(path, "slip") == [pytest.approx(0.5, abs=1e-10)]
+    assert times(path, "slip-start") == [pytest.approx(0.5, abs=1e-10)]
     assert path.w[-1, 0, 2] == pytest.approx(bound * 0.25 / 0.01, rel=1e-9)
     assert path.patch_torque[-1, 0] == pytest.approx(-bound * np.sign(path.patch_spin[-1, 0]), rel=1e-9)
 
@@ -140,7 +140,7 @@ def test_a_disc_on_a_belt_is_carried_along() -> None:
     belt = make.driven("table", make.plane(), path={"position": ["0.8*t", 0.0, 0.0]})
     body = flat_ring(0.06, 0.0, 2.0, 0.01, angular_velocity=[0, 0, 5.0])
     path = ran([belt, body], 1.0, [{"between": ON_TABLE, "friction": 0.3}], samples=4)
-    assert [event.kind for event in path.events] == ["flat", "stick"]
+    assert [event.kind for event in path.events] == ["face-contact", "slip-stop"]
     assert path.v[-1, 1] == pytest.approx([0.8, 0, 0], abs=1e-12)
     assert path.patch_slip[-1, 0] == pytest.approx([0, 0, 0], abs=1e-12)
     assert imbalance(path) < 1e-9
@@ -152,6 +152,6 @@ def test_a_body_pulled_at_its_top_tips_when_its_pressure_reaches_its_edge(shape:
     force = [{"body": "body", "force": ["3*t", 0.0, 0.0], "point": [0.0, 0.0, 0.06]}]
     path = ran([body, TABLE], 0.9, [{"between": ON_TABLE, "friction": 0.9}], force=force, samples=9)
     tips = G * 0.03 / (3 * 0.12)
-    assert [event.kind for event in path.events][:2] == ["flat", "tip"]
-    assert times(path, "tip")[0] == pytest.approx(tips, abs=1e-8)
+    assert [event.kind for event in path.events][:2] == ["face-contact", "tipping"]
+    assert times(path, "tipping")[0] == pytest.approx(tips, abs=1e-8)
     assert imbalance(path) < 1e-9

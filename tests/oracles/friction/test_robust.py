@@ -92,5 +92,5 @@ def test_a_rod_pushed_into_the_ground_jams_and_says_so() -> None:
 def test_friction_runs_over_every_real_type(real: str, off: float) -> None:
     path = simulate(scene_of("sphere_slide_to_roll", real=real), samples=4)
     double = simulate(scene_of("sphere_slide_to_roll"), samples=4)
-    assert [e.kind for e in path.events] == ["stick"]
+    assert [e.kind for e in path.events] == ["slip-stop"]
     assert np.abs(path.p - double.p).max() < off

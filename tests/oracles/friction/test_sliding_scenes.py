@@ -21,7 +21,7 @@ speeds = st.floats(-3, 3)
 def test_a_ball_comes_to_roll_as_published() -> None:
     path = run("sphere_slide_to_roll", Accuracy.tight())
     thrown = SlideToRoll(0.1, 0.2, path.p[0, 1], path.v[0, 1], path.w[0, 1])
-    assert times(path, "stick") == [pytest.approx(thrown.rolls_at, abs=1e-12)]
+    assert times(path, "slip-stop") == [pytest.approx(thrown.rolls_at, abs=1e-12)]
     assert np.abs(path.p[:, 1] - thrown.path(path.t)).max() < 1e-12
     slides = path.t < thrown.rolls_at
     assert path.friction[slides, 0, 0] == pytest.approx(-0.2 * G, rel=1e-12)
@@ -37,7 +37,7 @@ def test_all_directions_are_alike(v: tuple[float, float], w: tuple[float, float,
         return
     moving = ball("ball", [0, 0, 0.1], velocity=[*v, 0.0], angular_velocity=list(w))
     path = ran([moving, TABLE], 2.0, [{"between": ON_TABLE, "friction": mu}])
-    assert times(path, "stick") == [pytest.approx(thrown.rolls_at, abs=1e-11)]
+    assert times(path, "slip-stop") == [pytest.approx(thrown.rolls_at, abs=1e-11)]
     assert np.abs(path.p[:, 0] - thrown.path(path.t)).max() < 1e-11
 
 
@@ -50,7 +50,7 @@ def test_slip_that_turns_while_it_dies_ends_where_it_does_in_slower_time() -> No
     )  # fmt: skip
     dies, R = float(end[T]), rotation_of(end)
     path = ran([egg, TABLE], dies + 1e-6, [{"between": ("egg", "table"), "friction": 0.3}], samples=1)
-    assert times(path, "stick") == [pytest.approx(dies, abs=1e-12)]
+    assert times(path, "slip-stop") == [pytest.approx(dies, abs=1e-12)]
     path = ran([egg, TABLE], dies, [{"between": ("egg", "table"), "friction": 0.3}], samples=1)
     assert path.p[-1, 0] == pytest.approx(end[P].astype(float), abs=1e-12)
     assert path.v[-1, 0] == pytest.approx((R @ end[V]).astype(float), abs=1e-11)
@@ -61,7 +61,7 @@ def test_a_block_slips_when_it_is_pulled_hard_enough() -> None:
     path = run("block_on_incline", Accuracy.tight())
     down, press, mass = G * np.sin(0.3), G * np.cos(0.3), 1.0
     slips = (down + 0.5 * press) * mass / 16
-    assert times(path, "slip") == [pytest.approx(slips, abs=1e-8)]
+    assert times(path, "slip-start") == [pytest.approx(slips, abs=1e-8)]
     after = path.t[path.t > slips] - slips
     exact = (0.5 - 0.4) * press * after**2 / 2 + 16 * after**3 / 6
     assert path.p[path.t > slips, 1, 0] == pytest.approx(-exact, abs=1e-7)

@@ -27,7 +27,7 @@ def test_a_block_begins_to_slip_as_its_series(accuracy: Accuracy, off: float, la
     end, contact = PULLED.begins + later, [{"between": ["block", "table"], "friction": 0.3}]
     path = ran([block, TABLE], end, contact, accuracy, samples=3, force=PULL)
     way, v = PULLED.at(end)
-    assert times(path, "slip") == [pytest.approx(PULLED.begins, abs=1e-10)]
+    assert times(path, "slip-start") == [pytest.approx(PULLED.begins, abs=1e-10)]
     assert path.p[-1, 0, :2] == pytest.approx(way, abs=off)
     assert path.v[-1, 0, :2] == pytest.approx(v, abs=off)
     assert path.patch_force[-1, 0] == pytest.approx(G, rel=1e-9)
@@ -49,7 +49,7 @@ def test_a_ball_thrown_across_an_incline_comes_to_roll(
     contact = [{"between": ["ball", "table"], "friction": mu}]
     path = ran([thrown, TABLE], across.end + 0.1, contact, samples=1, gravity=gravity)
     way, after, _ = across.at(across.end + 0.1)
-    assert times(path, "stick") == [pytest.approx(across.end, abs=1e-9)]
+    assert times(path, "slip-stop") == [pytest.approx(across.end, abs=1e-9)]
     assert path.p[-1, 0, :2] == pytest.approx(way, abs=1e-12)
     assert path.v[-1, 0, :2] == pytest.approx(after, abs=1e-11)
     assert imbalance(path) < 1e-12

@@ -81,7 +81,7 @@ def bounced(turn: Rotation) -> Trajectory:
 def test_turning_the_scene_about_the_normal_changes_nothing() -> None:
     turn = Rotation.from_rotvec([0, 0, 0.7])
     here, there = bounced(Rotation.identity()), bounced(turn)
-    assert {"impact", "touch-down", "stick"} <= {e.kind for e in here.events}
+    assert {"impact", "touch-down", "slip-stop"} <= {e.kind for e in here.events}
     assert [e.kind for e in here.events] == [e.kind for e in there.events]
     assert [e.t for e in here.events] == pytest.approx([e.t for e in there.events], abs=1e-9)
     assert np.abs(turn.apply(here.p[:, 0]) - there.p[:, 0]).max() < 1e-9

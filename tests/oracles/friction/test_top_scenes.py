@@ -70,7 +70,7 @@ def test_a_rattleback_turns_back_as_its_reference(accuracy: str, off: float) -> 
 def test_a_tippe_top_turns_over_as_its_reference(accuracy: str, off: float) -> None:
     path = run("tippe_top", Accuracy.named(accuracy), samples=SAMPLES)
     states, rolls_at = turned_over()
-    assert times(path, "stick") == [pytest.approx(rolls_at, abs=off)]
+    assert times(path, "slip-stop") == [pytest.approx(rolls_at, abs=off)]
     assert follows(path, states, off)
     assert rotations(path, 1)[-1, 2, 2] < -0.9
     assert imbalance(path) < 1e-3 * off

@@ -65,19 +65,22 @@ def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) ->
 
 @EVERY_SCENE
 def test_every_kind_is_used_by_the_scene(name: str) -> None:
-    kinds, sentence = manifest_of(name).kinds, manifest_of(name).sentence
-    users = {"body": "bodies", "contact": "links", "load": "loads", "joint": "joints"}
+    kinds, instance = manifest_of(name).kinds, manifest_of(name).instance
+    users = {"body": "bodies", "contact": "feature_pairs", "load": "loads", "joint": "joints"}
     for group, entries in users.items():
-        used = {entry["kind"] for entry in sentence[entries]}
+        used = {entry["kind"] for entry in instance[entries]}
         if group == "contact":
             used |= {
-                entry[key] for entry in sentence["patches"] for key in ("kind", "rubbing") if key in entry
+                entry[key]
+                for entry in instance["patches"]
+                for key in ("kind", "friction_kind")
+                if key in entry
             }
         assert used == set(range(len(kinds[group])))
-    limits = {entry["kind"] - len(kinds["contact"]) for entry in sentence["limits"]}
+    limits = {entry["kind"] - len(kinds["contact"]) for entry in instance["limits"]}
     assert limits == set(range(len(kinds["limit"])))
     in_contact = {side for kind in kinds["contact"] for side in kind["shapes"]}
-    in_bounds = {arc["kind"] for face in sentence["faces"] for arc in face["boundary"]}
+    in_bounds = {arc["kind"] for face in instance["faces"] for arc in face["boundary"]}
     assert in_contact | in_bounds == set(range(len(kinds["shape"])))
 
 

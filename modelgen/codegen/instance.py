@@ -1,4 +1,4 @@
-"""The kinds and the sentence of a Model as plain values for the manifest."""
+"""The kinds and the instance of a Model as plain values for the manifest."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from modelgen.model import (
     BodyEntry,
     BodyKind,
     ContactKind,
+    FeaturePairEntry,
     JointEntry,
     JointKind,
     LimitEntry,
     LimitKind,
-    LinkEntry,
     LoadKind,
     Model,
     PairEntry,
@@ -48,7 +48,7 @@ _POSE_NAMES = ("p_x", "p_y", "p_z", *(f"R_{i}{j}" for j in "xyz" for i in "xyz")
 
 
 def kinds_of(model: Model) -> dict[str, Any]:
-    """The vocabulary, each group in the order of its indices."""
+    """The set of kinds, each group in the order of its indices."""
     return {
         "body": [_body_kind(kind) for kind in model.body_kinds],
         "contact": [_contact_kind(kind, model) for kind in model.contact_kinds],
@@ -180,7 +180,7 @@ def _finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def sentence_of(model: Model) -> dict[str, Any]:
+def instance_of(model: Model) -> dict[str, Any]:
     """The scene as tables over the kinds."""
     scene = model.scene
     return {
@@ -188,7 +188,7 @@ def sentence_of(model: Model) -> dict[str, Any]:
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
         "pairs": [_pair(entry) for entry in model.pairs],
-        "links": [_link(model, entry) for entry in model.links],
+        "feature_pairs": [_feature_pair(model, entry) for entry in model.feature_pairs],
         "contacts": [asdict(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
@@ -221,12 +221,12 @@ def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
         "u": entry.u,
         "parameters": list(entry.parameters),
         "mass_inverse": list(entry.mass_inverse),
-        "com": list(entry.com),
+        "centre_of_mass": list(entry.centre_of_mass),
     }
 
 
 def _joint(model: Model, entry: JointEntry) -> dict[str, Any]:
-    pose = pose_numbers(entry.frames[1], model.bodies[entry.b].com)
+    pose = pose_numbers(entry.frames[1], model.bodies[entry.b].centre_of_mass)
     return {
         "name": entry.name,
         "kind": entry.kind,
@@ -255,18 +255,20 @@ def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
 def _pair(entry: PairEntry) -> dict[str, Any]:
     return {
         "name": entry.name,
-        "links": list(entry.links),
+        "feature_pairs": list(entry.feature_pairs),
         "contacts": list(entry.contacts),
         "search": entry.search,
         "restitution": entry.restitution.value,
         **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),
-        "balls": [{"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.balls],
-        **({"grips": [asdict(grip) for grip in entry.grips]} if entry.grips else {}),
+        "bounding_balls": [
+            {"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.bounding_balls
+        ],
+        **({"friction": [asdict(constraint) for constraint in entry.friction]} if entry.friction else {}),
     }
 
 
-def _link(model: Model, entry: LinkEntry) -> dict[str, Any]:
+def _feature_pair(model: Model, entry: FeaturePairEntry) -> dict[str, Any]:
     kind = model.contact_kinds[entry.kind]
     return {
         "name": entry.name,
@@ -278,7 +280,7 @@ def _link(model: Model, entry: LinkEntry) -> dict[str, Any]:
         "swapped": entry.swapped,
         "shape_o": _shape(model, entry.o, entry.shapes[0], kind.o),
         "shape_f": _shape(model, entry.f, entry.shapes[1], kind.f),
-        "group": entry.group,
+        "face_group": entry.face_group,
         "conditions": [asdict(condition) for condition in entry.conditions],
     }
 
@@ -290,8 +292,8 @@ def _shape(model: Model, body: int, shape: Shape, side: Side) -> dict[str, Any]:
         "name": shape.name,
         "kind": model.shape_kinds.index(side.shape),
         "parameters": [value for _, value in shape.parameters],
-        "placement": list(pose_numbers(shape.pose, model.bodies[body].com)),
+        "placement": list(pose_numbers(shape.pose, model.bodies[body].centre_of_mass)),
         "domain": [[_finite(bound) for bound in interval] for interval in domain_of(shape)],
-        "bounding": _finite(radius),
+        "bounding_radius": _finite(radius),
         "centre": list(centre),
     }

@@ -1,4 +1,4 @@
-"""The sides and conditions of the links as the tables of the core (modelgen.h)."""
+"""The sides and conditions of the feature pairs as the tables of the core (modelgen.h)."""
 
 from __future__ import annotations
 
@@ -12,53 +12,53 @@ COARSE, GRID = 9, 17  # MG_COARSE, MG_GRID
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
 
 
-class Sides:
+class FeatureTables:
     """`integers`: arrays of mg_system; `numbers`: its pool; the lengths of shapes join `parameters`."""
 
     def __init__(self, manifest: Manifest, parameters: list[float], endless: float) -> None:
         self.numbers: list[float] = []
-        links, length = manifest.sentence["links"], manifest.sentence["scales"]["length"]
+        feature_pairs, length = manifest.instance["feature_pairs"], manifest.instance["scales"]["length"]
         kinds = manifest.kinds["shape"]
-        sides = [link[side] for link in links for side in ("shape_o", "shape_f")]
-        conditions = [condition for link in links for condition in link["conditions"]]
+        sides = [feature_pair[side] for feature_pair in feature_pairs for side in ("shape_o", "shape_f")]
+        conditions = [condition for feature_pair in feature_pairs for condition in feature_pair["conditions"]]
         first = [0]
-        for link in links:
-            first.append(first[-1] + len(link["conditions"]))
+        for feature_pair in feature_pairs:
+            first.append(first[-1] + len(feature_pair["conditions"]))
         self.integers: dict[str, list[int]] = {
-            "link_condition": first,
-            "side_shape": [side["kind"] for side in sides],
-            "side_parameters": [append(parameters, side["parameters"]) for side in sides],
-            "side_numbers": [
+            "feature_pair_condition": first,
+            "feature_shape": [side["kind"] for side in sides],
+            "feature_parameters": [append(parameters, side["parameters"]) for side in sides],
+            "feature_numbers": [
                 append(self.numbers, _side_numbers(side, endless, spans(side, kinds, length)))
                 for side in sides
             ],
-            **_kept(links, manifest.kinds),
+            **_kept(feature_pairs, manifest.kinds),
             "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
-            "condition_side": [each["side"] for each in conditions],
-            "condition_next": [each["next"] for each in conditions],
+            "condition_feature": [each["side"] for each in conditions],
+            "condition_feature_pair": [each["next"] for each in conditions],
             "condition_numbers": [append(self.numbers, each["numbers"]) for each in conditions],
         }
 
 
 def _kept(
-    links: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
+    feature_pairs: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
 ) -> dict[str, list[int]]:
-    """Which sides keep their samples: those with ends, of links searched by samples; alike, the same."""
+    """The features that keep samples: bounded ones, of pairs searched by samples; equal ones share them."""
     tables: dict[tuple[Any, ...], int] = {}
-    side_table, table_first = [], [0]
-    for link in links:
+    feature_table, sample_table_first = [], [0]
+    for feature_pair in feature_pairs:
         for side, other in (("o", "f"), ("f", "o")):
-            shape, mate = link[f"shape_{side}"], link[f"shape_{other}"]
+            shape, mate = feature_pair[f"shape_{side}"], feature_pair[f"shape_{other}"]
             count = _samples(shape, kinds["shape"][mate["kind"]]["kind"])
-            if kinds["contact"][link["kind"]]["convex"] or count == 0:
-                side_table.append(-1)
+            if kinds["contact"][feature_pair["kind"]]["convex"] or count == 0:
+                feature_table.append(-1)
                 continue
-            key = (link[side], shape["kind"], *(tuple(shape[k]) for k in ("parameters", "placement")))
+            key = (feature_pair[side], shape["kind"], *(tuple(shape[k]) for k in ("parameters", "placement")))
             key = (*key, *(tuple(ends) for ends in shape["domain"]), count)
             if key not in tables:
-                table_first.append(table_first[-1] + count)
-            side_table.append(tables.setdefault(key, len(tables)))
-    return {"side_table": side_table, "table_first": table_first}
+                sample_table_first.append(sample_table_first[-1] + count)
+            feature_table.append(tables.setdefault(key, len(tables)))
+    return {"feature_table": feature_table, "sample_table_first": sample_table_first}
 
 
 def _samples(shape: Mapping[str, Any], mate: str) -> int:
@@ -92,5 +92,5 @@ def _side_numbers(side: Mapping[str, Any], endless: float, spanned: Sequence[flo
         for interval in bounds
         for bound, end in zip(interval, (-endless, endless), strict=True)
     ]
-    radius = endless if side["bounding"] is None else side["bounding"]
+    radius = endless if side["bounding_radius"] is None else side["bounding_radius"]
     return [*side["placement"], *low_high, radius, *side["centre"], *[*spanned, 1.0, 1.0][:2]]

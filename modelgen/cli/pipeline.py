@@ -1,4 +1,4 @@
-"""The street as the verbs walk it: from a file to a library and a run, with progress on standard error."""
+"""The pipeline as the verbs walk it: from a file to a library and a run, with progress on standard error."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from modelgen.model import BodyKind, ContactKind, JointKind, LimitKind, LoadKind
 Kind = TypeVar("Kind", BodyKind, ContactKind, JointKind, LimitKind, LoadKind, ShapeKind)
 
 
-class Vocabulary(Generic[Kind]):
+class KindList(Generic[Kind]):
     """Kinds in the order of first use; the second with the same name is called `name_2`."""
 
     def __init__(self) -> None:

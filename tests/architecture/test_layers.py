@@ -1,4 +1,4 @@
-"""Imports run down the street only, and what must know no symbols knows none."""
+"""Imports run down the pipeline only, and what must know no symbols knows none."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tests.architecture.sources import PYTHON, imports, is_module, short, tree
 
-STREET = (
+PIPELINE = (
     ("errors", "notation", "core"),
     ("scene",),
     ("model",),
@@ -25,7 +25,7 @@ STREET = (
     ("benchmark",),
     ("cli",),
 )
-STATION = {room: number for number, rooms in enumerate(STREET) for room in rooms}
+STATION = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}
 RESOURCES = ("core/__init__.py",)  # holds C text, no Python
 NUMERIC_SIDE = (
     "modelgen.errors",
@@ -56,7 +56,7 @@ def test_every_file_has_a_place_on_the_street() -> None:
 
 
 def uphill() -> Iterator[str]:
-    """Imports of a room further down the street; the package itself loads the verbs on demand."""
+    """Imports of a room further down the pipeline; the package itself loads the verbs on demand."""
     for path in PYTHON:
         here = room(module_of(path))
         for name in sorted(modules_imported(path)) if here else ():
