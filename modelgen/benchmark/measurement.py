@@ -104,12 +104,15 @@ def measure(
         root: the folder that generated libraries lie in.
         on_progress: called with the settings that are tried next.
 
-    Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name.
+    Ctrl-C keeps what was measured, once there is a reference. Raises ModelgenError for an unknown name
+    or a simulator that is not installed, before anything is measured.
     """
     expect("measure", scene, Scene)
     peers = [PEERS[name] for name in _known("--against", against, list(PEERS)) or ()]
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
     chosen = _known("--knobs", knobs, turned)
+    for peer in peers:
+        peer.find()
     bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
     facts = bench.reference_facts
     points, others = list[Point](), list[PeerPoints]()

@@ -210,4 +210,4 @@ def _module() -> Any:
         raise missing("drake", "install it with: pip install 'modelgen[drake]'") from None
 
 
-DRAKE = Peer("drake", KNOBS, DrakeScene.of)
+DRAKE = Peer("drake", KNOBS, DrakeScene.of, _module)

@@ -202,4 +202,4 @@ def _module() -> Any:
         raise missing("exudyn", "install it with: pip install 'modelgen[exudyn]'") from None
 
 
-EXUDYN = Peer("exudyn", KNOBS, ExudynScene.of)
+EXUDYN = Peer("exudyn", KNOBS, ExudynScene.of, _module)

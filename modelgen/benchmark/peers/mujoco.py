@@ -128,4 +128,4 @@ def _module() -> Any:
     return mujoco
 
 
-MUJOCO = Peer("mujoco", (*BASIC, *ROUGH, *RINGS), MujocoScene.of)
+MUJOCO = Peer("mujoco", (*BASIC, *ROUGH, *RINGS), MujocoScene.of, _module)

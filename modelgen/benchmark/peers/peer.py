@@ -25,7 +25,7 @@ Run = Callable[[], tuple[Array, float]]  # (samples + 1, nb, 10) of p, quaternio
 
 
 class Adapter(Protocol):
-    """A scene as a simulator has it. Raises ModelgenError where the simulator is not installed."""
+    """A scene as a simulator has it."""
 
     @property
     def cannot(self) -> list[str]:
@@ -61,6 +61,7 @@ class Peer:
     name: str
     knobs: tuple[Knob, ...]
     adapter: Callable[[Setup], Adapter]
+    find: Callable[[], object]  # raises ModelgenError where the simulator is not installed
 
 
 @dataclass(slots=True)

@@ -53,9 +53,7 @@ class SiconosScene:
 
     @classmethod
     def of(cls, setup: Setup) -> SiconosScene:
-        python = python_with("siconos.kernel")
-        if python is None:
-            raise missing("siconos", "install Debian's python3-siconos, or name nothing of it")
+        python = _python()
         version = output_of(["dpkg-query", "-W", "-f", "${Version}", "python3-siconos"]) or "unknown"
         differs = [
             "contacts are impulses of a step; their points are given to it",
@@ -159,4 +157,11 @@ def _arm(setup: Setup, load: Any) -> list[float]:
     return [float(value) for value in point - setup.solid(load.body).centre]
 
 
-SICONOS = Peer("siconos", KNOBS, SiconosScene.of)
+def _python() -> str:
+    found = python_with("siconos.kernel")
+    if found is None:
+        raise missing("siconos", "install Debian's python3-siconos, or name nothing of it")
+    return found
+
+
+SICONOS = Peer("siconos", KNOBS, SiconosScene.of, _python)

@@ -50,11 +50,9 @@ class SimbodyScene:
     @classmethod
     def of(cls, setup: Setup) -> SimbodyScene:
         program = _program()
-        if program is None:
-            raise missing("simbody", "install Debian's libsimbody-dev and a C++ compiler")
         version = output_of(["dpkg-query", "-W", "-f", "${Version}", "libsimbody-dev"]) or "unknown"
         differs = ["its contacts give way: a penetration carries the force, and friction creeps"]
-        return cls(setup, unlike(setup.scene), differs, version, str(program))
+        return cls(setup, unlike(setup.scene), differs, version, program)
 
     def prepare(self, settings: Settings) -> Run:
         told = "\n".join(repr(float(value)) for value in self._told(settings))
@@ -126,9 +124,12 @@ def unlike(scene: Scene) -> list[str]:
 
 
 @cache
-def _program() -> Path | None:
+def _program() -> str:
     """The program, compiled once a session of Python."""
-    return compiled(SOURCE, FLAGS, Path(tempfile.mkdtemp(prefix="simbody-")))
+    found = compiled(SOURCE, FLAGS, Path(tempfile.mkdtemp(prefix="simbody-")))
+    if found is None:
+        raise missing("simbody", "install Debian's libsimbody-dev and a C++ compiler")
+    return str(found)
 
 
-SIMBODY = Peer("simbody", KNOBS, SimbodyScene.of)
+SIMBODY = Peer("simbody", KNOBS, SimbodyScene.of, _program)
