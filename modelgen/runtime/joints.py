@@ -88,7 +88,7 @@ def redundancy(session: Session) -> list[str]:
 
 def _misfit(session: Session) -> list[str]:
     speed, scales = float(session.run.joint_speed), session.instance["scales"]
-    if speed <= float(session.settings.start_joint) * scales["length"] / scales["time"]:
+    if speed <= float(session.settings.start_joint_gap) * scales["length"] / scales["time"]:
         return []
     name = session.joints[session.run.failed_joint]
     return [

@@ -89,7 +89,7 @@ def _apart(session: Session, run: Any, label: str) -> SimulationError:
         _place_of_joint(session, session.joints[run.failed_joint], label),
         f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m: "
         + ", ".join(_frames_apart(session, run.failed_joint)),
-        f"at most {float(session.settings.start_joint * session.system.length):.3g} m",
+        f"at most {float(session.settings.start_joint_gap * session.system.length):.3g} m",
         "move them to where the joint holds, or give the joint by one frame in the world at the start",
     )
 

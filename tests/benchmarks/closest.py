@@ -70,7 +70,7 @@ def ours(pairs: Pairs, eta: Array | None) -> tuple[ClosestPoints, float]:
     entry = library().manifest.instance["feature_pairs"][0]
     start = np.zeros((len(pairs.gap), 6)) if eta is None else eta.copy()
     queries, points = prepared(library(), entry, [pairs.pose_o, pairs.pose_f, pairs.lengths, start])
-    queries.warm = eta is not None
+    queries.is_warm_start = eta is not None
     begun = perf_counter()
     library().cdll.mg_closest(ctypes.byref(queries))
     return points, (perf_counter() - begun) / len(pairs.gap) * 1e6

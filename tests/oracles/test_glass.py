@@ -60,7 +60,7 @@ class Base:
 
     def exit(self) -> np.ndarray:
         H, slope, _ = self.support(self.normal)
-        n = np.array(self.tilt_direction[:2])
+        n = np.array(self.outward[:2])
         return H * n + slope * np.array([-n[1], n[0]])
 
     def glass(self) -> Glass:
@@ -157,7 +157,7 @@ def test_any_smooth_base_rolls_as_the_reference_does(base: str, rim: str) -> Non
     of = BASES[base]
     shape, form, eta = of.rims[rim]
     glass = BASE_GLASSES[base]
-    run = rolled(scene_of_glass(glass, shape, form), of.tilt_direction, TAU, Accuracy.tight(), eta)
+    run = rolled(scene_of_glass(glass, shape, form), of.outward, TAU, Accuracy.tight(), eta)
     position, rotation = errors(run, reference(glass))
     assert position < 1e-13
     assert rotation < 1e-12
@@ -171,7 +171,7 @@ BASE_GLASSES = {name: base.glass() for name, base in BASES.items()}
 def test_the_error_of_the_whole_start_follows_the_tolerance(tolerance: float) -> None:
     glass, of = BASE_GLASSES["ellipse"], BASES["ellipse"]
     shape, form, eta = of.rims["curve"]
-    run = rolled(scene_of_glass(glass, shape, form), of.tilt_direction, TAU, Accuracy.of(tolerance), eta)
+    run = rolled(scene_of_glass(glass, shape, form), of.outward, TAU, Accuracy.of(tolerance), eta)
     position, rotation = errors(run, reference(glass))
     assert position < 1e-2 * tolerance
     assert rotation < tolerance

@@ -298,10 +298,9 @@ def _bodies_and_contacts(
         "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
         "pair_feature_pair": [*(p["feature_pairs"][0] for p in pairs), len(feature_pairs)],
         "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
-        **{
-            f"feature_pair_{key}": [entry[key] for entry in feature_pairs]
-            for key in ("kind", "o", "f", "pair", "face_group")
-        },
+        **{f"feature_pair_{key}": [entry[key] for entry in feature_pairs] for key in ("kind", "o", "f")},
+        "feature_pair_owner": [entry["pair"] for entry in feature_pairs],
+        "feature_pair_group": [entry["face_group"] for entry in feature_pairs],
         "feature_pair_parameters": starts["feature_pairs"],
     }
 
@@ -375,6 +374,8 @@ def fill_settings(tables: Tables, accuracy: Any, instance: Mapping[str, Any]) ->
     settings.sequential = int(accuracy.impacts == "sequential")
     settings.use_gamma = int(accuracy.use_gamma)
     at_once = not (settings.sequential or any(_impact_laws(instance)))
-    settings.planar_contacts = int(accuracy.planar and accuracy.method != "time-stepping" and at_once)
+    settings.planar_contacts = int(
+        accuracy.planar_contacts and accuracy.method != "time-stepping" and at_once
+    )
     settings.step = accuracy.step or 0.0
     return settings

@@ -77,7 +77,7 @@ def _far(session: Session, accuracy: Accuracy) -> list[str]:
     far = max((abs(float(q[b["q"] + k])) for q in starts for b in bodies for k in range(3)), default=0.0)
     length = session.instance["scales"]["length"]
     known = far * float(np.finfo(session.tables.dtype).eps) / length
-    if not known > float(session.settings.gap):
+    if not known > float(session.settings.contact_gap):
         return []
     return [
         f"bodies are {far:.1e} m from the origin, where positions are rounded to {known:.1e} of the "

@@ -27,7 +27,7 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
         return []
     contact = session.contacts[run.impact_gain_contact]
     return [
-        f"an impact at t = {float(run.gain_t):.6g} s made {float(run.gain_max):.2e} J at the contact "
+        f"an impact at t = {float(run.impact_gain_t):.6g} s made {float(run.impact_gain_max):.2e} J at the contact "
         f"{contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
     ]
 
@@ -45,7 +45,7 @@ def _chains(session: Session) -> list[str]:
     if run.chain_impact_contact < 0:
         return []
     return [
-        f"a blow at t = {float(run.chain_t):.6g} s reached {session.contacts[run.chain_contact]}, "
+        f"a blow at t = {float(run.chain_impact_t):.6g} s reached {session.contacts[run.chain_impact_contact]}, "
         'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes '
         "blows on one by one, after which bodies may part otherwise"
     ]
@@ -56,7 +56,7 @@ def _paradox(session: Session) -> list[str]:
     if run.painleve_contact < 0:
         return []
     return [
-        f"at t = {float(run.paradox_t):.6g} s the contact {session.contacts[run.paradox_contact]} could as "
+        f"at t = {float(run.painleve_t):.6g} s the contact {session.contacts[run.painleve_contact]} could as "
         "well slip on, pressed by its own friction, as part (Painleve): the motion from there is one of "
         "several"
     ]

@@ -116,7 +116,7 @@ class PushedBox:
     @property
     def accelerations(self) -> tuple[float, float, float]:
         """Of the box, of a ball, and the friction coefficient that a ball needs."""
-        resist = self.mu_ground * (self.mass + self.bounding_balls * self.ball_mass) * self.g
+        resist = self.mu_ground * (self.mass + self.balls * self.ball_mass) * self.g
         share = self.k / (1 + self.k)
-        box = (self.force - resist) / (self.mass + self.bounding_balls * self.ball_mass * share)
+        box = (self.force - resist) / (self.mass + self.balls * self.ball_mass * share)
         return box, share * box, share * box / self.g
