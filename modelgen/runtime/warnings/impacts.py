@@ -27,8 +27,8 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
         return []
     contact = session.contacts[run.impact_gain_contact]
     return [
-        f"an impact at t = {float(run.impact_gain_t):.6g} s made {float(run.impact_gain_max):.2e} J at the contact "
-        f"{contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
+        f"an impact at t = {float(run.impact_gain_t):.6g} s made {float(run.impact_gain_max):.2e} J "
+        f"at the contact {contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
     ]
 
 
@@ -45,7 +45,8 @@ def _chains(session: Session) -> list[str]:
     if run.chain_impact_contact < 0:
         return []
     return [
-        f"a blow at t = {float(run.chain_impact_t):.6g} s reached {session.contacts[run.chain_impact_contact]}, "
+        f"an impact at t = {float(run.chain_impact_t):.6g} s reached "
+        f"{session.contacts[run.chain_impact_contact]}, "
         'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes '
         "blows on one by one, after which bodies may part otherwise"
     ]
