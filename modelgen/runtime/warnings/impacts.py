@@ -28,7 +28,8 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
     contact = session.contacts[run.impact_gain_contact]
     return [
         f"an impact at t = {float(run.impact_gain_t):.6g} s made {float(run.impact_gain_max):.2e} J "
-        f"at the contact {contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction does not exclude it"
+        f"at the contact {contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction "
+        "does not exclude it"
     ]
 
 
