@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.dynamics.bodies import kernel
 from modelgen.geometry.frames import zeros
 from modelgen.joint.kinds import FORMS, Coordinate
 from modelgen.joint.meeting import Meeting, meeting
@@ -44,10 +43,10 @@ def limit_kernels(kind: LimitKind) -> tuple[ca.Function, ca.Function]:
         value, lever, at = -m.cosine("za", "zb"), sign * m.length / ca.sin(bound), -ca.cos(bound)
     eta = ca.SX.sym("eta", 1 if coordinate.measure == "angle" else 0)
     gap = lever * ((eta if eta.numel() else value) - at)
-    sides = {"pose_o": m.pose_a, "pose_f": m.pose_b, "eta": eta, "parameters": parameters}
+    sides = {"pose_o": m.a.pose, "pose_f": m.b.pose, "eta": eta, "parameters": parameters}
     return (
         _rates(kind, m, value, lever, gap, eta, parameters),
-        kernel(f"mg_{kind.name}_place", sides, _place(m, value, sign, gap, eta)),
+        m.kernel(f"mg_{kind.name}_place", sides, _place(m, value, sign, gap, eta)),
     )
 
 
@@ -56,7 +55,7 @@ def _rates(
 ) -> ca.Function:
     rate = m.rate(value)
     inputs = {
-        "pose_o": m.pose_a, "twist_o": m.twist_a, "pose_f": m.pose_b, "twist_f": m.twist_b,
+        "pose_o": m.a.pose, "twist_o": m.a.twist, "pose_f": m.b.pose, "twist_f": m.b.twist,
         "eta": eta, "parameters": parameters,
     }  # fmt: skip
     outputs = {
@@ -67,7 +66,7 @@ def _rates(
         "eta_dot": rate.total if eta.numel() else ca.SX(0, 1),
         "normal": _axis(m, ca.SX(-1.0 if kind.upper else 1.0)),
     }
-    return kernel(f"mg_{kind.name}_rates", inputs, outputs)
+    return m.kernel(f"mg_{kind.name}_rates", inputs, outputs)
 
 
 def _place(m: Meeting, value: ca.SX, sign: float, gap: ca.SX, eta: ca.SX) -> dict[str, ca.SX]:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.geometry.frames import POSE_SIZE, TWIST_SIZE, Frame, dot, frame_of
+from modelgen.dynamics.bodies import kernel
+from modelgen.geometry.frames import POSE_SIZE, TWIST_SIZE, Frame, cross, dot, frame_of
 
 
 @dataclass(frozen=True)
@@ -21,30 +22,64 @@ class Rate:
 
 
 @dataclass(frozen=True)
+class Side:
+    """One body of a joint: its pose and twist, and what the joint's frame in it is, all in world axes."""
+
+    pose: ca.SX
+    twist: ca.SX
+    placement: ca.SX  # (12,) of the frame in the axes of the body's centre of mass
+    rotation: ca.SX  # (3, 3) symbols of the frame's axes
+
+    @property
+    def body(self) -> Frame:
+        return frame_of(self.pose)
+
+    @property
+    def arm(self) -> ca.SX:
+        """From the centre of mass to the frame's origin, (3,) m."""
+        return ca.mtimes(self.body.rotation, frame_of(self.placement).position)
+
+    @property
+    def position(self) -> ca.SX:
+        """The frame's origin, (3,) m."""
+        return self.body.position + self.arm
+
+    @property
+    def angular_velocity(self) -> ca.SX:
+        """(3,) rad/s."""
+        return ca.mtimes(self.body.rotation, self.twist[3:6])
+
+    @property
+    def turned(self) -> ca.SX:
+        """The frame's axes as expressions of pose and placement, (3, 3)."""
+        return ca.mtimes(self.body.rotation, frame_of(self.placement).rotation)
+
+
+@dataclass(frozen=True)
 class Meeting:
-    """Arguments of the kernels of a joint. Frames coincide where all coordinates of a joint are zero."""
+    """Arguments of the kernels of a joint. Frames coincide where all coordinates of a joint are zero.
+
+    Rows and coordinates are expressions of `t`, `span` and the axes of both frames, which are symbols until
+    `kernel` puts the poses in their place: derivatives are taken by few symbols.
+    """
 
     t: ca.SX
-    pose_a: ca.SX
-    twist_a: ca.SX
-    pose_b: ca.SX
-    twist_b: ca.SX
-    placements: ca.SX  # (24,) both frames in the axes of their bodies' centres of mass
+    a: Side
+    b: Side
+    span: ca.SX  # (3,) m, world: symbols, from the origin of a's frame to that of b's
     length: ca.SX  # m, by which angles are measured
-    a: Frame  # in the world
-    b: Frame
+
+    @property
+    def placements(self) -> ca.SX:
+        """(24,) both frames in the axes of their bodies' centres of mass."""
+        return ca.vertcat(self.a.placement, self.b.placement)
 
     @property
     def moving(self) -> dict[str, ca.SX]:
         """Poses and twists by the names of arguments."""
         return {
-            "pose_a": self.pose_a, "twist_a": self.twist_a, "pose_b": self.pose_b, "twist_b": self.twist_b
+            "pose_a": self.a.pose, "twist_a": self.a.twist, "pose_b": self.b.pose, "twist_b": self.b.twist
         }  # fmt: skip
-
-    @property
-    def span(self) -> ca.SX:
-        """From the origin of a to that of b, (3,) m, world."""
-        return self.b.position - self.a.position
 
     def axis(self, name: str) -> ca.SX:
         """`xa`: the unit vector (3,), world, of the x axis of frame a."""
@@ -59,39 +94,77 @@ class Meeting:
         return dot(self.axis(axis), self.span)
 
     def rate(self, value: ca.SX) -> Rate:
-        """Of a vector of expressions in t and the poses, by differentiation along the rigid motions."""
-        poses = ca.vertcat(self.pose_a, self.pose_b)
-        moved = ca.vertcat(_pose_rate(self.pose_a, self.twist_a), _pose_rate(self.pose_b, self.twist_b))
+        """Of a vector of expressions in t, the span and the axes, along the rigid motions of both bodies.
+
+        With g = d value/d span and h the angular gradients, in world axes,
+        value_dot = g.(v_b + w_b x s_b - v_a - w_a x s_a) + h_a.w_a + h_b.w_b + bias, s_a and s_b the arms.
+        """
+        velocity, spins = ca.SX.sym("velocity", 3), [ca.SX.sym("spin", 3) for _ in range(2)]
         bias = ca.jacobian(value, self.t)
-        total = ca.jtimes(value, poses, moved) + bias
-        J = ca.jacobian(total, ca.vertcat(self.twist_a, self.twist_b))
-        gamma = ca.jtimes(total, poses, moved) + ca.jacobian(total, self.t)
-        return Rate(J[:, :TWIST_SIZE], J[:, TWIST_SIZE:], gamma, bias, total)
+        along = ca.jacobian(value, self.span)
+        turning = [_angular_gradient(value, side.rotation) for side in (self.a, self.b)]
+        total = (
+            ca.mtimes(along, velocity)
+            + ca.mtimes(turning[0], spins[0])
+            + ca.mtimes(turning[1], spins[1])
+            + bias
+        )
+        places = ca.vertcat(self.span, ca.vec(self.a.rotation), ca.vec(self.b.rotation), self.t)
+        moved = ca.vertcat(velocity, *(ca.vec(_turned(w, side.rotation)) for w, side in self._with(spins)), 1)
+        w_a, w_b = self.a.angular_velocity, self.b.angular_velocity
+        swing_a, swing_b = cross(w_a, self.a.arm), cross(w_b, self.b.arm)
+        relative = self.b.twist[0:3] + swing_b - self.a.twist[0:3] - swing_a
+        pull = cross(w_b, swing_b) - cross(w_a, swing_a)
+        total, curved = ca.substitute(
+            [total, ca.jtimes(total, places, moved)], [velocity, *spins], [relative, w_a, w_b]
+        )
+        return Rate(
+            J_a=ca.horzcat(-along, ca.mtimes(turning[0] + _levered(along, self.a.arm), self.a.body.rotation)),
+            J_b=ca.horzcat(along, ca.mtimes(turning[1] - _levered(along, self.b.arm), self.b.body.rotation)),
+            gamma=curved + ca.mtimes(along, pull),
+            bias=bias,
+            total=total,
+        )
+
+    def kernel(self, name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
+        """A kernel whose outputs are expressions of the span and the axes."""
+        symbols = [self.span, self.a.rotation, self.b.rotation]
+        found = ca.substitute(
+            list(outputs.values()), symbols, [self.b.position - self.a.position, self.a.turned, self.b.turned]
+        )
+        return kernel(name, inputs, dict(zip(outputs, found, strict=True)))
+
+    def _with(self, spins: list[ca.SX]) -> list[tuple[ca.SX, Side]]:
+        return list(zip(spins, (self.a, self.b), strict=True))
 
 
 def meeting() -> Meeting:
     """Fresh symbols."""
-    pose_a, pose_b = ca.SX.sym("pose_a", POSE_SIZE), ca.SX.sym("pose_b", POSE_SIZE)
-    placements = ca.SX.sym("placements", 2 * POSE_SIZE)
-    return Meeting(
-        ca.SX.sym("t"),
-        pose_a,
-        ca.SX.sym("twist_a", TWIST_SIZE),
-        pose_b,
-        ca.SX.sym("twist_b", TWIST_SIZE),
-        placements,
-        ca.SX.sym("length"),
-        _within(frame_of(pose_a), frame_of(placements[:POSE_SIZE])),
-        _within(frame_of(pose_b), frame_of(placements[POSE_SIZE:])),
+    return Meeting(ca.SX.sym("t"), _side("a"), _side("b"), ca.SX.sym("span", 3), ca.SX.sym("length"))
+
+
+def _side(name: str) -> Side:
+    return Side(
+        ca.SX.sym(f"pose_{name}", POSE_SIZE),
+        ca.SX.sym(f"twist_{name}", TWIST_SIZE),
+        ca.SX.sym(f"placement_{name}", POSE_SIZE),
+        ca.SX.sym(f"rotation_{name}", 3, 3),
     )
 
 
-def _within(outer: Frame, inner: Frame) -> Frame:
-    position = outer.position + ca.mtimes(outer.rotation, inner.position)
-    return Frame(position, ca.mtimes(outer.rotation, inner.rotation))
+def _angular_gradient(value: ca.SX, rotation: ca.SX) -> ca.SX:
+    """(k, 3) h with d value = h.w dt where the axes x turn at w: the sum of x cross d value/d x."""
+    found = ca.SX(value.numel(), 3)
+    for k in range(3):
+        found += _levered(ca.jacobian(value, rotation[:, k]), -rotation[:, k])
+    return found
 
 
-def _pose_rate(pose: ca.SX, twist: ca.SX) -> ca.SX:
-    """p_dot = v, R_dot = R [w]x with w in body axes."""
-    turned = ca.mtimes(frame_of(pose).rotation, ca.skew(twist[3:6]))
-    return ca.vertcat(twist[0:3], ca.vec(turned))
+def _levered(rows: ca.SX, arm: ca.SX) -> ca.SX:
+    """(k, 3): each row g as g x arm."""
+    return ca.mtimes(rows, ca.skew(arm)) if rows.nnz() else ca.SX(rows.shape[0], 3)
+
+
+def _turned(spin: ca.SX, rotation: ca.SX) -> ca.SX:
+    """The rate of axes that turn at a spin, world axes."""
+    return ca.horzcat(*(cross(spin, rotation[:, k]) for k in range(3)))

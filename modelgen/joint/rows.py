@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.dynamics.bodies import kernel
 from modelgen.geometry.lower import lower
 from modelgen.joint.kinds import FORMS
 from modelgen.joint.meeting import Meeting, meeting
@@ -48,12 +47,12 @@ def rows_kernel(kind: JointKind) -> ca.Function:
     J = ca.horzcat(rate.J_a, rate.J_b)
     outputs = {"value": value, "J": ca.vec(J.T), "gamma1": rate.gamma, "bias": rate.bias}
     inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers)}
-    return kernel(f"mg_{kind.name}_rows", inputs, outputs)
+    return m.kernel(f"mg_{kind.name}_rows", inputs, outputs)
 
 
 def coordinates_kernel(kind: JointKind) -> ca.Function:
     """`mg_<kind>_coordinates`: (pose_a, pose_b, parameters) -> (coordinate(c))."""
     m, numbers = meeting(), numbers_of(kind.kind)
     values = [each.value(m, numbers) for each in FORMS[kind.kind].coordinates]
-    inputs = {"pose_a": m.pose_a, "pose_b": m.pose_b, "parameters": parameters_of(m, numbers)}
-    return kernel(f"mg_{kind.name}_coordinates", inputs, {"coordinate": ca.vertcat(ca.SX(0, 1), *values)})
+    inputs = {"pose_a": m.a.pose, "pose_b": m.b.pose, "parameters": parameters_of(m, numbers)}
+    return m.kernel(f"mg_{kind.name}_coordinates", inputs, {"coordinate": ca.vertcat(ca.SX(0, 1), *values)})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.dynamics.bodies import kernel
 from modelgen.joint.limits import coordinate_of, is_turn
 from modelgen.joint.meeting import meeting
 from modelgen.joint.rows import numbers_of, parameters_of
@@ -25,4 +24,4 @@ def spring_kernel(kind: LoadKind) -> ca.Function:
     push = -stiffness * off - damping * rate.total
     inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers, spring)}
     outputs = {"wrench_a": push * rate.J_a.T, "wrench_b": push * rate.J_b.T}
-    return kernel(f"mg_{kind.name}_wrench", inputs, outputs)
+    return m.kernel(f"mg_{kind.name}_wrench", inputs, outputs)
