@@ -46,7 +46,7 @@ from modelgen.model import (
     ShapeKind,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.scene.poses import rotation_of
+from modelgen.rotations import rotation_of
 from modelgen.scene.types import Body, Scene, Vector
 
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}

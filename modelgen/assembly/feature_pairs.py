@@ -18,7 +18,8 @@ from modelgen.geometry.composites.conditions import vertex
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
-from modelgen.scene.poses import compose, rotation_of, to_outer
+from modelgen.rotations import rotation_of
+from modelgen.scene.poses import compose, to_outer
 from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape, Vector
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line

@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.errors import SceneError
 from modelgen.geometry.solid import mass_properties
 from modelgen.model import InertiaKind
-from modelgen.scene.poses import rotation_of
+from modelgen.rotations import rotation_of
 from modelgen.scene.types import Body, Pose, Shape, Vector
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

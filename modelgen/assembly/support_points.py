@@ -10,8 +10,9 @@ import numpy as np
 
 from modelgen.geometry.domains import domain_of
 from modelgen.geometry.regions import JOINED, point_of
+from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
-from modelgen.scene.poses import rotation_of, to_outer
+from modelgen.scene.poses import to_outer
 from modelgen.scene.types import Condition, Feature, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -13,8 +13,9 @@ import numpy as np
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.domains import domain_of
 from modelgen.geometry.features import features_of
+from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
-from modelgen.scene.poses import UPSIDE_DOWN, compose, frame, rotation_of, to_inner, to_outer
+from modelgen.scene.poses import UPSIDE_DOWN, compose, frame, to_inner, to_outer
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from modelgen.rotations import quaternions_of
 from modelgen.runtime.joints import joint_columns
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables.structures import RECORD_ARRAYS, Array, address
@@ -59,7 +59,7 @@ class Recording:
         kept = {name: array[: self.record.count] for name, array in self.arrays.items()}
         rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)
         turning = {
-            "quaternion": quaternions(rotation),
+            "quaternion": quaternions_of(rotation),
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
         }
         for column in turning.values():
@@ -90,12 +90,3 @@ class Recording:
         """The bodies that may turn, but whose orientation and spin nobody observes."""
         instance = self.session.instance
         return [k for k, b in enumerate(instance["bodies"]) if instance["observe"] and b["motion"] == "point"]
-
-
-def quaternions(rotation: Array) -> Array:
-    """Unit quaternions (..., 4) in (w, x, y, z) order, w >= 0, of rotation matrices (..., 3, 3)."""
-    if rotation.size == 0:
-        return np.zeros((*rotation.shape[:-2], 4))
-    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3).astype(float)).as_quat(canonical=True)
-    ordered: Array = np.roll(flat, 1, axis=-1)
-    return ordered.reshape(*rotation.shape[:-2], 4)

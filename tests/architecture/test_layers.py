@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.architecture.sources import PYTHON, imports, is_module, short, tree
 
 PIPELINE = (
-    ("errors", "notation", "core"),
+    ("errors", "notation", "rotations", "core"),
     ("scene",),
     ("model",),
     ("geometry",),
@@ -30,6 +30,7 @@ RESOURCES = ("core/__init__.py",)  # holds C text, no Python
 NUMERIC_SIDE = (
     "modelgen.errors",
     "modelgen.notation",
+    "modelgen.rotations",
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",
     "modelgen.codegen.amalgamation",

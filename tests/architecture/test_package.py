@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from tests.architecture.sources import ROOT
+
 VERBS = ("read", "require", "derive", "emit", "build", "simulate", "measure", "linearise", "Accuracy")
 
 
@@ -29,3 +31,11 @@ def test_verbs_are_callable_whatever_was_imported_before(first: str) -> None:
 
 def test_unknown_name_is_refused() -> None:
     assert run("import modelgen; print(hasattr(modelgen, 'tabel'))") == "False"
+
+
+def test_a_scene_without_splines_is_derived_and_emitted_without_scipy_or_sympy() -> None:
+    steps = "modelgen.emit(modelgen.derive(modelgen.require(modelgen.read(sys.argv[0]))))"
+    scene = str(ROOT / "scenes" / "coin.toml")
+    code = f"import sys, modelgen, modelgen.runtime.simulate; sys.argv[0] = {scene!r}; {steps}"
+    loaded = run(f"{code}; print(*(name.split('.')[0] for name in sys.modules))").split()
+    assert not {"scipy", "sympy", "mpmath"} & set(loaded)

@@ -12,9 +12,10 @@ from scipy.spatial import ConvexHull
 
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.features import features_of
+from modelgen.rotations import rotation_of
 from modelgen.scene import build
 from modelgen.scene.own_places import point_on, quadric
-from modelgen.scene.poses import rotation_of, to_inner, to_outer
+from modelgen.scene.poses import to_inner, to_outer
 from modelgen.scene.types import Condition, Feature, Shape
 
 Level = Callable[[np.ndarray], float]

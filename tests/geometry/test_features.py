@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from modelgen.geometry.features import features_of, is_composite, is_convex
+from modelgen.rotations import rotation_of
 from modelgen.scene import build
-from modelgen.scene.poses import rotation_of, to_inner
+from modelgen.scene.poses import to_inner
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 from .composites import (

@@ -9,7 +9,8 @@ import pytest
 from scipy.optimize import minimize_scalar, nnls
 
 from modelgen.geometry.features import features_of
-from modelgen.scene.poses import rotation_of, to_inner
+from modelgen.rotations import rotation_of
+from modelgen.scene.poses import to_inner
 from modelgen.scene.types import Feature
 
 from .composites import GEM, SPECIMENS, curve_frame, curve_parameter, off_and_normal, values

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
 from modelgen.geometry.features import features_of
+from modelgen.rotations import rotation_of
 from modelgen.scene import build
-from modelgen.scene.poses import rotation_of, to_outer
+from modelgen.scene.poses import to_outer
 from modelgen.scene.types import Feature, Shape
 from tests.geometry.joins import features, jets
 

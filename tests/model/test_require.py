@@ -10,7 +10,7 @@ import pytest
 from modelgen import require
 from modelgen.errors import SceneError
 from modelgen.model import Model
-from modelgen.scene.poses import rotation_of
+from modelgen.rotations import rotation_of
 from modelgen.scene.read import read_text
 from tests.model.scenes import TABLE, WIDE, ball, ball_on_table, contact, egg, scene
 from tests.running import SCENES

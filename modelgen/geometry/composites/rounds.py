@@ -18,7 +18,8 @@ from modelgen.geometry.composites.conditions import (
     wing,
     within_circle,
 )
-from modelgen.scene.poses import UPSIDE_DOWN, Quaternion
+from modelgen.rotations import Quaternion
+from modelgen.scene.poses import UPSIDE_DOWN
 from modelgen.scene.types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
 TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one

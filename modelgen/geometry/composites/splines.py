@@ -11,7 +11,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from modelgen.geometry.composites.conditions import at_least, at_most, edge, face, linear, smooth
 from modelgen.scene.splines import ControlPolygon, HeightField, Knots, Net
@@ -102,6 +101,8 @@ def height_field(shape: Shape) -> Composite:
     The spline has not-a-knot ends: the two outer spans of a direction are one polynomial (de Boor, A
     Practical Guide to Splines, 2001, ch. IV).
     """
+    from scipy.interpolate import make_interp_spline  # slow to import, and needed by height fields alone
+
     field = shape.spline
     assert isinstance(field, HeightField)
     along_x = make_interp_spline(np.array(field.x), np.array(field.heights), k=CUBIC)
