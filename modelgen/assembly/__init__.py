@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.assembly.contact_count import Following, confined, following
+from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, ball_around, feature_pairs_of
 from modelgen.assembly.friction_rows import grips_of
-from modelgen.assembly.influence import influencing
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -22,11 +22,11 @@ from modelgen.assembly.masses import (
     mass_of,
     pose_numbers,
 )
+from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.pairing import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.pruning import bodies_of, check_observed, motion_of
 from modelgen.assembly.scales import scales_of
-from modelgen.assembly.singular_shapes import soundness
 from modelgen.contact.kinds import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (

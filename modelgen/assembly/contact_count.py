@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.features import features_of, is_composite
-from modelgen.geometry.roundness import touches_once
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
 from modelgen.scene.types import ContactPair, Shape
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import SceneError
-from modelgen.geometry.solid import mass_properties
+from modelgen.geometry.mass_properties import mass_properties
 from modelgen.model import InertiaKind
 from modelgen.rotations import rotation_of
 from modelgen.scene.types import Body, Pose, Shape, Vector

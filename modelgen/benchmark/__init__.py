@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from modelgen.benchmark.extremes_survey import Survey, survey
 from modelgen.benchmark.measurement import Measurement, measure
-from modelgen.benchmark.survey import Survey, survey
 from modelgen.benchmark.tuning import Tuned, tune
 
 __all__ = ["Measurement", "Survey", "Tuned", "measure", "survey", "tune"]

@@ -8,8 +8,8 @@ from math import log10, sqrt
 import numpy as np
 
 from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
+from modelgen.benchmark.scene_variants import Variants
 from modelgen.benchmark.units import Units, in_units
-from modelgen.benchmark.variants import Variants
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.build import dynamic, ellipsoid, fixed, plane, scene, sphere

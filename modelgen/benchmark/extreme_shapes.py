@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.variants import Variants
+from modelgen.benchmark.scene_variants import Variants
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.build import (

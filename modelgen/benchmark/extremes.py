@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.benchmark.errors import separation
 from modelgen.benchmark.motion import Bodies, motion_of, uninterrupted
-from modelgen.benchmark.variants import Variants
+from modelgen.benchmark.scene_variants import Variants
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.accuracy import Accuracy

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.benchmark.counts import why_not_counted
+from modelgen.benchmark.evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.front import Point, front, place, spaced
 from modelgen.benchmark.knobs import KNOBS, Settings
+from modelgen.benchmark.measured_scene import Subject
 from modelgen.benchmark.peers import PEERS, Peer, PeerPoints, peer_points
-from modelgen.benchmark.program import Bench, counted, point_of, scaled
 from modelgen.benchmark.search import sweep
 from modelgen.benchmark.store import Store
-from modelgen.benchmark.subject import Subject
 from modelgen.errors import ModelgenError, expect, nearest
 from modelgen.scene.types import Scene
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from modelgen.report.schema import NUMBER, TEXTS, entry, record
+from modelgen.report.scene_schema import NUMBER, TEXTS, entry, record
 
 _ERRORS = entry(
     "object",

@@ -10,7 +10,7 @@ from dataclasses import fields
 from typing import Any
 
 from modelgen.benchmark.knobs import KNOBS, Settings
-from modelgen.benchmark.subject import BUILD
+from modelgen.benchmark.measured_scene import BUILD
 from modelgen.errors import ModelgenError
 from modelgen.scene.types import RunSettings
 

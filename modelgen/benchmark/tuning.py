@@ -9,12 +9,12 @@ from math import log
 from pathlib import Path
 from typing import Any
 
+from modelgen.benchmark.evaluation import Bench, point_of, scaled
 from modelgen.benchmark.front import Point, cheapest, finest, front, is_measured, place
 from modelgen.benchmark.knobs import Settings
+from modelgen.benchmark.measured_scene import applied
 from modelgen.benchmark.measurement import Measurement, Report, measure
-from modelgen.benchmark.program import Bench, point_of, scaled
 from modelgen.benchmark.store import Store
-from modelgen.benchmark.subject import applied
 from modelgen.errors import ModelgenError
 from modelgen.scene.types import RunSettings, Scene
 

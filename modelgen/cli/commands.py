@@ -240,9 +240,9 @@ def inspect(
 @guarded
 def schema(as_json: AsJson = False) -> None:
     """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
+    from modelgen.benchmark.extremes_result import surveyed_schema
     from modelgen.benchmark.result import measured_schema, tuned_schema
-    from modelgen.benchmark.survey_result import surveyed_schema
-    from modelgen.report.result import linearised_schema, result_schema
+    from modelgen.report.result_schema import linearised_schema, result_schema
     from modelgen.scene.schema import scene_schema
 
     document = scene_schema()

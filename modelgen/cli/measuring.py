@@ -120,8 +120,8 @@ def _survey(
     scene: Path | None, extremes: bool, only: str | None, given: Mapping[str, object], as_json: bool
 ) -> None:
     """`given`: options of a measurement, which a survey does not take."""
-    from modelgen.benchmark.survey import survey
-    from modelgen.benchmark.survey_table import print_survey
+    from modelgen.benchmark.extremes_survey import survey
+    from modelgen.benchmark.extremes_table import print_survey
 
     if not extremes:
         raise ModelgenError("measure", "no scene", "a scene file, or --extremes", "name one of them")

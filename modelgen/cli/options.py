@@ -11,9 +11,9 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.place import Place
 from modelgen.scene.run import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
-from modelgen.scene.scalars import Choice, Real, Type, Whole
+from modelgen.scene.scalar_types import Choice, Real, Type, Whole
+from modelgen.scene.source_location import Place
 
 STYLES = ("text", "latex", "html")
 TYPES: dict[str, Type] = {

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.centres import Centre, centre_of, has_centre
+from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.rows import jet_of_curve
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import cross, dot, zeros

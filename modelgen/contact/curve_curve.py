@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import crossing_margin
-from modelgen.contact.partners import Pair
 from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
 from modelgen.geometry.frames import cross, dot, solve2, zeros
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.contact.curve_block import chart_curve_placement, curve_block
+from modelgen.contact.contact_symbols import Pair
+from modelgen.contact.curve_block_form import chart_curve_placement, curve_block
 from modelgen.contact.curve_curve import crossing, crossing_place
 from modelgen.contact.curve_surface import CurveSystem
-from modelgen.contact.extremal import along, slides
+from modelgen.contact.extremal_form import along, slides
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.partners import Pair
 from modelgen.contact.rows import Levers, feet, jacobian_rows, passing
 from modelgen.geometry.frames import dot, solve2, zeros
 

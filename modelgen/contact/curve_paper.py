@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.curve_curve import crossing
 from modelgen.contact.curve_surface import CurveSystem
 from modelgen.contact.kernels import RATES_INPUTS, Rates
-from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.points import chart_jet, chart_normal, montana_frame
 from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
 from modelgen.geometry.frames import cross, dot, solve2, zeros

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from modelgen.contact.block import block_place, block_rates
+from modelgen.contact.block_form import block_place, block_rates
 from modelgen.contact.centre_curve import centre_curve_place, centre_curve_rates
-from modelgen.contact.curve_block import curve_block_place, curve_block_rates
+from modelgen.contact.contact_symbols import Layout, Pair, pair
+from modelgen.contact.curve_block_form import curve_block_place, curve_block_rates
 from modelgen.contact.curve_curve import crossing_place, crossing_rates
 from modelgen.contact.curve_extremal import (
     curve_differentiated_place,
@@ -23,9 +24,9 @@ from modelgen.contact.curve_paper import (
     curves_theorem,
     theorem_rates,
 )
-from modelgen.contact.edge_edge import edge_edge_place, edge_edge_rates
-from modelgen.contact.explicit import sphere_place, sphere_rates
-from modelgen.contact.extremal import differentiated_place, differentiated_rates
+from modelgen.contact.edge_pair import edge_edge_place, edge_edge_rates
+from modelgen.contact.explicit_form import sphere_place, sphere_rates
+from modelgen.contact.extremal_form import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
 from modelgen.contact.parametrisations import (
     carrier_place,
@@ -45,9 +46,8 @@ from modelgen.contact.parametrisations import (
     no_layout,
     point_layout,
 )
-from modelgen.contact.partners import Layout, Pair, pair
 from modelgen.contact.slip import with_tangential_rows
-from modelgen.contact.support import support_place, support_rates
+from modelgen.contact.support_form import support_place, support_rates
 from modelgen.contact.surface_surface import angle_function, paper_rates
 from modelgen.model import ContactKind, ShapeKind
 

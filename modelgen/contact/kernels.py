@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from modelgen.contact.partners import Pair
+from modelgen.contact.contact_symbols import Pair
 from modelgen.model import ContactKind
 
 RATES_INPUTS = ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters")

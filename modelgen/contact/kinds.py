@@ -9,7 +9,8 @@ from functools import cache
 import casadi as ca
 
 from modelgen.contact import forms
-from modelgen.contact.centres import has_centre
+from modelgen.contact.centre_shapes import has_centre
+from modelgen.contact.contact_symbols import Layout
 from modelgen.contact.kernels import ContactKernels
 from modelgen.contact.parametrisations import (
     centre_curve_layout,
@@ -23,8 +24,7 @@ from modelgen.contact.parametrisations import (
     no_layout,
     point_layout,
 )
-from modelgen.contact.partners import Layout
-from modelgen.contact.support import support_of
+from modelgen.contact.support_form import support_of
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.catalogue import SURFACES, surface_of
 from modelgen.geometry.curves import CURVES, is_curve, is_straight

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement
 from modelgen.contact.margin import margin
-from modelgen.contact.partners import Pair
 from modelgen.contact.points import Carrier
-from modelgen.contact.tangent import contact_frame, touch
+from modelgen.contact.tangent_form import contact_frame, touch
 from modelgen.geometry.frames import dot, solve2, zeros
 
 

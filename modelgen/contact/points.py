@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.partners import Partner
+from modelgen.contact.contact_symbols import Partner
 from modelgen.geometry.catalogue import exterior_sign, surface_of
 from modelgen.geometry.charts import Jet
 from modelgen.geometry.frames import cross, dot, solve2, tangent_frame, zeros

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Passing, Rates
-from modelgen.contact.partners import Pair, Partner
 from modelgen.geometry.curves import CurveJet, curve_of
 from modelgen.geometry.frames import cross, dot
 

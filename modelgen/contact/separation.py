@@ -19,8 +19,8 @@ from functools import cache
 
 import casadi as ca
 
-from modelgen.contact.partners import Pair, Partner, pair
-from modelgen.contact.support import support_of
+from modelgen.contact.contact_symbols import Pair, Partner, pair
+from modelgen.contact.support_form import support_of
 from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import is_curve
 from modelgen.geometry.frames import dot, solve2, tangent_frame

@@ -26,8 +26,8 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Rates
-from modelgen.contact.partners import Pair, Partner
 from modelgen.geometry.frames import cross, dot, frame_spin, tangent_frame, zeros
 
 

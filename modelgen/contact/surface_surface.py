@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import RATES_INPUTS, Rates
-from modelgen.contact.partners import Pair
 from modelgen.contact.points import MontanaFrame, montana_frame
 from modelgen.contact.rows import Levers, levers, rates_of
 from modelgen.geometry.frames import cross, dot, solve2

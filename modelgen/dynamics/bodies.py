@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.dynamics.turning import exponential
+from modelgen.dynamics.symbolic_rotations import exponential
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
-from modelgen.geometry.lower import lower
 from modelgen.model import BodyKind
 
 INERTIA_SIZE = {"none": 0, "isotropic": 1, "diagonal": 3, "full": 6}

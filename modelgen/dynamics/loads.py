@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.dynamics.bodies import kernel
-from modelgen.dynamics.turning import quaternion
+from modelgen.dynamics.symbolic_rotations import quaternion
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
-from modelgen.geometry.lower import lower
 from modelgen.model import BodyMotion, LoadKind
 from modelgen.scene.types import ForceLoad, TorqueLoad
 

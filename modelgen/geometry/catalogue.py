@@ -12,11 +12,13 @@ from math import inf, pi
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry import charts, implicit, polynomials, supports
+from modelgen.geometry import charts, polynomials
+from modelgen.geometry import implicit_surfaces as implicit
+from modelgen.geometry import support_maps as supports
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.charts import Jet, jet_of
-from modelgen.geometry.implicit import Implicit
-from modelgen.geometry.lower import lower
-from modelgen.geometry.supports import Support
+from modelgen.geometry.implicit_surfaces import Implicit
+from modelgen.geometry.support_maps import Support
 from modelgen.model import ShapeKind
 from modelgen.scene.types import Chart, Shape
 

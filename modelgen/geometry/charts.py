@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.geometry.frames import dot, zeros
-from modelgen.geometry.implicit import superellipsoid as superellipsoid_gauge
+from modelgen.geometry.implicit_surfaces import superellipsoid as superellipsoid_gauge
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ from math import inf, pi
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry import polynomials, supports
+from modelgen.geometry import polynomials
+from modelgen.geometry import support_maps as supports
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import zeros
-from modelgen.geometry.lower import lower
-from modelgen.geometry.supports import Support
+from modelgen.geometry.support_maps import Support
 from modelgen.geometry.surface import shape_parameters
 from modelgen.model import ShapeKind
 from modelgen.scene.types import Curve, Shape

@@ -7,8 +7,9 @@ from dataclasses import replace
 from functools import lru_cache
 from math import isfinite
 
-from modelgen.geometry.composites import rounds, splines
-from modelgen.geometry.composites.atlas import atlas, ends_of, has_poles
+from modelgen.geometry.composites import revolutions as rounds
+from modelgen.geometry.composites import splines
+from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
 from modelgen.geometry.composites.conditions import at_least, at_most
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.polyhedra import box, polyhedron

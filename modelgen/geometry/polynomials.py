@@ -15,7 +15,7 @@ import casadi as ca
 
 from modelgen.geometry.charts import Jet
 from modelgen.geometry.frames import zeros
-from modelgen.geometry.implicit import Implicit
+from modelgen.geometry.implicit_surfaces import Implicit
 
 GRAPH_DEGREE = 3
 

@@ -13,7 +13,7 @@ from typing import Literal
 import casadi as ca
 
 from modelgen.geometry.frames import cross, dot
-from modelgen.joint.meeting import Meeting
+from modelgen.joint.joint_frames import Meeting
 
 Measure = Literal["angle", "length", "tilt"]  # a tilt: an angle from 0 to pi, in which nothing turns whole
 Value = Callable[[Meeting, ca.SX], ca.SX]  # of the frames and the kind's own numbers

@@ -9,8 +9,8 @@ from __future__ import annotations
 import casadi as ca
 
 from modelgen.geometry.frames import zeros
+from modelgen.joint.joint_frames import Meeting, meeting
 from modelgen.joint.kinds import FORMS, Coordinate
-from modelgen.joint.meeting import Meeting, meeting
 from modelgen.joint.rows import numbers_of, parameters_of
 from modelgen.model import LimitKind
 

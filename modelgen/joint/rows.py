@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.geometry.lower import lower
+from modelgen.geometry.casadi_expressions import lower
+from modelgen.joint.joint_frames import Meeting, meeting
 from modelgen.joint.kinds import FORMS
-from modelgen.joint.meeting import Meeting, meeting
 from modelgen.model import JointKind
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
+from modelgen.joint.joint_frames import meeting
 from modelgen.joint.limits import coordinate_of, is_turn
-from modelgen.joint.meeting import meeting
 from modelgen.joint.rows import numbers_of, parameters_of
 from modelgen.model import LoadKind
 

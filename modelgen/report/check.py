@@ -12,7 +12,7 @@ from modelgen.contact.kinds import contact_kernels, regular_forms
 from modelgen.derivation import Derivation
 from modelgen.joint.kinds import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
-from modelgen.report.resting import patch_names, print_patches
+from modelgen.report.resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints
 
 DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")

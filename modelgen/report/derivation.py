@@ -23,7 +23,7 @@ from modelgen.joint.rows import coordinates_kernel, rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
-from modelgen.report.typeset import symbol_latex
+from modelgen.report.formula_text import symbol_latex
 from modelgen.verification.configuration import inputs_at, substituted
 from modelgen.verification.symbolic import LONGEST, Line, definition, leading_to
 from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified

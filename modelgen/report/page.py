@@ -8,8 +8,8 @@ from html import escape
 from typing import Any
 
 from modelgen.report import mathml
+from modelgen.report.formula_text import status_text, tree
 from modelgen.report.raster import colour, data_uri
-from modelgen.report.typeset import status_text, tree
 
 GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
 STYLE = """

@@ -11,7 +11,7 @@ from modelgen.codegen.emit import emit
 from modelgen.contact.kinds import instructions, regular_forms
 from modelgen.derivation import Derivation, derive
 from modelgen.dynamics.closed_form import why_not_closed
-from modelgen.dynamics.planar import in_a_plane
+from modelgen.dynamics.planar_motion import in_a_plane
 from modelgen.errors import SceneError
 from modelgen.model import ContactKind, Model
 from modelgen.scene.types import Friction, Scene

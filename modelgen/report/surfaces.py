@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modelgen.scene.own_places import quadric
+from modelgen.scene.custom_solid_checks import quadric
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.scene import joints, links
+from modelgen.scene import contacts_and_loads
+from modelgen.scene import joints
 from modelgen.scene.bodies import read_body, unique_names
 from modelgen.scene.format import SCENE
-from modelgen.scene.place import Place
 from modelgen.scene.run import RUN, check_run
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, RunSettings, Scene
 
 
@@ -31,13 +32,13 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     run = values["run"] or RUN.read({}, place.key("run"))
     check_run(run, place.key("run"))
     joined = joints.joints(values["joint"], known)
-    observe = links.observed(values["observe"], known, (each.name for each in joined), place.key("observe"))
+    observe = contacts_and_loads.observed(values["observe"], known, (each.name for each in joined), place.key("observe"))
     return Scene(
         name=name,
         source=place.source,
         bodies=bodies,
-        contacts=links.contacts(values["contact"], known),
-        loads=links.loads(values, known),
+        contacts=contacts_and_loads.contacts(values["contact"], known),
+        loads=contacts_and_loads.loads(values, known),
         joints=joined,
         gravity=values["gravity"],
         observe=observe,

@@ -7,7 +7,7 @@ from itertools import product
 from typing import Any
 
 from modelgen.scene.formulas import finite
-from modelgen.scene.place import Place
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Chart, Curve
 
 CLOSURE = 1e-9  # mismatch of the two ends of a periodic chart, against its size

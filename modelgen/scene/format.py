@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from modelgen.scene.fields import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.custom_solid import own_fields
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
-from modelgen.scene.own_solid import own_fields
+from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
 from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run import FORMS, RUN
-from modelgen.scene.scalars import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
 from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.solids import SOLIDS
 from modelgen.scene.types import Restitution

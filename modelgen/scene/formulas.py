@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 from modelgen.errors import ExpressionError
 from modelgen.scene.expression import Expression, evaluate
-from modelgen.scene.place import Place
+from modelgen.scene.source_location import Place
 
 
 def triple(

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.scene.fields import Field, Sequence
-from modelgen.scene.place import Place
+from modelgen.scene.list_types import Field, Sequence
 from modelgen.scene.revolution import read_revolution
-from modelgen.scene.scalars import NUMBER, ExpressionText, Switch
+from modelgen.scene.scalar_types import NUMBER, ExpressionText, Switch
 from modelgen.scene.shapes import REVOLUTION_PARAMETERS
+from modelgen.scene.source_location import Place
 from modelgen.scene.spline_shapes import (
     HEIGHT_FIELDS,
     NET_FIELDS,

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.scene.fields import Field, Sequence, Table
-from modelgen.scene.place import Place
+from modelgen.scene.list_types import Field, Sequence, Table
 from modelgen.scene.pose import VECTOR
-from modelgen.scene.scalars import Real, Schema
+from modelgen.scene.scalar_types import Real, Schema
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Friction
 
 COEFFICIENT = Real(0.0, 1e6)

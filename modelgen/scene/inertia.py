@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.scene.fields import Sequence
-from modelgen.scene.place import Place, describe
+from modelgen.scene.list_types import Sequence
 from modelgen.scene.pose import VECTOR
-from modelgen.scene.scalars import Schema
+from modelgen.scene.scalar_types import Schema
+from modelgen.scene.source_location import Place, describe
 from modelgen.scene.types import Matrix
 
 ROUNDING = 1e-9  # relative, of moments written in decimals

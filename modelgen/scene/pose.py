@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from math import cos, hypot, sin
 from typing import Any
 
-from modelgen.scene.fields import Field, Sequence, Table
-from modelgen.scene.place import Place
-from modelgen.scene.scalars import NUMBER
+from modelgen.scene.list_types import Field, Sequence, Table
+from modelgen.scene.scalar_types import NUMBER
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import IDENTITY_QUATERNION, Matrix, Pose, Vector
 
 Quaternion = tuple[float, float, float, float]

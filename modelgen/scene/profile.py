@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from math import atan2, hypot, pi
 from typing import Any
 
-from modelgen.scene.compose import expression_of, minus, number, substitute
 from modelgen.scene.expression import Expression, Name
+from modelgen.scene.expression_composition import expression_of, minus, number, substitute
 from modelgen.scene.formulas import finite
-from modelgen.scene.place import Place
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Profile
 
 Point = tuple[float, float]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from modelgen.scene.fields import Field, Table
-from modelgen.scene.place import Place
-from modelgen.scene.scalars import Choice, Real, Schema
+from modelgen.scene.list_types import Field, Table
+from modelgen.scene.scalar_types import Choice, Real, Schema
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Restitution
 
 LAWS = ("newton", "poisson", "stronge")

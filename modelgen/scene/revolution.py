@@ -14,10 +14,10 @@ from math import pi
 from typing import Any
 
 from modelgen.scene.chart import check_chart, check_interval
-from modelgen.scene.compose import cos, expression_of, sin, substitute, times
 from modelgen.scene.expression import Expression, Name, Unary
+from modelgen.scene.expression_composition import cos, expression_of, sin, substitute, times
 from modelgen.scene.formulas import finite
-from modelgen.scene.place import Place
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Chart
 
 SAMPLES = 256  # of a profile, for its side and its sign

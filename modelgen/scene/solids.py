@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from modelgen.scene.chart import check_interval
-from modelgen.scene.fields import Field, NamedNumbers, Sequence
-from modelgen.scene.place import Place
+from modelgen.scene.list_types import Field, NamedNumbers, Sequence
 from modelgen.scene.pose import VECTOR
 from modelgen.scene.profile import read_profile
-from modelgen.scene.scalars import NUMBER, POSITIVE, ExpressionText
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText
 from modelgen.scene.shapes import CURVE_PARAMETER_NAMES, ShapeSpec, torus_constraint
+from modelgen.scene.source_location import Place
 
 Point = tuple[float, float]
 Reader = Callable[[Mapping[str, Any], Place], dict[str, Any]]

@@ -7,9 +7,9 @@ from itertools import pairwise
 from math import acos, dist, pi, tan
 from typing import Any
 
-from modelgen.scene.fields import Field, Sequence
-from modelgen.scene.place import Place
-from modelgen.scene.scalars import NUMBER, POSITIVE, Switch, Whole
+from modelgen.scene.list_types import Field, Sequence
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Switch, Whole
+from modelgen.scene.source_location import Place
 from modelgen.scene.splines import ControlPolygon, HeightField, Knots, Net, Point, Polyline
 
 CUBIC = 3  # the lowest degree with continuous curvature

@@ -11,12 +11,12 @@ from math import pi
 from typing import Any
 
 from modelgen.scene.chart import check_curve, check_interval, read_chart
-from modelgen.scene.compose import expression_of, number, substitute
 from modelgen.scene.expression import Name, parse_expression
-from modelgen.scene.fields import Field, Sequence, Table, Tagged
-from modelgen.scene.place import Place
-from modelgen.scene.scalars import NUMBER
+from modelgen.scene.expression_composition import expression_of, number, substitute
+from modelgen.scene.list_types import Field, Sequence, Table, Tagged
+from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.shapes import CHART_FIELDS, SHAPES
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Chart, Curve
 
 Interval = tuple[float, float]

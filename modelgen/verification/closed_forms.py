@@ -16,7 +16,7 @@ from modelgen.geometry.catalogue import exterior_sign
 from modelgen.model import ShapeKind
 from modelgen.verification.features import Feature, feature_of
 from modelgen.verification.numbers import value_of
-from modelgen.verification.shortest import Sign, short, square_root
+from modelgen.verification.simplification import Sign, short, square_root
 from modelgen.verification.symbolic import definition
 
 LONGEST = 80  # operations in the components of a shape; longer ones are left to CasADi

@@ -9,15 +9,15 @@ from typing import TypeVar
 import casadi as ca
 import numpy as np
 
-from modelgen.contact.extremal import pose_rate
+from modelgen.contact.contact_symbols import Pair
+from modelgen.contact.contact_symbols import pair as symbols_of
+from modelgen.contact.extremal_form import pose_rate
 from modelgen.contact.kinds import eta_layout
-from modelgen.contact.partners import Pair
-from modelgen.contact.partners import pair as symbols_of
 from modelgen.geometry.curves import is_straight
 from modelgen.model import ContactKind, Side
-from modelgen.verification.drawing import Array, Configurations, Partnership, draw
 from modelgen.verification.findings import AGREE, Finding, compared
 from modelgen.verification.motion import Truth, columns, repeated, truth
+from modelgen.verification.random_configurations import Array, Configurations, Partnership, draw
 from modelgen.verification.slip import check_slip, passing, row_products
 
 Record = TypeVar("Record", Configurations, Truth)

@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 import sympy as sp
 
+from modelgen.contact.contact_symbols import partner
 from modelgen.contact.curve_paper import strand
-from modelgen.contact.partners import partner
 from modelgen.contact.points import chart_jet, montana_frame, second_form
 from modelgen.contact.rows import jet_of_curve
 from modelgen.model import ShapeKind, Side

@@ -10,9 +10,9 @@ import numpy as np
 
 from modelgen.contact.kinds import contact_kernels
 from modelgen.verification.contacts import eta_of, sample_of
-from modelgen.verification.drawing import Configurations, Partnership, local_axes
 from modelgen.verification.features import Feature
 from modelgen.verification.motion import columns, repeated
+from modelgen.verification.random_configurations import Configurations, Partnership, local_axes
 
 Array = np.ndarray[Any, Any]
 CELLS = 81  # of the map, in either direction

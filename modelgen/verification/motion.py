@@ -14,8 +14,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.verification.drawing import Configurations, Partnership
 from modelgen.verification.features import Feature
+from modelgen.verification.random_configurations import Configurations, Partnership
 
 Array = np.ndarray[Any, Any]
 CONDITION = 1e3  # of g_alpha with rows and columns of equal length: worse pairs are near a singularity

@@ -10,10 +10,10 @@ import numpy as np
 
 from modelgen.geometry.catalogue import exterior_sign, surface_of
 from modelgen.model import ShapeKind
-from modelgen.verification.drawing import Partnership
 from modelgen.verification.features import feature_of
 from modelgen.verification.findings import Finding, compared
 from modelgen.verification.motion import columns, repeated
+from modelgen.verification.random_configurations import Partnership
 
 Array = np.ndarray[Any, Any]
 

@@ -13,10 +13,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.verification.drawing import Configurations, Partnership
 from modelgen.verification.features import Feature
 from modelgen.verification.findings import Finding, compared
 from modelgen.verification.motion import Truth, columns, moved, placed, repeated
+from modelgen.verification.random_configurations import Configurations, Partnership
 
 Array = np.ndarray[Any, Any]
 POINTS = "rates of material points and rotations by differentiation of the motion"

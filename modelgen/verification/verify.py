@@ -10,11 +10,11 @@ from modelgen.derivation import Derivation, Formula
 from modelgen.model import JointKind, LimitKind, LoadKind, Model
 from modelgen.verification.bodies import check_body
 from modelgen.verification.contacts import check_contact, sample
-from modelgen.verification.drawing import Partnership, partnership
 from modelgen.verification.findings import Finding, Status
 from modelgen.verification.joints import Drawn, check_coordinates, check_limit, check_rows, check_spring, draw
 from modelgen.verification.loads import check_load
 from modelgen.verification.proofs import must_be_proved, prove
+from modelgen.verification.random_configurations import Partnership, partnership
 from modelgen.verification.right_hand_side import check_rhs
 from modelgen.verification.shapes import check_search, check_shape
 

@@ -107,7 +107,7 @@ def test_runtime_imports_the_manifest_and_the_library_alone() -> None:
     ]
 
 
-REFERENCES = ("runtime/reference.py", "runtime/friction/mpcc.py")  # answers by CasADi's solvers
+REFERENCES = ("runtime/qp_reference.py", "runtime/friction/mpcc.py")  # answers by CasADi's solvers
 
 
 def knows_no_symbols(path: Path) -> bool:

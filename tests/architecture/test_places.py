@@ -19,7 +19,7 @@ IO_PLACES = (
     "benchmark/counts.py",
     "benchmark/peers/",
     "benchmark/store.py",
-    "benchmark/survey_table.py",
+    "benchmark/extremes_table.py",
     "benchmark/table.py",
     "cli/",
 )

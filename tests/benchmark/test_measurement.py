@@ -11,15 +11,16 @@ import pytest
 from rich.console import Console
 
 from modelgen import derive, emit, require
-from modelgen.benchmark import cost, program
+from modelgen.benchmark import cost
+from modelgen.benchmark import evaluation as program
 from modelgen.benchmark.front import Point, spaced
 from modelgen.benchmark.knobs import Settings
+from modelgen.benchmark.measured_scene import Subject
 from modelgen.benchmark.measurement import SHOWN, measure
 from modelgen.benchmark.motion import Bodies
 from modelgen.benchmark.peers.setup import _solid
 from modelgen.benchmark.settings_file import with_run
 from modelgen.benchmark.store import NAME
-from modelgen.benchmark.subject import Subject
 from modelgen.benchmark.table import print_measurement, print_tuned
 from modelgen.benchmark.tuning import BAND, tune
 from modelgen.errors import ModelgenError

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from modelgen.benchmark.measured_scene import applied
 from modelgen.benchmark.settings_file import with_run
-from modelgen.benchmark.subject import applied
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from modelgen.contact.contact_symbols import partner
 from modelgen.contact.forms import build_angle
 from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
-from modelgen.contact.partners import partner
 from modelgen.contact.points import montana_frame
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.expression import parse_expression

@@ -12,7 +12,7 @@ import pytest
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.complementarity import Outcome, solve_lcp, solve_qp
-from modelgen.runtime.reference import reference_qp
+from modelgen.runtime.qp_reference import reference_qp
 
 Problem = tuple[np.ndarray, np.ndarray]
 SIZES = (1, 2, 3, 4, 7, 12)

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from modelgen.benchmark.extremes import Extreme, Found, Trial, tried
-from modelgen.benchmark.survey import EXTREMES, survey
-from modelgen.benchmark.survey_table import _ranges
-from modelgen.benchmark.variants import Variants
+from modelgen.benchmark.extremes_survey import EXTREMES, survey
+from modelgen.benchmark.extremes_table import _ranges
+from modelgen.benchmark.scene_variants import Variants
 from modelgen.errors import ModelgenError
 from modelgen.runtime.session import Session
 from tests.running import folder

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from modelgen import read, require, simulate
+from modelgen.benchmark.scene_variants import Variants
 from modelgen.benchmark.units import Units, in_units
-from modelgen.benchmark.variants import Variants
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.build import chart, dynamic, fixed, plane, scene
 from modelgen.scene.types import Scene

@@ -14,7 +14,7 @@ from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene import build
-from modelgen.scene.own_places import point_on, quadric
+from modelgen.scene.custom_solid_checks import point_on, quadric
 from modelgen.scene.poses import to_inner, to_outer
 from modelgen.scene.types import Condition, Feature, Shape
 

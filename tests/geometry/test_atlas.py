@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.caps import DEGREE, Pole, cap_at, poles_of
-from modelgen.geometry.composites.atlas import INNER
+from modelgen.geometry.composites.charts_with_poles import INNER
 from modelgen.geometry.features import features_of, is_composite, is_convex
+from modelgen.geometry.pole_caps import DEGREE, Pole, cap_at, poles_of
 from modelgen.geometry.polynomials import cap_degree, cap_exponents
 from modelgen.scene import build
 from modelgen.scene.types import Shape

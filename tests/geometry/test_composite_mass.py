@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull
 from modelgen.errors import SceneError
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.features import features_of
-from modelgen.geometry.solid import mass_properties
+from modelgen.geometry.mass_properties import mass_properties
 from modelgen.scene import build
 from modelgen.scene.types import Shape
 

@@ -8,9 +8,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from modelgen.errors import ExpressionError
-from modelgen.geometry.lower import lower
-from modelgen.scene.arithmetic import FUNCTIONS
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.scene.expression import evaluate, parse_expression
+from modelgen.scene.expression_arithmetic import FUNCTIONS
 
 VALUES = st.floats(-3, 3)
 ATOMS = st.sampled_from(["x", "y", "0.5", "2", "pi"])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.declared import declared_limits
-from modelgen.geometry.regular import check_regular
+from modelgen.geometry.regularity import check_regular
+from modelgen.geometry.shape_warnings import declared_limits
 from modelgen.scene import build
 from modelgen.scene.types import Shape
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
 from modelgen.geometry.features import is_composite
-from modelgen.geometry.solid import mass_properties
+from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.surface import surface_kernel
 from modelgen.scene import build
 from modelgen.scene.types import Shape

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen.errors import ExpressionError
-from modelgen.geometry.series import taylor
+from modelgen.geometry.power_series import taylor
 from modelgen.scene.expression import parse_expression
 
 ORDER = 12

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
-from modelgen.geometry.solid import mass_properties
+from modelgen.geometry.mass_properties import mass_properties
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.types import Chart, Shape
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import derive, require
 from modelgen.derivation import Derivation
 from modelgen.dynamics.bodies import body_kernels
-from modelgen.dynamics.turning import SERIES_BELOW, exponential, quaternion
+from modelgen.dynamics.symbolic_rotations import SERIES_BELOW, exponential, quaternion
 from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate, parse_expression
 from modelgen.scene.types import Path

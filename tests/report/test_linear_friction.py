@@ -15,7 +15,7 @@ from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import SimulationError
 from modelgen.linearisation.equilibrium import Linearised
 from modelgen.report.linearised import mode_facts, print_modes
-from modelgen.report.result import linearised_schema
+from modelgen.report.result_schema import linearised_schema
 from modelgen.scene import build as make
 from modelgen.scene.types import Body, Scene
 from tests.oracles.differenced_motion import differenced, exponents

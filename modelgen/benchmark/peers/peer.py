@@ -10,11 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from modelgen.benchmark.cost import Cost, cost_of
+from modelgen.benchmark.evaluation import Bench
 from modelgen.benchmark.front import Point, advantage, front
 from modelgen.benchmark.knobs import Knob, Settings, Space
 from modelgen.benchmark.motion import Array, Motion
 from modelgen.benchmark.peers.setup import Setup
-from modelgen.benchmark.program import Bench
 from modelgen.benchmark.search import sweep
 from modelgen.errors import ModelgenError
 

@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 
 from modelgen.benchmark.motion import Array
-from modelgen.geometry.lower import lower
+from modelgen.geometry.casadi_expressions import lower
 from modelgen.scene.expression import Expression
-from modelgen.scene.turns import Quaternion, product, rows_of
+from modelgen.scene.quaternions import Quaternion, product, rows_of
 from modelgen.scene.types import Scene, Shape, SpringLoad
 
 if TYPE_CHECKING:
-    from modelgen.benchmark.program import Bench
+    from modelgen.benchmark.evaluation import Bench
 
 
 @dataclass(frozen=True, slots=True, eq=False)

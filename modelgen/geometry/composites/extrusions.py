@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.composites.conditions import at_least, at_most, edge, face, smooth, wing
+from modelgen.geometry.composites.convex_pieces import convex_pieces, is_convex_polygon
 from modelgen.geometry.composites.facets import Facets, facet_features
-from modelgen.geometry.composites.pieces import convex_pieces, is_convex_polygon
-from modelgen.scene.compose import expression_of, minus, number, plus, substitute, times
 from modelgen.scene.expression import Expression, Name, Node, constant_expression, evaluate
+from modelgen.scene.expression_composition import expression_of, minus, number, plus, substitute, times
 from modelgen.scene.poses import UPSIDE_DOWN
 from modelgen.scene.types import Chart, Composite, Condition, Curve, Feature, Pose, Profile, Shape
 

@@ -12,10 +12,10 @@ from itertools import combinations
 import numpy as np
 
 from modelgen.verification.contacts import Sample
-from modelgen.verification.drawing import Configurations, taking
 from modelgen.verification.errata.ground import Array, ground
 from modelgen.verification.errata.motions import Errors, dot
 from modelgen.verification.motion import truth
+from modelgen.verification.random_configurations import Configurations, taking
 
 SMALL = 1e-9  # what counts as zero, of quantities of order 1
 

@@ -13,6 +13,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from modelgen.contact.contact_symbols import Pair, Partner, pair
 from modelgen.contact.curve_curve import crossing
 from modelgen.contact.curve_paper import (
     Strand,
@@ -23,14 +24,13 @@ from modelgen.contact.curve_paper import (
     strand,
 )
 from modelgen.contact.kinds import eta_layout
-from modelgen.contact.partners import Pair, Partner, pair
 from modelgen.contact.points import montana_frame
 from modelgen.contact.rows import jet_of_curve, levers
 from modelgen.contact.surface_surface import angle_function, montana
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.verification.contacts import Sample, along_motion, moving_inputs, sample
-from modelgen.verification.drawing import partnership
 from modelgen.verification.motion import columns
+from modelgen.verification.random_configurations import partnership
 
 Array = np.ndarray[Any, Any]
 

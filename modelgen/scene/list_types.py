@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.place import Place, describe
-from modelgen.scene.scalars import NUMBER, Choice, Schema, Type
+from modelgen.scene.scalar_types import NUMBER, Choice, Schema, Type
+from modelgen.scene.source_location import Place, describe
 
 OTHERWISE = {"mu": "did you mean 'friction'?"}  # keys often tried
 

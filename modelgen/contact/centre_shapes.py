@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Partner
 from modelgen.contact.kernels import Foot
-from modelgen.contact.partners import Partner
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import cross, dot, zeros
 from modelgen.geometry.points3d import is_point

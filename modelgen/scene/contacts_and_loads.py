@@ -9,9 +9,9 @@ from typing import Any
 from modelgen.errors import nearest
 from modelgen.scene.format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.formulas import triple
-from modelgen.scene.place import Place
+from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.shapes import SHAPES
-from modelgen.scene.turns import conjugate, turned
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
 
 Bodies = Mapping[str, Body]

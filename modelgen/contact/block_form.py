@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import margin
-from modelgen.contact.partners import Pair
 from modelgen.contact.points import chart_jet, chart_normal, montana_frame, second_form
 from modelgen.contact.rows import Levers, levers, rates_of
 from modelgen.geometry.frames import cross, dot, solve2

@@ -15,7 +15,7 @@ import numpy as np
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.geometry.polynomials import cap_exponents
-from modelgen.geometry.series import Array, taylor
+from modelgen.geometry.power_series import Array, taylor
 from modelgen.scene.types import Chart, Shape
 
 DEGREE = 12  # total, of a cap

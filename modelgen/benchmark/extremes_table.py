@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from modelgen.benchmark.extremes import Extreme, Found
-from modelgen.benchmark.survey import EXTREMES, Survey
+from modelgen.benchmark.extremes_survey import EXTREMES, Survey
 
 HEAD = ("extreme", "driven", "safe", "warned", "refused", "law of loss", "worst", "holds")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from modelgen.report.schema import NUMBER, entry, numbers, record
+from modelgen.report.scene_schema import NUMBER, entry, numbers, record
 
 _EVENT = record(
     "a change of mode",

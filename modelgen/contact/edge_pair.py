@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.partners import Pair
 from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.geometry.curves import STRAIGHT
 from modelgen.geometry.frames import cross, dot, zeros

@@ -21,9 +21,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Rates
 from modelgen.contact.margin import relative_curvature
-from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.points import Carrier
 from modelgen.geometry.frames import cross, dot, is_zero, solve2, zeros
 

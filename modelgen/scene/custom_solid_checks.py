@@ -10,7 +10,7 @@ import numpy as np
 
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import evaluate
-from modelgen.scene.place import Place
+from modelgen.scene.source_location import Place
 from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -12,10 +12,10 @@ from modelgen.benchmark.counts import instructions
 from modelgen.benchmark.errors import errors, separation
 from modelgen.benchmark.front import Point
 from modelgen.benchmark.knobs import Settings, Space
+from modelgen.benchmark.measured_scene import Built, Subject
 from modelgen.benchmark.motion import Motion, motion_of
 from modelgen.benchmark.reference import Reference, reference_of
 from modelgen.benchmark.store import Store
-from modelgen.benchmark.subject import Built, Subject
 from modelgen.codegen.compiler import LEVEL
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from modelgen.geometry.caps import Pole, cap_at, poles_of
 from modelgen.geometry.composites.conditions import at_least, at_most, face, smooth
+from modelgen.geometry.pole_caps import Pole, cap_at, poles_of
 from modelgen.scene.types import NO_POLES, Chart, Composite, Condition, Pose, Shape
 
 SHEET = "sheet"

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.block import chart_placement
+from modelgen.contact.block_form import chart_placement
+from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.partners import Pair, Partner
 from modelgen.contact.points import chart_jet, chart_normal
 from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
 from modelgen.geometry.frames import cross, dot, solve2

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from modelgen.assembly.friction_rows import has_friction
 from modelgen.errors import SceneError
-from modelgen.geometry.declared import declared_limits
 from modelgen.geometry.features import features_of
 from modelgen.geometry.regions import regions_of
-from modelgen.geometry.regular import check_regular
+from modelgen.geometry.regularity import check_regular
+from modelgen.geometry.shape_warnings import declared_limits
 from modelgen.scene.types import Scene, Shape
 
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.centres import Centre, centre_of
+from modelgen.contact.centre_shapes import Centre, centre_of
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.margin import centre_margin
-from modelgen.contact.partners import Pair
 from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import dot, zeros
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.geometry.frames import dot, zeros
-from modelgen.geometry.implicit import TINY
+from modelgen.geometry.implicit_surfaces import TINY
 
 
 @dataclass(frozen=True)

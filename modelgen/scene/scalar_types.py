@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from modelgen.errors import nearest
-from modelgen.scene.place import Place, describe
+from modelgen.scene.source_location import Place, describe
 
 HUGE = 1e30  # beyond it no number of a scene is meaningful
 Schema = dict[str, Any]

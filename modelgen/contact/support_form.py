@@ -14,15 +14,15 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import FLOOR, NO_LENGTH, singular_values
-from modelgen.contact.partners import Pair
 from modelgen.contact.points import implicit_point
 from modelgen.geometry.catalogue import exterior_sign, surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.frames import cross, dot, tangent_frame, zeros
 from modelgen.geometry.points3d import is_point
-from modelgen.geometry.supports import Support, point
+from modelgen.geometry.support_maps import Support, point
 from modelgen.model import ShapeKind
 
 
