@@ -39,7 +39,7 @@ SMALL = {
         for k in (4, 6, 8, 10, 11, 12)
     },
     ("painleve.py", 1e-10): "what counts as zero when the signs of a small problem are read",
-    ("reference.py", 1e-7): "row classification of the slow reference answer",
+    ("qp_reference.py", 1e-7): "row classification of the slow reference answer",
     ("simulate.py", 1e-6): "keeps a measured wall time from being zero",
 }
 C_HEADERS = {"math.h", "tgmath.h", "float.h", "stddef.h", "string.h"}
