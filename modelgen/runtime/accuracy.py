@@ -1,7 +1,7 @@
-"""Every tolerance, order and solver choice of a run, in one record.
+"""The tolerances and solver choices of a run, in one record.
 
-All tolerances are dimensionless: lengths are measured against the model's characteristic length L, times
-against its characteristic time T.
+Tolerances are dimensionless: lengths are divided by the model's characteristic length L, times by its
+characteristic time T.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
 Solver = Literal["coulomb", "relaxation"]
 Impacts = Literal["simultaneous", "sequential"]
 
-# What a real type resolves, in multiples of its epsilon: no run takes a finer tolerance. Only `float` is so
-# coarse that this raises tolerances of `fast`, `balanced` or `tight`.
+# Smallest useful tolerances of a real type, in multiples of its epsilon. Only in `float` are they larger than those
+# of `fast`, `balanced` or `tight`.
 RESOLVED: Mapping[str, int] = MappingProxyType(
     {
         **{
@@ -52,73 +52,87 @@ RESOLVED: Mapping[str, int] = MappingProxyType(
     }
 )
 
-SLOWEST = 1e-7  # L/T: of bounces at the tightest tolerances; slower ones are lost in rounding
-FINER = 10.0  # by which the tolerances of a companion run are finer
-SLOWER = 1000.0  # by which its bounds of rest are slower: what hops and stops depends on them irregularly
-COARSER = 1.5  # by which its tolerance is coarser where the real type resolves no finer one
-TENTH = 10.0**-0.125  # of a step whose error, of order 8, is to be a tenth
+SLOWEST = 1e-7  # L/T: least `rest_speed`; slower bounces are lost in rounding
+FINER = 10.0  # ratio of the tolerances of a run to those of its companion
+SLOWER = 1000.0  # ratio of `rest_speed` and `slip_speed`, on which bouncing and sticking depend irregularly
+COARSER = 1.5  # ratio of the companion's tolerance where the real type resolves no finer one
+TENTH = 10.0**-0.125  # ratio of steps at which an error of order 8 is a tenth
 
-SHARED = 32  # boundaries of two planar regions within so many epsilons of their size are one
+SHARED = 32  # epsilons of their size within which boundaries of two planar regions coincide
 
-CHOICES = ("impacts", "newton", "project", "use_gamma")  # that a scene's [run] may make by itself
+CHOICES = ("impacts", "newton", "project", "use_gamma")  # keys of a scene's [run] that override the record
 
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """What a run may get wrong, and how it works. Make one with `fast`, `balanced`, `tight` or `of`.
+    """All tolerances of a run and its choices of method. Make one with `fast`, `balanced`, `tight` or `of`.
+
+    L, T and M are the characteristic length, time and mass of the model, which `check` prints. Tolerances are
+    dimensionless unless a unit is given.
 
     Attributes:
-        name: what the record is called in results.
-        tolerance: local error of an adaptive step, root mean square over the states, each against its scale.
+        name: name of the record in results.
+        tolerance: local error of an adaptive step: root mean square over the states, each divided by its scale.
         method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (order 1).
-        step: s; the fixed step. Adaptive runs choose their own first step when it is None.
-        scheme, solver: of time-stepping, and its law of friction; see `time_stepping`.
-        theta: of the scheme "moreau": the part of a step after the positions at which contacts are taken.
-        loose: impulses of a step of time-stepping that are found to this residual only will do.
-        fallback: an event-driven run that cannot go on does so by time-stepping for a while, and says so.
-        crawl: an adaptive run cannot go on that gets on by less than crawl T in many tries, a third refused.
-        fallback_step: steps of fallback_step T are taken then.
-        impacts: "simultaneous": several blows are one problem; "sequential": one by one, the fastest first.
-        newton: corrections of the contact parameters: 0 none (the differential equations of the paper alone),
-            1 once per accepted step, 2 at every stage as well.
-        project: remove drift off d = 0 and its rate every so many steps; 0 never.
+        step: s; the fixed step. None: an adaptive run chooses its own first step.
+        scheme: scheme of time-stepping; see `time_stepping`.
+        solver: friction law of time-stepping; see `time_stepping`.
+        stepping_theta: scheme "moreau": fraction of the step after which contacts are detected.
+        stepping_residual: residual at which the impulses of a time step are accepted.
+        fallback: an event-driven run that cannot continue uses time-stepping for a while, and reports it.
+        fallback_progress: a run falls back if many tries, a third of them rejected, advance it by less than
+            this times T.
+        fallback_step: step of time-stepping during a fallback, in T.
+        impacts: "simultaneous": impacts at the same time are one problem; "sequential": one by one, the
+            fastest first.
+        newton: Newton corrections of the contact parameters: 0 none (the differential equations of the paper
+            alone), 1 once per accepted step, 2 at every stage as well.
+        project: number of steps between projections of the drift; 0 never projects.
         use_gamma: False drops the velocity term Gamma2, as engines that omit it do.
-        planar: a face on another rests as one planar contact; False: on vertices or points of a rim.
-        gap, start_gap: |d| <= gap L counts as touching; at t = 0 start_gap L, deeper penetration is refused.
-        start_joint: joints that fit at t = 0 to start_joint L are brought together, others refused.
-        drift: d beyond drift L, or its rate beyond drift L/T, is projected away.
-        rest_speed: an approach above rest_speed L/T counts, above 5/4 of it bounces; no rebound is slower.
-        slip_speed: slip below slip_speed L/T sticks if the forces let it; spin, rolling below slip_speed/T.
-        cone: a contact whose friction has reached its bound is tried with this part less of it.
-        rest_acceleration: separation below rest_acceleration L/T^2 does not open a contact.
-        event: an event is located to event T.
-        residual: the extremality residual reached at the start, against L and 1.
-        step_min: a step below step_min T ends the run.
-        margin_warn, margin_refuse: a closed contact with less margin is warned of, or ends the run.
-        arrest: slip is stopped only where that takes less energy than a speed of arrest slip_speed L/T has.
-        leap: a step is shortened if a loaded contact parts at its end by leap tolerance (its speed, L/T).
-        leave: a gap held without force leaves its rest within a step beyond leave times rest_acceleration.
-        polish: further steps correct an event beyond this part of the step only while they converge fast.
-        dependent: a contact with less than this of its own in J M^-1 J^T is held by the others.
-        singular: a row of a joint with less than this of its own is left to the others, as at a dead centre.
-        depth: a contact that appears in a run may be below zero by depth L.
-        scan: parts of a step in which the first event is sought.
-        margin_appear: a contact appears in a run only with more margin than this.
-        lean: a vertex or edge over a face is taken up while its own edges and faces lean out less (a sine).
+        planar_contacts: a face that rests on another is one planar contact; False: it stands on vertices or
+            on points of its rim.
+        contact_gap: a contact with |d| up to this times L touches.
+        start_gap: the same at t = 0; a deeper penetration is refused.
+        start_joint_gap: joints that fit at t = 0 up to this times L are closed; others are refused.
+        drift_tolerance: |d| above this times L, or |d_dot| above this times L/T, is projected away.
+        rest_speed: an approach faster than this times L/T is an impact; it rebounds if it is 5/4 as fast.
+        slip_speed: slip slower than this times L/T (spinning and rolling: 1/T) stops if friction can hold it.
+        friction_bound_margin: fraction by which the friction bound of a contact that reached it is lowered.
+        rest_acceleration: separation slower than this times L/T^2 does not open a contact.
+        event_tolerance: events are located to this times T.
+        extremality_residual: residual of the closest-point equations at the start, relative to L and 1.
+        step_min: a run ends if its step falls below this times T.
+        margin_warn: a closed contact whose margin falls below this is reported.
+        margin_refuse: a run ends if the margin of a closed contact falls below this.
+        slip_stop_speed_ratio: slip stops at an event only if stopping costs less energy than slip at this
+            times `slip_speed` has.
+        separation_speed_factor: a step is shortened if a loaded contact separates at its end faster than this
+            times `tolerance` times its speed or L/T.
+        rest_loss_factor: a contact held without force opens within a step above this times
+            `rest_acceleration`.
+        event_correction_step: beyond this fraction of the step, an event is corrected only while the
+            corrections converge fast.
+        contact_rank_tolerance: a contact row with a smaller independent part of J M^-1 J^T is dependent.
+        joint_rank_tolerance: the same of a joint row, as at a dead centre.
+        appear_depth: deepest penetration, in L, of a contact that is found during a run.
+        event_scan_parts: number of parts of a step that are searched for the first event.
+        appear_margin: least margin of a contact that is found during a run.
+        appear_tilt_sine: sine of the largest angle by which an adjacent edge or face may point beyond the face
+            that a vertex or edge is found above.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
-        events_at_once: transitions at one time before the run gives up.
-        lost: a search for the closest points keeps a start only if its margin exceeds this.
-        apart: closest points nearer to each other than apart L are one.
-        reach: contacts that appear in a run are followed from gaps below reach L.
-        search: a pair that can touch more than once is searched anew when it has moved by search L.
-        flat: a rim within this angle (rad) of lying on a plane stands on three points of it.
-        imaginary_edge: rad; if positive, a face turns over a smooth rim on a tangent fixed in the body
-            until it leans so far (section 5.3), instead of rolling on the rim at once.
-        shared: boundaries of two faces nearer to each other than shared L are one.
-        border: a contact leaves its feature beyond border, in rad, or in L.
-        look: what loads, given motions and driven bodies do within look T may pass unseen.
-        stride: no step is longer than this part of the longest in which nothing can pass unseen.
-        predictable: where the estimated error exceeds predictable L, or rad, nothing is predicted.
+        events_at_once_max: bound on the transitions at one time.
+        search_margin: a search for closest points drops results with a smaller margin.
+        search_merge_distance: closest points nearer to each other than this times L are one.
+        search_gap: a search follows contacts with gaps up to this times L.
+        search_movement: a pair that can touch more than once is searched again after moving by this times L.
+        flat_angle: rad; a rim closer to a plane than this angle stands on three of its points.
+        imaginary_edge: rad; if positive, a face turns over a smooth rim about a tangent fixed in the body up to
+            this angle (section 5.3), before it rolls on the rim.
+        boundary_coincidence: boundaries of two faces nearer to each other than this times L coincide.
+        feature_border: rad, or in L: a contact changes its feature this far beyond the border.
+        time_resolution: changes of loads, given motions and paths within this times T may be missed.
+        step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
+        prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
     """
 
     name: str = "balanced"
