@@ -20,8 +20,8 @@ Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
 Solver = Literal["coulomb", "relaxation"]
 Impacts = Literal["simultaneous", "sequential"]
 
-# Smallest useful tolerances of a real type, in multiples of its epsilon. Only in `float` are they larger than those
-# of `fast`, `balanced` or `tight`.
+# Smallest useful tolerances of a real type, in multiples of its epsilon. Only in `float` are they larger than
+# those of `fast`, `balanced` or `tight`.
 RESOLVED: Mapping[str, int] = MappingProxyType(
     {
         **{
@@ -72,7 +72,7 @@ class Accuracy:
 
     Attributes:
         name: name of the record in results.
-        tolerance: local error of an adaptive step: root mean square over the states, each divided by its scale.
+        tolerance: local error of an adaptive step: root mean square over the states, in their scales.
         method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (order 1).
         step: s; the fixed step. None: an adaptive run chooses its own first step.
         scheme: scheme of time-stepping; see `time_stepping`.
@@ -117,8 +117,8 @@ class Accuracy:
         appear_depth: deepest penetration, in L, of a contact that is found during a run.
         event_scan_parts: number of parts of a step that are searched for the first event.
         appear_margin: least margin of a contact that is found during a run.
-        appear_tilt_sine: sine of the largest angle by which an adjacent edge or face may point beyond the face
-            that a vertex or edge is found above.
+        appear_tilt_sine: sine of the largest angle by which an adjacent edge or face may point beyond the
+            face that a vertex or edge is found above.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once_max: bound on the transitions at one time.
         search_margin: a search for closest points drops results with a smaller margin.
@@ -126,8 +126,8 @@ class Accuracy:
         search_gap: a search follows contacts with gaps up to this times L.
         search_movement: a pair that can touch more than once is searched again after moving by this times L.
         flat_angle: rad; a rim closer to a plane than this angle stands on three of its points.
-        imaginary_edge: rad; if positive, a face turns over a smooth rim about a tangent fixed in the body up to
-            this angle (section 5.3), before it rolls on the rim.
+        imaginary_edge: rad; if positive, a face turns over a smooth rim about a tangent fixed in the body up
+            to this angle (section 5.3), before it rolls on the rim.
         boundary_coincidence: boundaries of two faces nearer to each other than this times L coincide.
         feature_border: rad, or in L: a contact changes its feature this far beyond the border.
         time_resolution: changes of loads, given motions and paths within this times T may be missed.

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.scene import contacts_and_loads
-from modelgen.scene import joints
+from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.bodies import read_body, unique_names
 from modelgen.scene.format import SCENE
 from modelgen.scene.run import RUN, check_run
@@ -32,7 +31,9 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     run = values["run"] or RUN.read({}, place.key("run"))
     check_run(run, place.key("run"))
     joined = joints.joints(values["joint"], known)
-    observe = contacts_and_loads.observed(values["observe"], known, (each.name for each in joined), place.key("observe"))
+    observe = contacts_and_loads.observed(
+        values["observe"], known, (each.name for each in joined), place.key("observe")
+    )
     return Scene(
         name=name,
         source=place.source,
