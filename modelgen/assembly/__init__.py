@@ -1,4 +1,10 @@
-"""From the scene to its Model: the kinds that it needs, and the instance over them."""
+"""From the scene to its model.
+
+Takes in a `Scene`; gives out a `Model`: the kinds of bodies, contacts, joints and loads that the scene needs
+(they decide what is generated and compiled), and its instance, the numbers of each body, contact, joint and
+load. States on which no observed quantity depends are left out. May import `geometry`, `contact`, `dynamics`,
+`joint` and what lies before them.
+"""
 
 from __future__ import annotations
 

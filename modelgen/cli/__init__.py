@@ -1,4 +1,4 @@
-"""The command line: the verbs of the pipeline, and what they print.
+"""The command line: one command for each step of the pipeline, and what it prints.
 
 Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad input (nothing is written);
 130 interrupted (what was computed is written; nothing where nothing was).

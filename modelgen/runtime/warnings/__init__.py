@@ -1,4 +1,4 @@
-"""What the user should know of a scene or a run that is valid all the same."""
+"""Warnings about a valid scene or a finished run: indeterminate forces, order of impacts, and the like."""
 
 from __future__ import annotations
 
