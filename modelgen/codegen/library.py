@@ -78,7 +78,7 @@ class Library:
         manifest, record = self.manifest, self.record
         for what, found, allowed in (
             ("ABI", abi, manifest.abi),
-            ("kinds_hash", record.kinds_hash, manifest.kinds_hash),
+            ("hash of its kinds", record.kinds_hash, manifest.kinds_hash),
             ("hash", key, record.hash),
             ("hash in the file name", self.path.stem.rpartition("-")[2], record.hash[:16]),
             ("size of the real type", size, self.dtype.itemsize),

@@ -112,7 +112,7 @@ def test_a_ring_falls_into_its_hook() -> None:
 
 def touches_in_one_place(path: Trajectory) -> bool:
     """Whether the first contact of the pair alone is ever on a link."""
-    return bool((path.link[:, 0] >= 0).all() and (path.link[:, 1:] < 0).all())
+    return bool((path.feature_pair[:, 0] >= 0).all() and (path.feature_pair[:, 1:] < 0).all())
 
 
 def linked_drop(height: float, **contact: object) -> Trajectory:

@@ -128,6 +128,6 @@ def test_observing_and_folding_leave_states_and_parameters_out() -> None:
     )  # fmt: skip
     full, less = (require(read_text(text, "manual.toml")) for text in (whole, keys + whole))
     assert (full.n_q, less.n_q) == (7, 3)
-    assert [link.parameters for link in full.links] == [(0.1, 0.12)]
-    assert [link.parameters for link in less.links] == [()]
+    assert [pair.parameters for pair in full.feature_pairs] == [(0.1, 0.12)]
+    assert [pair.parameters for pair in less.feature_pairs] == [()]
     assert "ball: orientation and spin left out" in less.left_out[0]
