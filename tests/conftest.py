@@ -34,3 +34,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("slow"):
             item.add_marker(pytest.mark.timeout(0))
+
+
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few repeats: what a run costs is not asked here."""
+    monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
+    monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from atexit import register
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from fcntl import LOCK_EX, flock
 from functools import cache
 from os import environ
 from pathlib import Path
-from shutil import copy, rmtree
+from shutil import rmtree
 from tempfile import mkdtemp
 
 from modelgen import Accuracy, build, derive, emit, read, require, simulate
+from modelgen.codegen.build import source_hash
+from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.types import Scene
@@ -18,6 +23,8 @@ from modelgen.scene.types import Scene
 SCENES = Path(__file__).parent.parent / "scenes"
 FILES = tuple(sorted(path for path in SCENES.glob("*.toml") if not path.stem.endswith("_tuned")))  # by `tune`
 NAMES = tuple(path.stem for path in FILES)
+
+LEVEL = "O1"
 
 
 @cache
@@ -34,15 +41,28 @@ def pool() -> Path:
     return Path(environ["MODELGEN_POOL"]) if "MODELGEN_POOL" in environ else folder() / "pool"
 
 
+@contextmanager
+def held(path: Path) -> Iterator[None]:
+    """A file that one process at a time holds."""
+    with path.open("a") as file:
+        flock(file, LOCK_EX)
+        yield
+
+
+def compiled(package: Package, real: str = "double") -> Library:
+    """The library of a package; equal text is compiled once in a test run, whatever its numbers.
+
+    Level O1 computes the same bits as O2, and compiles twice as fast.
+    """
+    shared = pool() / source_hash(package, real, LEVEL)[:16]
+    shared.mkdir(parents=True, exist_ok=True)
+    with held(shared / ".lock"):
+        return build(replace(package, name="shared"), real=real, level=LEVEL, folder=shared)
+
+
 def library_of(scene: Scene, real: str = "double") -> Library:
-    """The compiled library of a scene; equal text is compiled once."""
-    package = emit(derive(require(scene)))
-    pooled = build(replace(package, name="any"), real=real, folder=pool())
-    own = folder() / scene.name / pooled.path.name.replace("libany", f"lib{scene.name}")
-    own.parent.mkdir(exist_ok=True)
-    if not own.exists():
-        copy(pooled.path, own)
-    return build(package, real=real, folder=own.parent)
+    """The compiled library of a scene."""
+    return compiled(emit(derive(require(scene))), real)
 
 
 @cache

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from modelgen.codegen.library import REAL_FLAGS
@@ -67,6 +68,7 @@ def _first_installed() -> tuple[str, ...]:
     )
 
 
+@cache
 def _version(command: tuple[str, ...]) -> str:
     try:
         answer = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)

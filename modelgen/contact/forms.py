@@ -27,7 +27,7 @@ from modelgen.contact.curve_paper import (
 from modelgen.contact.edge_pair import edge_edge_place, edge_edge_rates
 from modelgen.contact.explicit_form import sphere_place, sphere_rates
 from modelgen.contact.extremal_form import differentiated_place, differentiated_rates
-from modelgen.contact.kernels import ContactKernels, Placement, Rates, kernels
+from modelgen.contact.kernels import ContactKernels, Placement, Rates
 from modelgen.contact.parametrisations import (
     carrier_place,
     carrier_rates,
@@ -59,8 +59,12 @@ def _build(
     place: Callable[[Pair], Placement],
 ) -> ContactKernels:
     symbols = pair(kind, layout(kind.o.shape, kind.f.shape))
-    rows = with_tangential_rows(symbols, rates(symbols), kind.rows)
-    return kernels(kind, symbols, rows, place(symbols))
+    return ContactKernels(
+        kind,
+        symbols,
+        lambda: with_tangential_rows(symbols, rates(symbols), kind.rows),
+        lambda: place(symbols),
+    )
 
 
 def build_explicit(kind: ContactKind) -> ContactKernels:

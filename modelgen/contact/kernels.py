@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 
@@ -73,29 +74,57 @@ class Placement:
 @dataclass(frozen=True)
 class ContactKernels:
     """The two kernels of a contact kind; beside them, for inspection and tests, the rate of its normal and
-    the rates with the quantities that they are made of as outputs before them."""
+    the rates with the quantities that they are made of as outputs before them.
 
-    rates: ca.Function
-    place: ca.Function
-    normal_rate: ca.Function
-    steps: ca.Function
+    Each function is derived when it is first asked for.
+    """
 
+    kind: ContactKind
+    pair: Pair
+    stated: Callable[[], Rates]
+    placed: Callable[[], Placement]
 
-def kernels(kind: ContactKind, pair: Pair, rates: Rates, placement: Placement) -> ContactKernels:
-    """The kernels `mg_<name>_rates`, `mg_<name>_place`; `mg_<name>_normal_rate`, `mg_<name>_steps`."""
-    name, o, f = kind.name, pair.o, pair.f
-    outputs = RATES_OUTPUTS if kind.rows == 1 else SLIP_OUTPUTS
-    parameters = ca.vertcat(o.argument, f.argument)
-    moving = [o.pose, o.twist, f.pose, f.twist, pair.eta, parameters]
-    resting = [o.pose, f.pose, pair.eta, parameters]
-    known = vars(rates)
-    made = {**rates.steps, "normal_rate": rates.normal_rate, **{out: known[out] for out in outputs}}
-    return ContactKernels(
-        _function(f"mg_{name}_rates", moving, RATES_INPUTS, known, outputs),
-        _function(f"mg_{name}_place", resting, PLACE_INPUTS, vars(placement), PLACE_OUTPUTS),
-        _function(f"mg_{name}_normal_rate", moving, RATES_INPUTS, known, ("normal_rate",)),
-        _function(f"mg_{name}_steps", moving, RATES_INPUTS, made, tuple(made)),
-    )
+    @cached_property
+    def rates(self) -> ca.Function:
+        """`mg_<name>_rates`"""
+        return self._of_rates("rates", vars(self._rates), self._outputs)
+
+    @cached_property
+    def place(self) -> ca.Function:
+        """`mg_<name>_place`"""
+        resting = [self.pair.o.pose, self.pair.f.pose, self.pair.eta, self._parameters]
+        name = f"mg_{self.kind.name}_place"
+        return _function(name, resting, PLACE_INPUTS, vars(self.placed()), PLACE_OUTPUTS)
+
+    @cached_property
+    def normal_rate(self) -> ca.Function:
+        """`mg_<name>_normal_rate`"""
+        return self._of_rates("normal_rate", vars(self._rates), ("normal_rate",))
+
+    @cached_property
+    def steps(self) -> ca.Function:
+        """`mg_<name>_steps`"""
+        known = vars(self._rates)
+        stated = {out: known[out] for out in self._outputs}
+        made = {**self._rates.steps, "normal_rate": self._rates.normal_rate, **stated}
+        return self._of_rates("steps", made, tuple(made))
+
+    @cached_property
+    def _rates(self) -> Rates:
+        return self.stated()
+
+    @property
+    def _outputs(self) -> tuple[str, ...]:
+        return RATES_OUTPUTS if self.kind.rows == 1 else SLIP_OUTPUTS
+
+    @property
+    def _parameters(self) -> ca.SX:
+        return ca.vertcat(self.pair.o.argument, self.pair.f.argument)
+
+    def _of_rates(self, what: str, values: Mapping[str, ca.SX], outputs: tuple[str, ...]) -> ca.Function:
+        o, f = self.pair.o, self.pair.f
+        moving = [o.pose, o.twist, f.pose, f.twist, self.pair.eta, self._parameters]
+        return _function(f"mg_{self.kind.name}_{what}", moving, RATES_INPUTS, values, outputs)
 
 
 def _function(

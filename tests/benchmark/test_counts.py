@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from modelgen import read
+from modelgen import build, derive, emit, read, require
 from modelgen.benchmark.counts import instructions, why_not_counted
 from modelgen.codegen.amalgamation import SOURCE, runtime_text
 from modelgen.runtime.accuracy import Accuracy
@@ -57,7 +57,6 @@ def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
 
 
 def named(name: str, form: str = "auto") -> Scene:
-    """A scene that has a folder of its own: other tests build other forms in that of the shipped one."""
     scene = read(SCENES / "ellipsoid_on_plane.toml")
     return replace(scene, name=name, contacts=tuple(replace(pair, form=form) for pair in scene.contacts))
 
@@ -74,7 +73,9 @@ def test_instructions_grow_with_the_steps() -> None:
 
 
 @COUNTED
-def test_a_folder_that_holds_another_form_is_not_counted() -> None:
-    library = library_of(named("built_over"))
-    library_of(named("built_over", "implicit"))
+def test_a_folder_that_holds_another_form_is_not_counted(tmp_path: Path) -> None:
+    library, _ = (
+        build(emit(derive(require(named("built_over", form)))), folder=tmp_path)
+        for form in ("auto", "implicit")
+    )
     assert instructions(library, Accuracy.balanced(), UNTIL, "O2") is None

@@ -11,7 +11,6 @@ import pytest
 from rich.console import Console
 
 from modelgen import derive, emit, require
-from modelgen.benchmark import cost
 from modelgen.benchmark import evaluation as program
 from modelgen.benchmark.front import Point, spaced
 from modelgen.benchmark.knobs import Settings
@@ -29,13 +28,7 @@ from tests.benchmark.thrown import TEXT, thrown
 
 SHORT = 0.02  # s, wall time: for one setting
 FOLDED = f"fold = true\n{TEXT}"
-
-
-@pytest.fixture(autouse=True)
-def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few repeats: what a run costs is not asked here."""
-    monkeypatch.setattr(cost, "ENOUGH_S", 1e-3)
-    monkeypatch.setattr(cost, "BRIEF_S", 0.0)
+pytestmark = pytest.mark.usefixtures("hasty")
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,8 @@ from tests.running import SCENES
 
 SHORT = {"until": 0.05, "samples": 4, "count": False}
 
+pytestmark = pytest.mark.usefixtures("hasty")
+
 
 def coarse(peer: str) -> list[str]:
     """The ladders alone."""

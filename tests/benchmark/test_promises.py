@@ -8,6 +8,8 @@ from tests.benchmark.promises import DECADES, promises
 from tests.registry import REGISTRY
 from tests.running import folder
 
+pytestmark = pytest.mark.usefixtures("hasty")
+
 
 def test_a_drop_and_its_rest_are_tuned_to_what_can_be_reached() -> None:
     found = promises("bouncing_ball", folder(), until=0.5, decades=(3, 10), budgets=())

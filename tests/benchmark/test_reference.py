@@ -43,6 +43,8 @@ between = ["ball", "post"]
 restitution = 1.0
 """
 
+pytestmark = pytest.mark.usefixtures("hasty")
+
 
 def subject(name: str, until: float, samples: int = 20) -> Subject:
     return Subject(read(SCENES / f"{name}.toml"), until, samples, folder())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -11,14 +12,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from modelgen import build, derive, emit, require
+from modelgen.codegen.library import Library
 from modelgen.errors import LibraryError
 from modelgen.model import Rows
 from tests.model.scenes import WIDE, contact, egg, scene
-from tests.running import folder, library_of
+from tests.running import compiled, folder, library_of
 
 Array = np.ndarray[Any, Any]
 DERIVATION = derive(require(WIDE))
+PACKAGE = emit(DERIVATION)
 KERNELS = [formula.name for formula in DERIVATION.formulas if formula.role != "rhs"]
+
+
+@cache
+def wide() -> Library:
+    """The library of all kernels, at the level that scenes have by default."""
+    return build(PACKAGE, folder=folder() / "wide")
 
 
 def arguments(name: str, dtype: Any = np.float64) -> list[Array]:
@@ -31,7 +40,7 @@ def arguments(name: str, dtype: Any = np.float64) -> list[Array]:
 @pytest.mark.parametrize("name", KERNELS)
 def test_the_library_agrees_with_the_formula(name: str) -> None:
     given = arguments(name)
-    found = library_of(WIDE).kernel(name)(*given)
+    found = wide().kernel(name)(*given)
     expected = DERIVATION.function(name).call([ca.DM(a) for a in given])
     for a, b in zip(found, expected, strict=True):
         np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-11, atol=1e-12)
@@ -39,7 +48,7 @@ def test_the_library_agrees_with_the_formula(name: str) -> None:
 
 @pytest.mark.parametrize("name", KERNELS)
 def test_casadi_loads_the_same_kernel_from_the_same_file(name: str) -> None:
-    library, given = library_of(WIDE), arguments(name)
+    library, given = wide(), arguments(name)
     external = ca.external(name, str(library.path))
     reference = DERIVATION.function(name)
     assert (external.name_in(), external.name_out()) == (reference.name_in(), reference.name_out())
@@ -54,7 +63,7 @@ def test_tangential_rows_reach_the_library(rows: Rows) -> None:
     derivation = derive(
         replace(model, contact_kinds=tuple(replace(kind, rows=rows) for kind in model.contact_kinds))
     )
-    library = build(emit(derivation), folder=folder() / f"rows{rows}")
+    library = compiled(emit(derivation))
     for kind in library.manifest.kinds["contact"]:
         assert kind["rows"] == rows
         function = derivation.function(f"mg_{kind['name']}_rates")
@@ -66,7 +75,7 @@ def test_tangential_rows_reach_the_library(rows: Rows) -> None:
 
 @pytest.mark.parametrize(("real", "digits"), [("float", 1e-3), ("long double", 1e-11)])
 def test_other_real_types_agree_to_their_digits(real: str, digits: float) -> None:
-    library, double = library_of(WIDE, real), library_of(WIDE)
+    library, double = compiled(PACKAGE, real), wide()
     for name in KERNELS:
         given = arguments(name, np.float32)  # numbers that every type holds
         found = library.kernel(name)(*(a.astype(library.dtype) for a in given))
@@ -91,17 +100,17 @@ WRONG = {
 def test_a_kernel_refuses(wrong: str) -> None:
     name = "mg_free_full_loaded_pose"
     with pytest.raises(LibraryError, match=r"mg_free_full_loaded_pose: q: .*shape \(7,\)"):
-        library_of(WIDE).kernel(name)(WRONG[wrong](arguments(name)[0]))
+        wide().kernel(name)(WRONG[wrong](arguments(name)[0]))
 
 
 def test_a_kernel_refuses_too_few_arguments() -> None:
     with pytest.raises(LibraryError, match=r"0 arguments.*takes 1: q"):
-        library_of(WIDE).kernel("mg_free_full_loaded_pose")()
+        wide().kernel("mg_free_full_loaded_pose")()
 
 
 def test_an_unknown_kernel_is_refused_with_the_nearest() -> None:
     with pytest.raises(LibraryError, match="did you mean 'mg_free_full_loaded_pose'"):
-        library_of(WIDE).kernel("mg_free_full_loaded_posse")
+        wide().kernel("mg_free_full_loaded_posse")
 
 
 PAPER = scene(

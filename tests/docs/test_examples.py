@@ -80,6 +80,7 @@ def test_python_block_runs(code: str, workplace: Path, monkeypatch: pytest.Monke
     exec(compile(code, "example", "exec"), {"__name__": "example"})
 
 
+@pytest.mark.usefixtures("hasty")
 @pytest.mark.parametrize("path", [path for path in PAGES if blocks(path, "sh")], ids=lambda path: path.stem)
 def test_commands_run_in_order(path: Path, workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(workplace)

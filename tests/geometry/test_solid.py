@@ -6,7 +6,7 @@ from math import gamma, pi
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
@@ -29,6 +29,7 @@ def close(
     np.testing.assert_allclose(found[2], np.diag(moments), rtol=1e-12, atol=1e-13 * mass * size**2)
 
 
+@settings(max_examples=25)
 @given(LENGTH, LENGTH, LENGTH, st.floats(1, 1e4))
 def test_ellipsoid(a: float, b: float, c: float, density: float) -> None:
     mass = density * 4 / 3 * pi * a * b * c
@@ -36,6 +37,7 @@ def test_ellipsoid(a: float, b: float, c: float, density: float) -> None:
     close(mass_properties(shape("ellipsoid", a=a, b=b, c=c), density), mass, moments, max(a, b, c))
 
 
+@settings(max_examples=25)
 @given(LENGTH, st.floats(0.05, 0.95))
 def test_torus(major: float, ratio: float) -> None:
     minor = ratio * major

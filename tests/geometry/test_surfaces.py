@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 from math import inf, isinf
 
@@ -51,22 +52,30 @@ def coordinates(name: str, at: tuple[float, float]) -> np.ndarray:
     )
 
 
-def jet(name: str, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+@cache
+def jet_function(name: str) -> ca.Function:
     symbol = ca.SX.sym("uv", 2)
     values = SURFACES[name].jet(symbol, ca.SX(ca.DM(list(LENGTHS[name]))))
-    f = ca.Function("jet", [symbol], [ca.densify(x) for x in (values.x, values.first, values.second)])
-    x, first, second = (np.array(value) for value in f(uv))
+    return ca.Function("jet", [symbol], [ca.densify(x) for x in (values.x, values.first, values.second)])
+
+
+def jet(name: str, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    x, first, second = (np.array(value) for value in jet_function(name)(uv))
     return x[:, 0], first, second
 
 
-def equation(name: str, x: np.ndarray, lengths: tuple[float, ...]) -> tuple[float, np.ndarray, np.ndarray]:
+@cache
+def equation_function(name: str, lengths: tuple[float, ...]) -> ca.Function:
     symbol = ca.SX.sym("x", 3)
     form = SURFACES[name].implicit
     assert form is not None
     phi = form(symbol, ca.SX(ca.DM(list(lengths))))
     hessian = phi.isotropic * ca.SX.eye(3) + phi.matrix
-    f = ca.Function("phi", [symbol], [ca.densify(entry) for entry in (phi.value, phi.gradient, hessian)])
-    value, gradient, bent = (np.array(entry) for entry in f(x))
+    return ca.Function("phi", [symbol], [ca.densify(entry) for entry in (phi.value, phi.gradient, hessian)])
+
+
+def equation(name: str, x: np.ndarray, lengths: tuple[float, ...]) -> tuple[float, np.ndarray, np.ndarray]:
+    value, gradient, bent = (np.array(entry) for entry in equation_function(name, lengths)(x))
     return value.item(), gradient[:, 0], bent
 
 
@@ -122,6 +131,20 @@ def test_a_superellipsoid_of_exponents_two_is_an_ellipsoid() -> None:
     )
 
 
+@cache
+def support_function(name: str) -> ca.Function:
+    """n, m -> the point, and how far height and second derivative are from those of the point."""
+    lengths = ca.SX(ca.DM(list(LENGTHS[name])))
+    n, m = ca.SX.sym("n", 3), ca.SX.sym("m", 3)
+    form = SURFACES[name].support
+    assert form is not None
+    support = form(n, lengths)
+    point = support.core + support.offset * n
+    derivative = m.T @ ca.jtimes(support.core, n, m)
+    wanted = [point, n.T @ support.core - support.height, derivative - support.form(m), derivative]
+    return ca.Function("support", [n, m], [ca.densify(entry) for entry in wanted])
+
+
 @pytest.mark.parametrize("name", SUPPORTED)
 @given(at=INSIDE)
 def test_the_support_map_inverts_the_normal(name: str, at: tuple[float, float]) -> None:
@@ -133,17 +156,9 @@ def test_the_support_map_inverts_the_normal(name: str, at: tuple[float, float]) 
     normal = np.cross(first[:, 0], first[:, 1])
     normal /= np.linalg.norm(normal)
     assume(name != "superellipsoid" or np.abs(normal).min() > 1e-3)  # flat where a coordinate is zero
-    lengths = ca.SX(ca.DM(list(LENGTHS[name])))
-    n, m = ca.SX.sym("n", 3), ca.SX.sym("m", 3)
-    form = SURFACES[name].support
-    assert form is not None
-    support = form(n, lengths)
-    point = support.core + support.offset * n
-    derivative = m.T @ ca.jtimes(support.core, n, m)
-    wanted = [point, n.T @ support.core - support.height, derivative - support.form(m), derivative]
-    f = ca.Function("support", [n, m], [ca.densify(entry) for entry in wanted])
     tangential = np.cross(normal, [0.3, 0.5, -0.2])
-    found, height_error, form_error, turned = (np.array(value) for value in f(normal, tangential))
+    values = support_function(name)(normal, tangential)
+    found, height_error, form_error, turned = (np.array(value) for value in values)
     np.testing.assert_allclose(found[:, 0], x, atol=1e-9)
     assert abs(height_error.item()) < 1e-14
     assert abs(form_error.item()) < 1e-9 * (1 + abs(turned.item()))

@@ -22,7 +22,8 @@ NEWTON_STEP = mp.mpf(10) ** -14
 TIME_STEP = mp.mpf(10) ** -8
 TOLERANCE = 1e-9
 
-Quantities = Callable[[Any], dict[str, Any]]  # alpha -> residual "g" of extremality, "d", "N" and so on
+Found = dict[str, Any]
+Quantities = Callable[[Any], Found]  # alpha -> residual "g" of extremality, "d", "N" and so on
 Columns = TypeVar("Columns")
 
 
@@ -76,11 +77,21 @@ def solved(quantities: Quantities, alpha: Any) -> dict[str, Any]:
     return found | {"alpha": alpha}
 
 
-def differenced(at_instant: Callable[[Any], Quantities], alpha: Array) -> dict[str, Array]:
-    """Each quantity at t = 0, its rate as `<name>_dot`, and `d_ddot`, of the extremal pair near alpha."""
+def differenced(
+    at_instant: Callable[[Any], Quantities], alpha: Array, more: Callable[[Any, Found], Found] | None = None
+) -> dict[str, Array]:
+    """Each quantity at t = 0, its rate as `<name>_dot`, and `d_ddot`, of the extremal pair near alpha.
+
+    `more` adds to what is found at an instant.
+    """
+
+    def at(t: Any) -> Found:
+        found = solved(at_instant(t), start)
+        return found | more(t, found) if more else found
+
     with mp.workdps(DIGITS):
         h, start = TIME_STEP, column(alpha)
-        before, now, after = (solved(at_instant(t), start) for t in (-h, mp.mpf(0), h))
+        before, now, after = (at(t) for t in (-h, mp.mpf(0), h))
         rates = {f"{name}_dot": doubles((after[name] - before[name]) / (2 * h)) for name in now}
         second = doubles((after["d"] - 2 * now["d"] + before["d"]) / h**2)
         return {**{name: doubles(value) for name, value in now.items()}, **rates, "d_ddot": second}

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from modelgen import build, derive, emit, require
 from modelgen.codegen.library import Library
 from modelgen.scene.read import read_text
-from tests.running import folder
+from tests.running import library_of
 
 Array = np.ndarray[Any, Any]
 L = np.longdouble
@@ -31,7 +30,7 @@ ELLIPSOID = '{ kind = "ellipsoid", semi_axes = [1.0, 0.5, 0.2] }'
 def library(a: str = ELLIPSOID, b: str = ELLIPSOID, real: str = "double") -> Library:
     """Two free bodies of the given shapes in contact."""
     scene = read_text(SCENE.replace("SHAPE_A", a).replace("SHAPE_B", b), "pair.toml")
-    return build(emit(derive(require(scene))), real=real, folder=folder() / "pair")
+    return library_of(scene, real)
 
 
 @dataclass(frozen=True)

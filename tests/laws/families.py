@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from itertools import combinations_with_replacement
 
-from modelgen.contact.kinds import FORMS, order
+import pytest
+
+from modelgen.contact.kinds import FORMS, eta_layout, order
 from modelgen.model import BodyMotion, ContactKind, Posing, Rows, Side
 from tests.laws.shapes import SPECIMENS
 
@@ -56,3 +58,18 @@ def kind_of(
     one = Side(SPECIMENS[o].kind, motions[0], pose, placement)
     two = Side(SPECIMENS[f].kind, motions[1], "general", placement)
     return ContactKind("law", form, one, two, rows)
+
+
+def one_of_each() -> set[tuple[str, str, str]]:
+    """The first case of each form and way to carry eta, with a plane or not, with cavities or not."""
+    found: dict[object, tuple[str, str, str]] = {}
+    for o, f, form in CASES:
+        sides = o.startswith("plane"), o.endswith("_cavity"), f.endswith("_cavity")
+        found.setdefault((form, eta_layout(kind_of(o, f, form)), sides), (o, f, form))
+    return set(found.values())
+
+
+ONE_OF_EACH = one_of_each()
+SPARSE = [  # for laws that a shape enters through its side of the pair alone
+    pytest.param(*case, marks=() if case in ONE_OF_EACH else pytest.mark.slow) for case in CASES
+]

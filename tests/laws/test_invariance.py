@@ -18,7 +18,7 @@ from tests.laws.configurations import (
     rotation_taking,
     turned,
 )
-from tests.laws.families import CASES, kind_of
+from tests.laws.families import CASES, SPARSE, kind_of
 from tests.laws.shapes import SPECIMENS
 
 COUNT = 12
@@ -83,7 +83,7 @@ def test_swapping_the_bodies_changes_signs_only(o: str, f: str, form: str) -> No
             np.testing.assert_allclose(found, wanted, **CLOSE)
 
 
-@pytest.mark.parametrize(("o", "f", "form"), CASES)
+@pytest.mark.parametrize(("o", "f", "form"), SPARSE)
 def test_a_placed_shape_is_a_shape_moved(o: str, f: str, form: str) -> None:
     """The placed kernel at body poses against the plain one at shape poses and velocities."""
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=9)
@@ -114,7 +114,7 @@ def test_a_placed_shape_is_a_shape_moved(o: str, f: str, form: str) -> None:
 
 
 @pytest.mark.parametrize("motion", ["fixed", "point", "driven"])
-@pytest.mark.parametrize(("o", "f", "form"), CASES)
+@pytest.mark.parametrize(("o", "f", "form"), SPARSE)
 def test_a_simpler_motion_is_a_free_body_that_does_less(
     o: str, f: str, form: str, motion: BodyMotion
 ) -> None:

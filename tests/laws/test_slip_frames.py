@@ -19,12 +19,17 @@ from tests.laws.configurations import (
     rotation_of,
     turned,
 )
-from tests.laws.families import CASES, kind_of
+from tests.laws.families import CASES, ONE_OF_EACH, kind_of
 from tests.laws.shapes import SPECIMENS
 from tests.laws.slip import times
 from tests.laws.test_invariance import CLOSE, COUNT, EYE, SWAPPED, composed, random_rotations
 
 FEW = CASES[::4]
+IN_EACH_FORM = [
+    pytest.param(*case, marks=() if case in ONE_OF_EACH else pytest.mark.slow)
+    for case in (*FEW, *sorted(ONE_OF_EACH - set(FEW)))
+]
+ROUND = [pytest.param(*case, marks=() if case in ONE_OF_EACH else pytest.mark.slow) for case in SWAPPED]
 
 
 def rates(o: str, f: str, form: str, at: tuple[Array, ...], **kind: Any) -> dict[str, Array]:
@@ -68,7 +73,7 @@ def friction(count: int) -> Array:
     return np.random.default_rng(4).normal(size=(3, count))
 
 
-@pytest.mark.parametrize(("o", "f", "form"), SWAPPED[::2])
+@pytest.mark.parametrize(("o", "f", "form"), ROUND)
 def test_swapping_the_bodies_turns_vectors_round_and_keeps_power(o: str, f: str, form: str) -> None:
     """The frame is then of the other body."""
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=8)
@@ -135,7 +140,7 @@ def test_moving_the_world_turns_the_frame_with_it(o: str, f: str, form: str) -> 
 
 
 @pytest.mark.parametrize("motion", ["fixed", "point", "driven"])
-@pytest.mark.parametrize(("o", "f", "form"), FEW)
+@pytest.mark.parametrize(("o", "f", "form"), IN_EACH_FORM)
 def test_a_simpler_motion_is_a_free_body_that_does_less(
     o: str, f: str, form: str, motion: BodyMotion
 ) -> None:

@@ -79,7 +79,7 @@ class Slider:
             return np.concatenate([x[7:10], turning, accelerations, *rates])
 
         start = np.concatenate([q, v, w, *places])
-        found = solve_ivp(motion, (t[0], t[-1]), start, "DOP853", t, rtol=1e-13, atol=1e-14)
+        found = solve_ivp(motion, (t[0], t[-1]), start, "DOP853", t, rtol=1e-12, atol=1e-13)
         force = np.abs([pushed(x)[2] for x in found.y.T])
         return Slid(found.y[:3].T, found.y[3:7].T, force, float(apart))
 

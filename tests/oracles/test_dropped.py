@@ -44,7 +44,9 @@ STARTS = {  # the solid, the axis and the angle that put the feature lowest with
 }
 ENDS_ON_A_RIM = ("can on an end", "can on its rim")  # rattle between a rim and three points of it
 EVERY_START = pytest.mark.parametrize("start", STARTS)
-EVERY_TILT = pytest.mark.parametrize("tilt", TILTS)
+EVERY_TILT = pytest.mark.parametrize(
+    "tilt", [pytest.param(tilt, marks=pytest.mark.slow if k % 2 else ()) for k, tilt in enumerate(TILTS)]
+)
 
 
 def slack(start: str) -> float:
@@ -151,7 +153,7 @@ def test_what_impacts_take_is_booked(start: str, tilt: float) -> None:
     assert path.energy_drift < 1e-8
 
 
-@pytest.mark.parametrize("tilt", TILTS)
+@EVERY_TILT
 def test_the_ends_of_a_level_edge_share_the_load(tilt: float) -> None:
     """The motion stays in one plane: mirror images carry the same, touch and leave at the same times."""
     _, _, path = dropped("box on an edge", tilt)

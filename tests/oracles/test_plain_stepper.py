@@ -53,7 +53,7 @@ def agree(library: Library, until: float) -> list[str]:
 
 @pytest.mark.parametrize("form", ["implicit", "support"])
 def test_an_ellipsoid_on_a_plane(form: str) -> None:
-    assert agree(scene_of("ellipsoid_on_plane", form), 2.0) == []
+    assert agree(scene_of("ellipsoid_on_plane", form), 1.0) == []
 
 
 def test_a_ball_that_leaves_a_sphere() -> None:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
 import pytest
 
 from modelgen.contact import kinds
@@ -143,11 +142,8 @@ def test_a_corrupted_form_fails_with_its_exit_code(
 
     def corrupted(kind: ContactKind) -> ContactKernels:
         kernels = true(kind)
-        given = kernels.rates.sx_in()
-        values = list(kernels.rates.call(given))
-        values[3] = -values[3]
-        names = kernels.rates.name_in(), kernels.rates.name_out()
-        return replace(kernels, rates=ca.Function(kernels.rates.name(), given, values, *names))
+        rates = kernels.stated()
+        return replace(kernels, stated=lambda: replace(rates, gamma=-rates.gamma))
 
     wrong = {**kinds.FORMS, "block": replace(kinds.FORMS["block"], build=corrupted)}
     monkeypatch.setattr(kinds, "FORMS", wrong)

@@ -19,6 +19,7 @@ from modelgen.runtime.session import Session
 EGG = "scenes/ellipsoid_on_plane.toml"
 FEW = ("--knobs", "tolerance,form", "--until", "0.5")
 Modelgen = Callable[..., Any]
+pytestmark = pytest.mark.usefixtures("hasty")
 
 
 def test_the_front_answers_to_its_schema_and_falls(modelgen: Modelgen, tmp_path: Path) -> None:
