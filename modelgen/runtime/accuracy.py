@@ -195,7 +195,8 @@ class Accuracy:
 
     @classmethod
     def fast(cls) -> Accuracy:
-        """For looking at a scene: error below 3e-4 of the length in nine of ten shipped scenes, half 1e-5."""
+        """Fast, for a first look: error below 3e-4 L in nine of ten shipped scenes, below 1e-5 L in half of
+        them."""
         return cls(
             name="fast",
             tolerance=1e-6,
@@ -208,17 +209,18 @@ class Accuracy:
 
     @classmethod
     def balanced(cls) -> Accuracy:
-        """The default: error below 1e-7 in nine of ten shipped scenes, half 3e-10."""
+        """The default: error below 1e-7 L in nine of ten shipped scenes, below 3e-10 L in half of them."""
         return cls()
 
     @classmethod
     def tight(cls) -> Accuracy:
-        """Close to the rounding of double precision: below 1e-9 in nine of ten shipped scenes, half 2e-12."""
+        """Near rounding: error below 1e-9 L in nine of ten shipped scenes, below 2e-12 L in half of them."""
         return cls(name="tight", tolerance=1e-13, rest_speed=SLOWEST)
 
     @classmethod
     def finest(cls) -> Accuracy:
-        """Close to the rounding of long double, thresholds of rest and slip included: for references."""
+        """Near the rounding of long double, with equally fine thresholds of rest and slip: for reference
+        solutions."""
         return cls(
             name="finest",
             tolerance=1e-17,
@@ -234,8 +236,8 @@ class Accuracy:
 
     @classmethod
     def of(cls, tolerance: float) -> Accuracy:
-        """The balanced record with a tolerance of the user's own, within 1e-18 .. 1e-2; the speeds at which
-        bounces end and slip begins go with it."""
+        """The balanced record with another tolerance, from 1e-18 to 1e-2; `rest_speed` and `slip_speed`
+        follow it."""
         if not is_number(tolerance) or not 1e-18 <= tolerance <= 1e-2:
             raise SimulationError(
                 "tolerance",
@@ -258,14 +260,14 @@ class Accuracy:
 
     @classmethod
     def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
-        """The record that a run's accuracy or tolerance names, as they stand in a manifest."""
+        """The record for the `accuracy` or `tolerance` of the [run] of a manifest."""
         tolerance = run.get("tolerance")
         base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
         return replace(base, imaginary_edge=run["imaginary_edge"])
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:
-        """The record that a caller gave, as such or by its name."""
+        """The record for an argument `accuracy`: itself, or the one of that name."""
         if isinstance(value, Accuracy):
             return value
         if isinstance(value, str):
@@ -274,7 +276,7 @@ class Accuracy:
         raise SimulationError("accuracy", repr(value), allowed, "write Accuracy.of(...) for a tolerance")
 
     def choosing(self, run: Mapping[str, Any]) -> Accuracy:
-        """The same record with a run's own newton, project and use_gamma, and their names behind its own."""
+        """The same record with the keys of [run] that are in CHOICES; its name lists them."""
         own = {key: run[key] for key in CHOICES if run.get(key) is not None}
         name = ", ".join([self.name, *(f"{key} {value}" for key, value in own.items())])
         return replace(self, name=name, **own) if own else self
@@ -287,7 +289,7 @@ class Accuracy:
     def time_stepping(
         self, step: float, scheme: Scheme = "stewart-trinkle", solver: Solver = "coulomb"
     ) -> Accuracy:
-        """The same record with time-stepping: one problem of impulses a step, no events located.
+        """The same record with time-stepping: one problem of impulses per step; no events are located.
 
         Of order 1, for scenes with so many impacts that to locate each costs more than it tells. Penetration
         is pushed out after each step, positions alone (Anitescu and Hart, 2004). Impacts follow Newton's law.
@@ -309,7 +311,7 @@ class Accuracy:
         return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)
 
     def companion(self, epsilon: float) -> Accuracy:
-        """A record whose run errs by much less, or otherwise, where the real type resolves `epsilon`.
+        """The record of the companion run, whose error is much smaller, or at least independent.
 
         What decides when a contact rests, sticks or opens is finer too, though not so fine that rounding
         decides it, and drift is removed at every step, so that their part in the error shows.

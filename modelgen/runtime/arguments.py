@@ -1,4 +1,4 @@
-"""What a caller gives for a run, refused where it is given."""
+"""Checks of the arguments of a run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def is_number(value: object) -> bool:
 
 
 def check_span(where: str, value: object, remedy: str) -> None:
-    """Refuses what is no positive, finite time."""
+    """Raises SimulationError unless the value is a positive, finite time."""
     if not (isinstance(value, Real) and 0 < float(value) < float("inf")):
         raise SimulationError(where, repr(value), "a positive time in s", remedy)
 
@@ -24,7 +24,7 @@ def check_step(value: object, where: str = "step") -> None:
 
 
 def check_name(where: str, value: object, names: Iterable[str]) -> None:
-    """Refuses what is none of the names."""
+    """Raises SimulationError unless the value is one of the names."""
     known = list(names)
     if value not in known:
         remedy = nearest(str(value), known) or "use one of these names"
@@ -32,7 +32,7 @@ def check_name(where: str, value: object, names: Iterable[str]) -> None:
 
 
 def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> None:
-    """Refuses keywords that a verb does not know; a tolerance belongs to the accuracy."""
+    """Raises SimulationError for unknown keywords; for a tolerance the message points to `Accuracy`."""
     names = list(known)
     for key in given:
         if key not in names:

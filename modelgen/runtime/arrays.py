@@ -1,4 +1,4 @@
-"""Arrays for the C core, and results that nobody changes."""
+"""Arrays as arguments of the C core, and read-only results."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ C_REALS: dict[str, Any] = {
 
 
 def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
-    """To a contiguous array's data."""
+    """A pointer to the data of a contiguous array."""
     return ctypes.c_void_p(array.ctypes.data)
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """The array itself, read-only from now on."""
+    """The same array, made read-only."""
     array.setflags(write=False)
     return array

@@ -89,7 +89,7 @@ def _as_many(q: Array, u: Array) -> tuple[Array, Array]:
 
 
 def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], dict[str, Array]]:
-    """One mg_run a row of x, and the arrays that they point into."""
+    """An mg_run for each row of x, and the arrays that they point to."""
     n, m = len(x), session.n_contact + 1
     runs = (session.tables.Run * n)()
     columns: dict[str, Array] = {"x": x, "feature_pair": np.full((n, m), -1, dtype=np.intc)}

@@ -1,4 +1,4 @@
-"""A run as a C program of its own: its tables and its start, without Python."""
+"""A run as a C program that needs no Python: the tables and the start as initialisers."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _program(session: Session, arrays: Mapping[int, Array], until: float, record
 
 
 def _numbers(arrays: Mapping[int, Array]) -> dict[int, int]:
-    """By address, in the order of the arrays."""
+    """The numbers of the arrays, by address."""
     return {at: number for number, at in enumerate(arrays)}
 
 
@@ -124,7 +124,7 @@ def _number(value: Any) -> str:
 
 
 def _values(record: ctypes.Structure, numbers: Mapping[int, int]) -> str:
-    """A structure with its values, in the order of the header."""
+    """The initialiser of a structure, in the order of the header."""
     values = []
     for field, kind in record._fields_:  # type: ignore[misc]
         value = getattr(record, field)

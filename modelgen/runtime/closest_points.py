@@ -47,7 +47,7 @@ OUTPUTS = {"d": 1, "normal": 3, "point_o": 3, "point_f": 3, "margin": 2}
 
 
 class Extremum(IntEnum):
-    """What stands in a row of `ClosestPoints`."""
+    """The outcome of one row of `ClosestPoints`."""
 
     NOWHERE = 0  # no extremum was found from there
     STATIONARY = 1  # a saddle or a maximum of the distance
@@ -57,7 +57,7 @@ class Extremum(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ClosestPoints:
-    """One row a pair of poses; o and f are the bodies as the contact names them."""
+    """Results, one row per pair of poses; o and f are the first and second body of the contact."""
 
     d: Array  # (n,) m, signed distance: positive apart, negative overlapping
     normal: Array  # (n, 3) world, unit, from o to f
@@ -116,7 +116,7 @@ def closest_points(
 
 
 def _start(where: str, kind: Mapping[str, Any]) -> Array:
-    """Contact parameters that are not read; SimulationError where they would be."""
+    """Starting values of eta where none are given; SimulationError for kinds that need them."""
     if kind["n_eta"] and not kind["convex"]:
         raise SimulationError(
             where,
@@ -174,7 +174,7 @@ def _rows(where: str, values: Array, size: int) -> Array:
 
 
 def _common(where: str, given: list[Array]) -> int:
-    """The number of rows; one row goes with all of the others."""
+    """The common number of rows; arrays of one row are repeated."""
     counts = {len(rows) for rows in given} - {1}
     if len(counts) > 1:
         found = f"arrays of {' and '.join(str(count) for count in sorted(counts))} rows"
@@ -183,7 +183,8 @@ def _common(where: str, given: list[Array]) -> int:
 
 
 def _step_limits(library: Library, entry: Mapping[str, Any]) -> list[float]:
-    """How far each entry of eta may go in one step: points by the shape's size, parameters by their range."""
+    """The longest Newton step of each entry of eta: a part of the shape's size for points, of the range for
+    parameters."""
     kinds, length = library.manifest.kinds, library.manifest.instance["scales"]["length"]
     limits: list[float] = []
     for carrier, side in zip(kinds["contact"][entry["kind"]]["eta"], ("shape_o", "shape_f"), strict=True):

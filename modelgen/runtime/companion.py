@@ -1,4 +1,5 @@
-"""The companion of a run: finer, and from a start a few roundings off.
+"""The companion of a run: a finer run from a start that differs by a few roundings, which gives the error
+estimate.
 
 Where steps decide, its error is by far the smaller one; where rounding does, it is another one. So how far it
 goes from the run is the error of the run, whatever caused it.
@@ -83,7 +84,7 @@ def estimate_of(
 
 
 def _common(path: Trajectory, twin: Trajectory) -> int:
-    """How many samples both have; a companion that ended early has one more, at a time of its own."""
+    """The number of common samples; the last sample of a run that ended early is left out."""
     n = min(len(path.t), len(twin.t))
     return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
 
@@ -93,7 +94,8 @@ def _steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
 
 
 def _safe(path: Trajectory, accuracy: Accuracy) -> float:
-    """By what differences are multiplied; at a step TENTH as long the error is TENTH**order of it."""
+    """The factor from the difference of two runs to the error; the companion's error is TENTH**order of the
+    run's."""
     order = ORDERS.get("time-stepping" if _steps_in_time(path, accuracy) else accuracy.method)
     return SAFE if order is None else SAFE / (1 - TENTH**order)
 
@@ -101,7 +103,7 @@ def _safe(path: Trajectory, accuracy: Accuracy) -> float:
 def _errors(
     path: Trajectory, twin: Trajectory, n: int, instance: Mapping[str, Any]
 ) -> tuple[tuple[Array, float], tuple[Array, float]]:
-    """m and rad: (n,) what differs up to each sample, and what rounding hides."""
+    """(n,) m and rad: the largest differences up to each sample, with a bound of rounding."""
     bodies = list(enumerate(instance["bodies"]))
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
@@ -116,7 +118,7 @@ def _errors(
 
 
 def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
-    """How many of the n samples that are known are predicted."""
+    """The number of leading samples whose estimated error is below `prediction_error_max`."""
     lost = np.flatnonzero(~(np.maximum(position, rotation)[:n] <= predictable))
     return max(int(lost[0]) if lost.size else n, 1)
 
@@ -144,7 +146,7 @@ def _reasons(
     instance: Mapping[str, Any],
     missing: str,
 ) -> Iterator[str]:
-    """What a companion shares with its run, or why there is none."""
+    """Reasons why the estimate may miss errors that both runs share, or why there is no estimate."""
     if twin is None:
         yield missing
     elif twin.outcome is Outcome.INTERRUPTED:
@@ -184,7 +186,7 @@ def _order(
 
 
 def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
-    """Whether contacts of the pair may be overlooked: there may be several, not all known at any time."""
+    """Whether contacts of the pair are found by sampling, so that one may be missed."""
     if pair["search"] == "never":
         return False
     contacts = instance["contacts"][slice(*pair["contacts"])]

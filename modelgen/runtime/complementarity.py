@@ -49,7 +49,7 @@ class LcpSolution:
 
 
 class CoreLibrary(Protocol):
-    """What is used of a compiled library."""
+    """The part of a compiled library that the solvers need."""
 
     @property
     def cdll(self) -> ctypes.CDLL:
@@ -84,7 +84,8 @@ def solve_qp(
 
 
 def solve_lcp(A: ArrayLike, b: ArrayLike, library: CoreLibrary, method: Method = "auto") -> LcpSolution:
-    """Any matrix: the QP where A is symmetric positive semidefinite, else Lemke, else (n <= 20) enumeration.
+    """Solves with any A: as a QP if A is symmetric positive semidefinite, else by Lemke, else (n <= 20) by
+    enumeration.
 
     INFEASIBLE comes from the QP or from the enumeration alone. Raises SimulationError if shapes do not fit.
     """
@@ -158,7 +159,7 @@ def _start(active: ArrayLike | None, n: int) -> NDArray[np.intc]:
 def _call(
     name: str, problem: _Problem, iterations: int | None = None, active: NDArray[np.intc] | None = None
 ) -> LcpSolution:
-    """One call of the core: (n, A, b [, iterations], z [, active], report, work, iwork)."""
+    """Calls a solver of the core: (n, A, b [, iterations], z [, active], report, work, iwork)."""
     n, cdll = problem.n, problem.library.cdll
     report = _report(problem.b.dtype)
     z = np.zeros(n, dtype=problem.b.dtype)

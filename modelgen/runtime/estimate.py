@@ -1,4 +1,4 @@
-"""What a run knows of its own error, and the instance that says it."""
+"""The error estimate of a run and its statement in words."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Estimate:
 
     @property
     def statement(self) -> str:
-        """What is printed beside the result."""
+        """One line for the summary."""
         last = self.predicted - 1
         if not np.isfinite(self.position[last]):
             return "; ".join(f"uncertified: {reason}" for reason in self.uncertified)

@@ -1,4 +1,4 @@
-"""Joints in results: forces at their frames, coordinates with whole turns counted, and what is remarkable."""
+"""Joints in results: forces and torques, coordinates with whole turns counted, warnings."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: 
 
 
 def counted(t: Array, angle: Array, rate: Array) -> Array:
-    """Angles (n,) within half a turn continued through whole turns, each nearest to what rates foretell."""
+    """Angles (n,) with whole turns counted; the rates tell how far each turned since the sample before."""
     turns = np.zeros(len(angle), dtype=angle.dtype)
     for i in range(1, len(angle)):
         foretold = angle[i - 1] + turns[i - 1] + (rate[i - 1] + rate[i]) / 2 * (t[i] - t[i - 1])
@@ -73,7 +73,7 @@ def joint_warnings(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def redundancy(session: Session) -> list[str]:
-    """The joints of which the joints before them hold some rows already, at the session's state."""
+    """Joints with rows that depend on those of the joints before them, at the session's state."""
     kinds, found = session.library.manifest.kinds["joint"], []
     for joint, rank in zip(session.instance["joints"], session.ranks(), strict=True):
         rows = int(kinds[joint["kind"]]["rows"])

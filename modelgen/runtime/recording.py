@@ -1,4 +1,4 @@
-"""The core's samples turned into columns in world axes."""
+"""The samples of a run, from the core's arrays to columns in world axes."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Recording:
         self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
 
     def end(self) -> None:
-        """One sample more at the end of a run that came beyond its last sample, if its state is finite."""
+        """Adds a sample at the end of the run if it ended after the last one with a finite state."""
         count, t = self.record.count, self.arrays["t"]
         if 0 < count < len(t) and self.session.run.t > t[count - 1] and np.isfinite(self.session.x).all():
             t[count] = self.session.run.t
@@ -87,6 +87,6 @@ class Recording:
         }
 
     def _unknown_turning(self) -> list[int]:
-        """The bodies that may turn, but whose orientation and spin nobody observes."""
+        """Bodies whose rotation is left out because nothing observes it."""
         instance = self.session.instance
         return [k for k, b in enumerate(instance["bodies"]) if instance["observe"] and b["motion"] == "point"]

@@ -1,4 +1,4 @@
-"""Two planar regions laid on each other: their intersection, its convex hull, how deep points are inside it.
+"""Two planar regions: their intersection, its convex hull, and the depth of points inside it.
 
 The regions lie in one plane: A on the face of body o, or the whole plane; B on the face of body f, which
 looks against o's. Boundaries are arcs of the plane curves of a library's set of kinds. All results are in the
@@ -47,7 +47,7 @@ class Arc:
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """The intersection of two regions and its hull, and m points against the hull."""
+    """The intersection of two regions, its hull, and the position of m points relative to the hull."""
 
     outline: tuple[Array, ...]  # each (n, 2) m: closed curves that bound the intersection
     hull: Array  # (n, 2) m: the boundary of its convex hull, anticlockwise, curves sampled
@@ -68,7 +68,7 @@ def overlap(
     *,
     fine: int = FINE,
 ) -> Overlap:
-    """Lay region f on region o; the module says how they are described.
+    """Intersects two regions, given as the module describes.
 
     Args:
         core: a library whose set of kinds holds the curves.
@@ -98,7 +98,7 @@ def overlap(
 def query_of(
     core: Core, o: Sequence[Arc], f: Sequence[Arc], pose: Array, points: Array | None, fine: int
 ) -> tuple[Any, dict[str, Array]]:
-    """The mg_region_query without room for outlines, and the arrays that it fills in."""
+    """The mg_region_query without space for outlines, and the arrays of its results."""
     real: Any = core.dtype
     arcs = [*o, *f]
     lengths = [len(arc.parameters) for arc in arcs]
@@ -151,14 +151,14 @@ def _structures(real: np.dtype[Any]) -> tuple[Any, Any]:
 
 
 def _size(arcs: Sequence[Arc], pose: Array) -> float:
-    """A length, m, that the coordinates of the regions reach."""
+    """A bound on the coordinates of both regions, m."""
     reach = [np.abs(arc.placement[:3]).max() + max(map(abs, arc.parameters), default=0) for arc in arcs]
     straight = [max(map(abs, arc.ends)) for arc in arcs if not arc.parameters]
     return float(max([*reach, *straight]) + np.abs(pose[:3]).max())
 
 
 def _points(real: Any, query: Any, work: Array, core: Core, name: str) -> tuple[Array, ...]:
-    """The loops of an outline; the query is asked again, with room for it."""
+    """The loops of an outline, from a second call with space for its points."""
     outline = query.kept[2][name]
     point, loop = np.zeros((outline.count, 2), dtype=real), np.zeros(outline.count, dtype=np.intc)
     outline.capacity, outline.point, outline.loop = outline.count, address(point), address(loop)

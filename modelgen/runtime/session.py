@@ -76,7 +76,7 @@ class Session:
         return np.zeros(n, dtype=self.tables.dtype)
 
     def _scales(self) -> Array:
-        """The size of each state against which its local error is measured; of eta the core knows it."""
+        """The scale of each state in the error norm; the core sets that of eta."""
         instance, scales = self.instance, self.instance["scales"]
         length, time = scales["length"], scales["time"]
         sizes = np.ones(instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1, dtype=self.tables.dtype)
@@ -108,7 +108,7 @@ class Session:
         self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
 
     def arrays(self) -> dict[int, Array]:
-        """All arrays that the records point into, by address."""
+        """All arrays that the structures point to, by address."""
         of_run = [getattr(self, name) for name in RUN_ARRAYS]
         return {address(array): array for array in (*self._kept, *of_run, *self.event_arrays.values())}
 
@@ -138,7 +138,7 @@ class Session:
         return pair, faces
 
     def begin(self) -> int:
-        """Settles the start; returns the core's code (`runtime.start.begin` says what it means)."""
+        """Settles the start; returns the core's outcome code (see `runtime.start.begin`)."""
         self.start_code = int(
             self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
         )
@@ -151,7 +151,8 @@ class Session:
         return [int(n) for n in rank[:-1]]
 
     def unbounded(self) -> int:
-        """The function of time for which a run is not finite, or -1: loads, then bodies, then joints."""
+        """Index of the function of time that made the run non-finite, or -1: loads, then bodies, then
+        joints."""
         return int(self.library.cdll.mg_unbounded(*self._head, *self._scratch))
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
@@ -188,11 +189,12 @@ class Session:
         )
 
     def smooth(self, n: int) -> None:
-        """n RK4 steps of the accuracy's step without events, projection or ledger."""
+        """Takes n RK4 steps without events, projection or energy ledger."""
         self.library.cdll.mg_smooth(*self._head, ctypes.c_long(n), *self._scratch)
 
     def energy_drift(self, run: Any) -> float:
-        """max |E - E_0 - work| of an mg_run over its largest kinetic energy; at rest, m L^2 / T^2."""
+        """max |E - E_0 - work| of an mg_run, relative to its largest kinetic energy, or to m L^2 / T^2 at
+        rest."""
         scales = self.instance["scales"]
         resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
         moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * resting

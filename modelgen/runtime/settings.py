@@ -1,4 +1,4 @@
-"""The Accuracy of a run from what the scene says and the caller wants."""
+"""The Accuracy of a run, from the scene's [run] and the arguments of the call."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from modelgen.runtime.tables.structures import LAWS, METHODS, SCHEMES
 
 
 class Stepping(TypedDict, total=False):
-    """What a caller says of the method; None leaves it to the accuracy or the scene."""
+    """Arguments of `simulate` that choose the method; None leaves the choice to the scene."""
 
     method: str | None
     step: float | None
@@ -22,14 +22,20 @@ class Stepping(TypedDict, total=False):
     fallback: bool | None
 
 
-STEPPING = ("method", "step", "scheme", "solver", "fallback")  # keys of [run] that say how time is integrated
+STEPPING = (
+    "method",
+    "step",
+    "scheme",
+    "solver",
+    "fallback",
+)  # keys of [run] for the time integration
 NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, "solver": LAWS}
 
 
 def accuracy_of(
     instance: Mapping[str, Any], accuracy: Accuracy | str | None, own: Mapping[str, Any]
 ) -> Accuracy:
-    """The record of a run: the caller's or the scene's, with what the caller says of its own (STEPPING).
+    """The record of a run: the caller's or the scene's, with the keys STEPPING replaced by those in `own`.
 
     A whole Accuracy stands for itself; the scene's other settings go with named ones.
     """

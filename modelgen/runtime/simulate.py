@@ -1,4 +1,4 @@
-"""A run from t = 0 to its end: set up, let the core run, keep the samples, explain the outcome."""
+"""A run from t = 0 to its end: set-up, calls of the core, samples, outcome."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def simulate(
 
 
 def _part(report: Report, start: float, end: float) -> Report:
-    """Progress of a part of the work, as progress of the whole."""
+    """The progress of a part, converted to progress of the whole."""
     return report and (lambda share: report(start + (end - start) * share))
 
 
@@ -90,7 +90,7 @@ def _path(session: Session, end: float, times: Array, report: Report) -> Traject
 
 
 def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
-    """The error of a run, by its companion; a run that was interrupted has none."""
+    """The error estimate of a run, by its companion; None after an interruption."""
     instance = library.manifest.instance
     if path.interrupted:
         return estimate_of(path, None, accuracy, instance, "the run was interrupted: no companion followed")
@@ -107,7 +107,7 @@ def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Re
 
 
 def _extent(instance: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
-    """End time and output intervals, the scene's where the caller gives none."""
+    """End time and number of output intervals, by default those of the scene."""
     run, scene = instance["run"], f"{instance['source']}: run."
     end: Any = run["until"] if until is None else until
     intervals: Any = run["samples"] if samples is None else samples
@@ -148,7 +148,7 @@ def _run(session: Session, end: float, recording: Recording, report: Report) -> 
 
 
 def _in_order(events: list[Event]) -> list[Event]:
-    """By time. A touch-down ends the bounces that it leaves out; what its pair does next is later."""
+    """Events by time; at equal times a touch-down precedes the other events of its pair."""
     latest: dict[str, float] = {}
     told = []
     for event in events:

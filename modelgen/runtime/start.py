@@ -1,4 +1,4 @@
-"""The start of a run: brought onto its constraints by the core, or refused with the reason."""
+"""The start of a run: the core settles it on its constraints, or it is refused with the reason."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
 
 
 def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str:
-    """Which body to move along the normal; it points from the first body of the pair to the second."""
+    """The advice which body to move along the normal, which points from the first body to the second."""
     feature_pair = session.instance["feature_pairs"][int(session.feature_pair[contact])]
     bodies = [session.instance["bodies"][feature_pair[side]] for side in ("f", "o")]
     moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
@@ -72,7 +72,7 @@ def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str
 
 
 def _place_of(session: Session, contact: int, label: str) -> str:
-    """`scene.toml: contact[1] (contact 'ball-table')`: where it stands in the scene."""
+    """The place in the scene, as in `scene.toml: contact[1] (contact 'ball-table')`."""
     instance, name = session.instance, session.contacts[contact]
     if contact >= len(instance["contacts"]):
         return _place_of_joint(session, name.rsplit(":", 1)[0], label)
@@ -84,7 +84,7 @@ def _place_of_joint(session: Session, name: str, label: str) -> str:
 
 
 def _apart(session: Session, run: Any, label: str) -> SimulationError:
-    """Of the joint whose frames are farthest from what its kind allows."""
+    """The error of the joint whose frames are farthest from closing."""
     return SimulationError(
         _place_of_joint(session, session.joints[run.failed_joint], label),
         f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m: "
@@ -95,7 +95,7 @@ def _apart(session: Session, run: Any, label: str) -> SimulationError:
 
 
 def _frames_apart(session: Session, index: int) -> Iterator[str]:
-    """How the frames of a joint stand to each other, in what its kind may hold."""
+    """The distance and angles of the two frames of a joint, in words."""
     joint = session.instance["joints"][index]
     kind = session.library.manifest.kinds["joint"][joint["kind"]]["kind"]
     poses, numbers = session.poses(), np.array(joint["parameters"][:24]).reshape(2, 12)
@@ -113,7 +113,7 @@ def _frames_apart(session: Session, index: int) -> Iterator[str]:
 
 
 def _matrix(pose: Array) -> Array:
-    """Of p and R column-major, (4, 4)."""
+    """(4, 4) homogeneous matrix of p and R (column-major)."""
     matrix = np.eye(4)
     matrix[:3, 3], matrix[:3, :3] = pose[:3], pose[3:].reshape(3, 3).T
     return matrix
@@ -124,7 +124,7 @@ def _degrees(cosine: float) -> str:
 
 
 def _beyond(session: Session, contact: int, label: str) -> SimulationError:
-    """Of a limit that the start is past."""
+    """The error of a start beyond the limit of a joint."""
     joint, end = session.contacts[contact].rsplit(":", 1)
     return SimulationError(
         _place_of_joint(session, joint, label),

@@ -1,4 +1,4 @@
-"""The core alone, timed: a run without samples."""
+"""CPU time of the core alone, in a run without samples."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CHUNK = 20_000  # steps between two looks at the keyboard
 
 
 def core_time(library: Library, accuracy: Accuracy, until: float, steps: int | None = None) -> float:
-    """CPU seconds of this thread in the core, from a settled start to the end, or for some steps."""
+    """CPU seconds of the core from a settled start to the end, or for a number of steps."""
     session = Session(library, accuracy)
     begin(session)
     recording = Recording(session, np.array([until]))

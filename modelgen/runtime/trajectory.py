@@ -1,4 +1,4 @@
-"""What a run leaves: samples, events, outcome, and the ledger that says how far to trust them."""
+"""The result of a run: samples, events, outcome, and the figures that tell how far to trust them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = np.ndarray[Any, Any]
 
 
 class Outcome(Enum):
-    """How a run ended; the value says what to do about it."""
+    """The outcome of a run; the value is the advice to the user."""
 
     DONE = "the run reached its end"
     INTERRUPTED = "what had been computed is kept; to get further, loosen the accuracy or be patient"
@@ -156,12 +156,12 @@ class Trajectory:
 
     @property
     def rotation_error(self) -> Array:
-        """(n,) rad, the same of a body's rotation."""
+        """(n,) rad, the estimated error of a body's rotation up to each sample; infinite where unknown."""
         return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
 
     @property
     def interrupted(self) -> bool:
-        """Whether Ctrl-C fell into the run, or into its companion."""
+        """Whether the run or its companion was interrupted by Ctrl-C."""
         companion = self.estimate is not None and self.estimate.interrupted
         return companion or self.stopped
 
@@ -171,7 +171,7 @@ class Trajectory:
         return len(self.t) > 0 and bool(self.t[-1] == self.t_end)
 
     def __repr__(self) -> str:
-        """What it is of, how it ended and how much there is of it; no arrays."""
+        """Scene, outcome and sizes, without arrays."""
         ending = f"{self.outcome.name.lower()} at t = {self.t_end:.6g} s"
         return f"<Trajectory {self.scene}: {ending}; samples: {len(self.t)}, events: {len(self.events)}>"
 
@@ -215,7 +215,7 @@ class Trajectory:
         }
 
     def _contacts_at(self, sample: int) -> dict[str, Any]:
-        """Those that press."""
+        """The contacts that carry force at a sample."""
         return {
             name: {"force": force, "friction": self.friction[sample, i].tolist()}
             for i, (name, force) in enumerate(

@@ -25,7 +25,7 @@ Name = Literal["coulomb", "relaxation", "polyhedral", "mpcc"]
 
 
 def solver(name: Name) -> Solver:
-    """The solver of a name; the module of `mpcc`, and CasADi with it, is loaded only when asked for.
+    """The solver of that name; `mpcc` and CasADi are imported only when it is asked for.
 
     Raises SimulationError for another name.
     """

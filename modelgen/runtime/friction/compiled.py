@@ -31,7 +31,7 @@ class _Problem(ctypes.Structure):
 def coulomb(
     problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None, starts: int = 0
 ) -> FrictionSolution:
-    """Coulomb's law as it stands: no approximation.
+    """Solves Coulomb's law without approximation.
 
     Block Gauss-Seidel sweeps with exact solutions at one contact, then a semismooth Newton method on the
     natural map (P. Alart, A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991), 353-375); where these
@@ -53,7 +53,7 @@ def coulomb(
 def relaxation(
     problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None
 ) -> FrictionSolution:
-    """The convex program min z'Az/2 + b'z over the friction cones.
+    """Solves the convex relaxation: min z'Az/2 + b'z over the friction cones.
 
     M. Anitescu, A. Tasora, Comput. Optim. Appl. 47 (2010), 207-235. Always solved where it is feasible,
     with w unique. What it loses: w_n of a contact that slips is |mu w_t| instead of 0, so that sliding

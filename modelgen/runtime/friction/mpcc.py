@@ -23,7 +23,7 @@ _OPTIONS: dict[str, Any] = {"print_time": False, "error_on_fail": False, "ipopt"
 
 @dataclass(frozen=True)
 class Conditions:
-    """equal = 0, 0 <= G, 0 <= H, G H = 0 of each pair: what an MPCC adds to its own constraints."""
+    """Complementarity conditions of an MPCC: equal = 0, and 0 <= G, 0 <= H, G H = 0 for each pair."""
 
     equal: list[ca.SX] = field(default_factory=list)
     pairs: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
@@ -31,7 +31,7 @@ class Conditions:
 
 @dataclass(frozen=True)
 class MpccSolution:
-    """Where the homotopy ended."""
+    """The end of the homotopy."""
 
     x: NDArray[Any]
     objective: float
@@ -83,7 +83,8 @@ def minimise(
 
 
 def coulomb_conditions(problem: FrictionProblem, z: ca.SX, w: ca.SX, speed: ca.SX) -> Conditions:
-    """Coulomb's law of symbolic forces z and motions w, smooth: to be put into one's own program.
+    """Coulomb's law for symbolic forces z and motions w as smooth conditions, for use in an optimisation
+    problem.
 
     0 <= N, 0 <= w_n, N w_n = 0; of each disc of forces f = z_t / mu with v = mu w_t and its `speed` g:
     N v + g f = 0, 0 <= g, 0 <= N^2 - |f|^2, g (N^2 - |f|^2) = 0. Bilateral rows: w = 0.
@@ -154,7 +155,7 @@ def _solution(
 
 
 def _scaled(problem: FrictionProblem) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """scale, S, c with z = scale y and S y + c the motion over the same scale: contacts of unit mobility."""
+    """scale, S, c such that z = scale y and S y + c is the motion divided by scale: unit diagonal of S."""
     mobility = np.sqrt(np.where(np.diag(problem.A) > 0, np.diag(problem.A), 1.0))
     for row, rows in zip(problem.first, problem.rows, strict=True):
         mobility[row + 1 : row + min(rows, 3)] = mobility[row]

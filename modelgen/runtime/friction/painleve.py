@@ -1,4 +1,4 @@
-"""Sliding contacts at the level of accelerations: where Coulomb's law has no answer, or several."""
+"""Accelerations of sliding contacts: cases in which Coulomb's law has no solution or several (Painleve)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ROUNDING = 1e-10  # of the scaled problem: what counts as zero when signs are r
 
 
 class Paradox(Enum):
-    """What the accelerations of sliding bodies may be; the value says what to do."""
+    """The number of solutions; the value is the advice to the user."""
 
     NONE = "one answer"
     INCONSISTENT = "no forces satisfy the law (Painleve): a jump of velocities is needed; step in impulses"
@@ -28,7 +28,7 @@ class Paradox(Enum):
 
 @dataclass(frozen=True)
 class SlidingAnswer:
-    """All answers of a sliding problem that regular bases hold; forces of contacts along N."""
+    """All solutions with a regular basis matrix, as normal forces."""
 
     paradox: Paradox
     normal_forces: tuple[NDArray[Any], ...]  # each (n_contact,), N
@@ -36,7 +36,7 @@ class SlidingAnswer:
 
 
 def sliding(problem: FrictionProblem, slip: ArrayLike) -> SlidingAnswer:
-    """Contacts with 3 rows that slide in given directions: f = -N mu (mu s) / |mu s| is known but for N.
+    """Solutions for contacts of 3 rows that slide in given directions, where f = -N mu (mu s) / |mu s|.
 
     What remains is a complementarity problem of N with a matrix A_nn - A_nt mu (mu s) / |mu s| that is not
     symmetric, and no P-matrix where friction is strong: then it may have no or several solutions (P.
@@ -76,7 +76,7 @@ def _verdict(forces: int, accelerations: int) -> Paradox:
 
 
 def _normal_problem(problem: FrictionProblem, slip: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """G: forces of all rows per unit N of each contact; bilateral rows eliminated."""
+    """The problem in N alone, and G: forces of all rows per unit N; bilateral rows are eliminated."""
     G = np.zeros((problem.n, len(slip)))
     for contact, (row, mu, s) in enumerate(zip(problem.first, problem.cone[:, :2], slip, strict=True)):
         size = np.hypot(*(mu * s))

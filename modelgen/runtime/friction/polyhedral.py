@@ -30,7 +30,7 @@ class _Lcp:
 
 
 def polyhedral(problem: FrictionProblem, library: CoreLibrary, facets: int = FACETS) -> FrictionSolution:
-    """Cones with `facets` sides inscribed in Coulomb's, solved by Lemke's method.
+    """Solves with inscribed pyramids of `facets` sides in place of the cones, by Lemke's method.
 
     D. E. Stewart, J. C. Trinkle, Int. J. Numer. Methods Eng. 39 (1996), 2673-2691; M. Anitescu, F. A.
     Potra, Nonlinear Dyn. 14 (1997), 231-247: a solution exists and Lemke's method finds it in velocities
@@ -60,7 +60,7 @@ def polyhedral(problem: FrictionProblem, library: CoreLibrary, facets: int = FAC
 
 
 def _without_bilateral(problem: FrictionProblem) -> tuple[Any, tuple[NDArray[Any], NDArray[Any]]]:
-    """The problem without its bilateral rows (rows and columns 0), and how z is completed by their forces."""
+    """The problem without bilateral rows, and a function that adds their forces to z."""
     held = problem.bilateral
     rest = np.setdiff1d(np.arange(problem.n), held)
     inverse = np.linalg.pinv(problem.A[np.ix_(held, held)], hermitian=True)

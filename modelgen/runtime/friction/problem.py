@@ -16,7 +16,8 @@ ROWS = (1, 3, 6)
 
 
 class Outcome(Enum):
-    """How a problem with friction ended; the value says what to do. The first four: core/friction.h."""
+    """Outcome of a friction problem; the value is the advice to the user. The first four are those of
+    friction.h."""
 
     SOLVED = "the answer satisfies the law that the solver solves, to its residual"
     INFEASIBLE = (
@@ -27,7 +28,8 @@ class Outcome(Enum):
 
 
 class Motion(IntFlag):
-    """What a contact does; no flag: it opens. PRESSES without SLIPS: it sticks. Bits: core/friction.h."""
+    """The state of a contact. No flag: it is open; PRESSES without SLIPS: it sticks. The bits are those of
+    friction.h."""
 
     OPEN = 0
     PRESSES = 1
@@ -38,7 +40,7 @@ class Motion(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class FrictionProblem:
-    """w = A z + b with Coulomb's law at each contact and w = 0 on rows that belong to none.
+    """A friction problem: w = A z + b, Coulomb's law at each contact, w = 0 in bilateral rows.
 
     Forces and accelerations, or impulses and velocities: the law is the same. Rows of a contact: N along the
     normal, then with 3 rows f along t1, t2, with 6 also the torque about the normal and about t1, t2.
@@ -87,7 +89,7 @@ class FrictionProblem:
 
     @property
     def bilateral(self) -> NDArray[np.intp]:
-        """The rows that belong to no contact."""
+        """The rows that belong to no contact, in which w = 0."""
         free = np.ones(self.n, dtype=bool)
         for row, count in zip(self.first, self.rows, strict=True):
             free[row : row + count] = False

@@ -1,4 +1,4 @@
-"""The sides and conditions of the feature pairs as the tables of the core (modelgen.h)."""
+"""Features and conditions of the feature pairs in the tables of the core (modelgen.h)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG
 
 
 class FeatureTables:
-    """`integers`: arrays of mg_system; `numbers`: its pool; the lengths of shapes join `parameters`."""
+    """`integers`: arrays of mg_system; `numbers`: its array of numbers; parameters of shapes are added to
+    `parameters`."""
 
     def __init__(self, manifest: Manifest, parameters: list[float], endless: float) -> None:
         self.numbers: list[float] = []
@@ -62,7 +63,7 @@ def _kept(
 
 
 def _samples(shape: Mapping[str, Any], mate: str) -> int:
-    """How many a search during a run takes of a whole side; 0 where it has no ends."""
+    """The number of samples of a whole feature in a search during a run; 0 if it is unbounded."""
     if not shape["domain"] or any(None in ends for ends in shape["domain"]):
         return 0
     return (GRID if mate in FEET else COARSE) ** 2
@@ -76,16 +77,16 @@ def append(pool: list[float], values: Sequence[float]) -> int:
 
 
 def spans(side: Mapping[str, Any], kinds: Sequence[Mapping[str, Any]], length: float) -> list[float]:
-    """What each coordinate of a shape is measured against: its range over 2 pi; the characteristic length,
-    or what it turns by along that, where it has no end."""
+    """The scale of each coordinate of a shape: its range over 2 pi; if unbounded, the characteristic length,
+    or the angle of a helix over that length."""
     turning = kinds[side["kind"]]["kind"] == "helix"
     endless = length / hypot(*side["parameters"]) if turning else length
     return [endless if None in ends else (ends[1] - ends[0]) / (2 * pi) for ends in side["domain"]]
 
 
 def _side_numbers(side: Mapping[str, Any], endless: float, spanned: Sequence[float]) -> list[float]:
-    """Placement (12), bounds of u and v (4), radius and centre of a ball (4), what u and v are measured
-    against (2)."""
+    """Placement (12), bounds of u and v (4), radius and centre of a bounding ball (4), scales of u and v
+    (2)."""
     bounds = [*side["domain"], [0.0, 0.0], [0.0, 0.0]][:2]
     low_high = [
         end if bound is None else bound

@@ -9,7 +9,7 @@ from typing import Any
 def add_limits(
     integers: dict[str, list[int]], limits: Sequence[Mapping[str, Any]], parameters: list[int]
 ) -> None:
-    """Each limit is a contact, with a pair and a feature pair of its own behind those with shapes."""
+    """Adds each limit as a contact with its own pair and feature pair, after those with shapes."""
     for limit, start in zip(limits, parameters, strict=True):
         pair, feature_pair = len(integers["pair_search"]), len(integers["feature_pair_kind"])
         rows = {

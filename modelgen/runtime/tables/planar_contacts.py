@@ -1,4 +1,4 @@
-"""Patches in the tables of the core (modelgen.h): faces with their boundaries, and points that hold them."""
+"""Planar contacts in the tables of the core (modelgen.h): faces, boundaries, support points."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ SUPPORT_POINTS = 3
 
 
 def slot_count(instance: Mapping[str, Any]) -> int:
-    """How many patches may rest at a time, over all pairs."""
+    """The number of patches that may rest at the same time, over all pairs."""
     return int(instance["patches"][-1]["patch_slots"][1]) if instance["patches"] else 0
 
 
 def add_patches(
     integers: dict[str, list[int]], numbers: list[float], parameters: list[float], instance: Mapping[str, Any]
 ) -> None:
-    """The tables of the patches; their points are the last contacts, on feature pairs behind all others."""
+    """Adds the tables of the patches; their support points are the last contacts and feature pairs."""
     faces = [_add_face(face, numbers, parameters) for face in instance["faces"]]
     boundary: dict[str, list[int]] = {f"arc_{key}": [] for key in ("shape", "parameters", "numbers", "loop")}
     first, cover = [0], [0]
@@ -50,7 +50,7 @@ def add_patches(
 def _add_face(
     face: Mapping[str, Any], numbers: list[float], parameters: list[float]
 ) -> list[tuple[int, int, int, int]]:
-    """The arcs of a face: shape, parameters, numbers, loop."""
+    """The arcs of a face as (shape, parameters, numbers, loop)."""
     return [
         (
             arc["kind"],
@@ -98,7 +98,7 @@ def _add_feature_pair(
 
 
 def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:
-    """Of the points of all places, the last contacts."""
+    """Restitution of the support points of all slots, which are the last contacts."""
     pairs = {slot: patch["pair"] for patch in instance["patches"] for slot in range(*patch["patch_slots"])}
     return [
         instance["pairs"][pair]["restitution"]
@@ -108,12 +108,12 @@ def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:
 
 
 def patch_friction(instance: Mapping[str, Any]) -> list[float]:
-    """Static and kinetic coefficient of each patch, 0 without friction."""
+    """The static and kinetic friction coefficient of each patch, 0 without friction."""
     return [value for patch in instance["patches"] for value in patch.get("friction", (0.0, 0.0))]
 
 
 def points_with_friction(instance: Mapping[str, Any]) -> Sequence[bool]:
-    """Of the points of all places, those that have rows of friction."""
+    """For the support points of all slots, whether they have friction rows."""
     has_friction = {
         slot: "friction" in patch for patch in instance["patches"] for slot in range(*patch["patch_slots"])
     }

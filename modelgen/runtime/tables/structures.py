@@ -1,4 +1,4 @@
-"""The C core's records as ctypes structures, filled from a manifest's instance."""
+"""The structures of the core (modelgen.h) as ctypes structures, filled from a manifest's instance."""
 
 from __future__ import annotations
 
@@ -237,7 +237,7 @@ def _queries(real: Any) -> Any:
 
 
 def structure(name: str, fields: list[tuple[str, Any]]) -> Any:
-    """A C structure as ctypes knows it."""
+    """A ctypes structure with the given fields."""
     return type(name, (ctypes.Structure,), {"_fields_": fields})
 
 
@@ -279,7 +279,7 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
 
 
 def _sizes(instance: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
-    """Numbers of bodies, contacts, loads, pairs, feature pairs; limits, support points are contacts."""
+    """The numbers of bodies, contacts (with limits and support points), loads, pairs and feature pairs."""
     counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "feature_pair_kind"))
     return len(instance["bodies"]), *(len(entries) for entries in counted)
 
@@ -306,7 +306,7 @@ def _bodies_and_contacts(
 
 
 def _impact_laws(instance: Mapping[str, Any]) -> list[int]:
-    """Of contacts, then of limits and the points of patches, which follow Newton's."""
+    """Impact laws of contacts, then of limits and support points, for which it is Newton's."""
     laws = [IMPACT_LAWS[instance["pairs"][c["pair"]].get("law", "newton")] for c in instance["contacts"]]
     return laws + [0] * (len(instance["limits"]) + SUPPORT_POINTS * slot_count(instance))
 
@@ -344,7 +344,7 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
 
 
 def _room(manifest: Manifest) -> int:
-    """How many contacts may be closed at a time: all of a small scene, 12 a moving body of a large one."""
+    """The bound on contacts closed at a time: all in a small scene, 12 per moving body in a large one."""
     instance = manifest.instance
     moving = sum(body["motion"] in ("point", "free") for body in instance["bodies"])
     many = len(instance["contacts"]) + len(instance["limits"]) + SUPPORT_POINTS * slot_count(instance)
@@ -353,13 +353,13 @@ def _room(manifest: Manifest) -> int:
 
 
 def _row_count(manifest: Manifest) -> int:
-    """Rows of all joints."""
+    """The number of rows of all joints."""
     kinds = manifest.kinds["joint"]
     return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.instance["joints"])
 
 
 def fill_settings(tables: Tables, accuracy: Any, instance: Mapping[str, Any]) -> Any:
-    """The mg_settings of an Accuracy, no tolerance finer than the real type resolves.
+    """The mg_settings of an Accuracy; tolerances below the resolution of the real type are raised.
 
     Patches are of event-driven runs whose contacts are all struck at once.
     """

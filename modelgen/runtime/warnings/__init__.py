@@ -15,8 +15,7 @@ from modelgen.runtime.warnings.time_stepping import stepping_warnings
 
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
-    """Of a scene whose bodies (`name`, `motion`) have neither contact nor joint, how to add a contact; of one
-    in which nothing can move, how to let a body move."""
+    """Advice for a scene without contacts and joints, and for one in which no body can move."""
     moving = [body["name"] for body in bodies if body["motion"] in ("point", "free")]
     if all(body["motion"] == "fixed" for body in bodies):
         return (
@@ -33,7 +32,7 @@ def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple
 
 
 def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
-    """What is remarkable about a run and its scene."""
+    """The warnings about a run and its scene."""
     margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
     found = [
         *session.instance["warnings"],
@@ -71,7 +70,7 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
 
 
 def _far(session: Session, accuracy: Accuracy) -> list[str]:
-    """Far from the origin positions are rounded more coarsely than gaps are told apart."""
+    """Warns if bodies are so far from the origin that rounding of positions exceeds the contact gap."""
     bodies = [body for body in session.instance["bodies"] if body["motion"] in ("point", "free")]
     starts = (session.instance["initial_q"], session.x)
     far = max((abs(float(q[b["q"] + k])) for q in starts for b in bodies for k in range(3)), default=0.0)

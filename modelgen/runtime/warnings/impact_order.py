@@ -1,4 +1,4 @@
-"""Blows on one body so close in time that a run's error leaves open which comes first.
+"""Impacts on one body so close in time that the error of the run leaves their order open.
 
 What follows differs by a finite amount: a cube that falls on an edge goes on otherwise when one corner of it
 is struck first. Where run and companion differ in that, it shows; but both may err to the same side.
@@ -24,7 +24,7 @@ def undecided_blows(
     least: float,
     end: float,
 ) -> tuple[Event, Event] | None:
-    """The first two blows of a run that come in the same order in its companion by no more than the error.
+    """The first two impacts of a run whose times differ by no more than the error.
 
     Args:
         mine, theirs: the events of the run, and of its companion.
@@ -50,7 +50,7 @@ def _blows(events: Sequence[Event], end: float) -> Iterator[Event]:
 
 
 def _numbered(blows: Iterator[Event]) -> dict[tuple[str, int], Event]:
-    """Blows in order, by their contact and which of its blows each is."""
+    """The impacts in order, keyed by contact and number of the impact at that contact."""
     counts: dict[str, int] = defaultdict(int)
     numbered = {}
     for event in blows:
@@ -60,7 +60,7 @@ def _numbered(blows: Iterator[Event]) -> dict[tuple[str, int], Event]:
 
 
 def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:
-    """By contact, pair of bodies, or limit of a joint: its bodies that are not fixed nor driven."""
+    """For each contact and joint limit, its bodies that forces move."""
     free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
     feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
     pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]

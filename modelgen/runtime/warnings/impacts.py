@@ -1,4 +1,4 @@
-"""What the user should know of impacts in a run, and of forces that rigid bodies leave open."""
+"""Warnings about impacts, and about forces that rigid-body equations leave indeterminate."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ LAW_NAMES = {"newton": "Newton's", "poisson": "Poisson's", "stronge": "Stronge's
 
 
 def blow_warnings(session: Session, accuracy: Accuracy) -> list[str]:
-    """Energy made by a law of impact, laws not followed, blows at once, and Painleve's indeterminacy."""
+    """Warnings: energy gained in impacts, impact laws that were replaced, simultaneous impacts, Painleve's
+    paradox."""
     return [*_gains(session, accuracy), *_laws(session), *_chains(session), *_paradox(session)]
 
 
@@ -19,7 +20,7 @@ def _law_of(session: Session, contact: str) -> str:
 
 
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
-    """Newton's law of impact, and Poisson's, may make energy where there is friction."""
+    """Warns of an impact that gained energy, as Newton's and Poisson's laws may with friction."""
     run = session.run
     if run.impact_gain_contact < 0 or float(run.impact_gain_max) <= accuracy.tolerance * float(
         run.kinetic_max
@@ -34,7 +35,7 @@ def _gains(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def _laws(session: Session) -> list[str]:
-    """Time-stepping has Newton's law alone."""
+    """Warns that time-stepping replaced another law by Newton's."""
     others = [p["name"] for p in session.instance["pairs"] if p.get("law", "newton") != "newton"]
     if not others or not (session.accuracy.method == "time-stepping" or session.run.fallbacks):
         return []

@@ -1,4 +1,4 @@
-"""The function of time for which a run is not finite, as the scene writes it."""
+"""The function of time that made a run non-finite, as the scene names it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the user should know of time-stepping in a run."""
+"""Warnings about time-stepping."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CAUSES = {
 
 
 def stepping_warnings(session: Session) -> list[str]:
-    """Where the run fell back on time-stepping, and where the exact law of friction was replaced."""
+    """Warnings: falls back on time-stepping, and steps in which the exact friction law was replaced."""
     run, found = session.run, []
     if run.fallbacks:
         more = f" ({run.fallbacks} times in all)" if run.fallbacks > 1 else ""
