@@ -16,13 +16,14 @@
 #include "modelgen.h"
 #include "region/region.h"
 
-#define MG_GRID 17       /* samples along each side of a chart in a search at the start */
-#define MG_COARSE 9      /* samples along each side of a chart in a search during a run */
-#define MG_SAMPLES 289   /* most samples of a feature: MG_GRID squared */
-#define MG_SAMPLE_SIZE 9 /* numbers of a stored sample: point in its shape's axes, in its body's, direction in those \
-                          */
-#define MG_STARTS 8      /* most starts of Newton's method in one search of a feature pair */
-#define MG_MINIMA 24     /* most minima of the distance of one pair */
+#define MG_GRID 17     /* samples along each side of a chart in a search at the start */
+#define MG_COARSE 9    /* samples along each side of a chart in a search during a run */
+#define MG_SAMPLES 289 /* most samples of a feature: MG_GRID squared */
+#define MG_SAMPLE_SIZE                                                                                           \
+  9                  /* numbers of a stored sample: point in its shape's axes, in its body's, direction in those \
+                      */
+#define MG_STARTS 8  /* most starts of Newton's method in one search of a feature pair */
+#define MG_MINIMA 24 /* most minima of the distance of one pair */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
 #define MG_RADAU_STAGES 7      /* stages of Radau collocation */
 #define MG_MAX_ETA 8           /* room for the eta of one contact */
@@ -71,8 +72,8 @@ typedef struct {
   int undecided;     /* 1: two curves touch, and it is not known which side is outside */
   mg_real d;         /* gap, m */
   mg_real margin;    /* distance from a singularity, 1 */
-  mg_real point[3];  /* midpoint of the closest points, m */
-  mg_real normal[3]; /* N */
+  mg_real point[3];  /* contact point on the body with the smaller number, m */
+  mg_real normal[3]; /* unit normal from that body to the other */
   mg_real eta[6];    /* eta */
 } mg_minimum;
 
