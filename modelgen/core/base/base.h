@@ -1,4 +1,5 @@
-/* Vectors, scratch memory and dense factorisations. May use: nothing of the core. */
+/* Small vectors, parts of the scratch memory, and factorisations of small dense matrices. Matrices are column-major.
+   May use: nothing of the core. */
 #ifndef MG_BASE_H
 #define MG_BASE_H
 
@@ -6,8 +7,8 @@
 
 #include "base/real.h"
 
-/* MG_LCP_TIKHONOV  added to the unit diagonal of S while the active set is sought.
-   MG_LCP_CAP       no answer with residual above it is called solved (see mg_lcp_tolerance). */
+/* MG_LCP_TIKHONOV  regularisation: added to the unit diagonal of S while the active set is sought.
+   MG_LCP_CAP       largest residual of a solution (see mg_lcp_tolerance). */
 #if defined(MG_REAL_LONG)
 #define MG_LCP_TIKHONOV 1e-12L
 #define MG_LCP_CAP 1e-12L
@@ -19,17 +20,21 @@
 #define MG_LCP_CAP 1e-9
 #endif
 
-/* Pivots of S below this fraction of 1 count as zero: rounding of A leaves about n eps there. */
+/* Pivots of S, whose diagonal is 1, that are below this count as zero: rounding of A leaves about n eps there. */
 #define MG_LCP_RANK(n) ((mg_real)1e3 * (mg_real)(n) * MG_EPS)
 
-/* Cholesky pivots all above it: the factor is used as it is, with one refinement. */
+/* If all Cholesky pivots are above this, the factor is used as it is, with one step of iterative refinement. */
 #define MG_LCP_REGULAR ((mg_real)1e4 * MG_LCP_TIKHONOV)
 
-/* A symmetric positive semidefinite k by k matrix P L L' P', and Q R = L where the rank is below k. */
+/* Factors of a symmetric positive semidefinite k by k matrix S: P' S P = L L', and L = Q R where the rank is below k.
+ */
 typedef struct {
-  int k, rank;
-  mg_real *L, *Q, *R;
-  int *order;
+  int k;      /* size */
+  int rank;   /* rank */
+  mg_real *L; /* [k rank] lower trapezoid */
+  mg_real *Q; /* [k rank] orthonormal columns */
+  mg_real *R; /* [rank rank] upper triangle */
+  int *order; /* [k] row of S in each row of P' S P */
 } mg_factor;
 
 /* vectors.c */

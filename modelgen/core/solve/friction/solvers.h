@@ -1,7 +1,7 @@
-/* What the solvers of cone friction problems share. They work on y = z / (e scale) and v = S y + c, bilateral rows
-   eliminated, with e_n = 1 / sqrt(A_nn), e_t = mu e_n, so that every cone is |y_t| <= y_n and S_nn = 1. A part of a
-   contact is a disc of forces: slip (2 rows), spin (1), rolling (2); rows with mu = 0 carry no force and are left out.
-   May use: base, solve/lcp. */
+/* What the solvers of friction problems share: the scaled form and its residual. Bilateral rows are eliminated. The
+   solvers work on y = z / (e scale) and v = S y + c, with e_n = 1 / sqrt(A_nn) and e_t = mu e_n, so that every cone is
+   |y_t| <= y_n and S_nn = 1. A part of a contact is a disc of forces: slip (2 rows), spin (1) or rolling (2). Rows with
+   mu = 0 carry no force and are left out. May use: base, solve/lcp. */
 #ifndef MG_SOLVE_FRICTION_SOLVERS_H
 #define MG_SOLVE_FRICTION_SOLVERS_H
 
@@ -9,25 +9,38 @@
 #include "solve/friction/friction.h"
 
 typedef struct {
-  const mg_friction_problem *given;
-  int n, m, n_part;      /* contacts, rows kept, parts */
-  int n_bilateral, rank; /* of the bilateral rows */
-  int *row;              /* per kept row: the row of the problem */
-  int *normal, *part;    /* per contact: kept row of N; first part (n + 1) */
-  int *part_row, *part_dim, *part_mark;
-  int *bilateral, *order; /* rows of the problem; how they were pivoted */
-  int *iwork;
-  mg_real *e, *rho; /* per kept row; per part: mean of S_tt */
-  mg_real *S, *c;
-  mg_real *y, *v, *best; /* the candidate and its v; the best so far */
-  mg_real *e_b, *L, *X;  /* bilateral rows: scale, Cholesky factor, A_bb^-1 (A_bc, b_b) */
-  mg_real *spare, *work; /* rows of a start, 5 m; scratch of one step */
-  mg_real scale, theta;  /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb, 1 relaxed */
-  mg_real residual;      /* of best */
-  int sweeps, newton;
+  const mg_friction_problem *given; /* the problem */
+  int n;                            /* contacts */
+  int m;                            /* rows kept: those of contacts that may carry force */
+  int n_part;                       /* parts of all contacts */
+  int n_bilateral;                  /* bilateral rows */
+  int rank;                         /* rank of the bilateral rows */
+  int *row;                         /* [m] row of the problem */
+  int *normal;                      /* [n] kept row of N */
+  int *part;                        /* [n + 1] range of parts */
+  int *part_row;                    /* [n_part] first kept row */
+  int *part_dim;                    /* [n_part] rows */
+  int *part_mark;                   /* [n_part] MG_MARK_SLIP, MG_MARK_SPIN or MG_MARK_ROLL */
+  int *bilateral;                   /* [n_bilateral] row of the problem */
+  int *order;                       /* [n_bilateral] order of pivots */
+  int *iwork;                       /* scratch */
+  mg_real *e;                       /* [m] scale of a row */
+  mg_real *rho;                     /* [n_part] mean of S_tt */
+  mg_real *S, *c;                   /* [m m], [m] the scaled problem */
+  mg_real *y, *v;                   /* [m] candidate and its motion v = S y + c */
+  mg_real *best;                    /* [m] candidate with the least residual so far */
+  mg_real *e_b;                     /* [n_bilateral] scale of a bilateral row */
+  mg_real *L;                       /* [n_bilateral n_bilateral] Cholesky factor of A_bb */
+  mg_real *X;                       /* A_bb^-1 (A_bc, b_b) */
+  mg_real *spare;                   /* [5 m] rows that a start keeps */
+  mg_real *work;                    /* scratch of one step */
+  mg_real scale;                    /* size of c, by which it is divided */
+  mg_real theta;                    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb's law, 1 relaxed */
+  mg_real residual;                 /* residual of best */
+  int sweeps, newton;               /* sweeps and Newton steps so far */
 } mg_scaled_friction;
 
-enum { MG_PATHS = 20 };
+enum { MG_PATHS = 20 }; /* starting points that mg_friction_follow knows */
 
 /* certificate.c */
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
