@@ -35,7 +35,7 @@ MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x) {
   }
 }
 
-static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, int b) {
+static void mg_swap_rows_and_columns(int k, mg_real *L, int *order, int from, int a, int b) {
   int label = order[a];
   if (a == b) return;
   order[a] = order[b];
@@ -62,7 +62,7 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real toler
     for (int i = j + 1; i < k; ++i)
       if (L[i + i * k] > L[largest + largest * k]) largest = i;
     if (!(L[largest + largest * k] > tolerance)) return j;
-    mg_symmetric_swap(k, L, order, j, j, largest);
+    mg_swap_rows_and_columns(k, L, order, j, j, largest);
     reciprocal = 1 / (mg_real)sqrt(column[j]);
     for (int i = j; i < k; ++i) column[i] *= reciprocal;
     for (int c = j + 1; c < k; ++c)
@@ -93,7 +93,7 @@ static void mg_orthonormalise(mg_factor *f) {
 }
 
 /* t becomes L^-T L^-1 t, for L of full rank. */
-static void mg_solve_full(const mg_factor *f, mg_real *t) {
+static void mg_solve_full_rank(const mg_factor *f, mg_real *t) {
   int k = f->k;
   for (int j = 0; j < k; ++j) {
     t[j] /= f->L[j + j * k];
@@ -106,7 +106,7 @@ static void mg_solve_full(const mg_factor *f, mg_real *t) {
 }
 
 /* t becomes Q R^-T R^-1 Q' t; s is scratch of k. */
-static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
+static void mg_solve_rank_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
     s[j] = 0;
@@ -126,10 +126,10 @@ static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
 }
 
 /* y -= S^+ residual; residual and s are scratch of k. */
-static void mg_correct(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s) {
+static void mg_subtract_pseudoinverse(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s) {
   for (int i = 0; i < f->k; ++i) t[i] = residual[f->order[i]];
-  if (f->rank == f->k) mg_solve_full(f, t);
-  else mg_solve_deficient(f, t, s);
+  if (f->rank == f->k) mg_solve_full_rank(f, t);
+  else mg_solve_rank_deficient(f, t, s);
   for (int i = 0; i < f->k; ++i) y[f->order[i]] -= t[i];
 }
 
@@ -152,7 +152,7 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
   return 1;
 }
 
-static void mg_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
+static void mg_linear_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
   for (int i = 0; i < k; ++i) residual[i] = c[i];
   for (int j = 0; j < k; ++j)
     for (int i = 0; i < k; ++i) residual[i] += S[i + j * k] * y[j];
@@ -164,7 +164,7 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
   if (!(mg_cholesky(k, L) > MG_LCP_REGULAR)) return 0;
   for (int i = 0; i < k; ++i) y[i] = -c[i];
   mg_cholesky_solve(k, L, y);
-  mg_residual(k, S, c, y, residual);
+  mg_linear_residual(k, S, c, y, residual);
   mg_cholesky_solve(k, L, residual);
   for (int i = 0; i < k; ++i) y[i] -= residual[i];
   return 1;
@@ -182,8 +182,8 @@ MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_re
   f.rank = mg_cholesky_pivoted(k, f.L, order, floor);
   if (f.rank < k) mg_orthonormalise(&f);
   for (int i = 0; i < k; ++i) y[i] = 0;
-  mg_correct(&f, c, y, t, s);
-  mg_residual(k, S, c, y, residual);
-  mg_correct(&f, residual, y, t, s);
+  mg_subtract_pseudoinverse(&f, c, y, t, s);
+  mg_linear_residual(k, S, c, y, residual);
+  mg_subtract_pseudoinverse(&f, residual, y, t, s);
   return f.rank;
 }

@@ -12,7 +12,7 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed);
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed);
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta);
+MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta);
 
 /* sampling.c */
 MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side);

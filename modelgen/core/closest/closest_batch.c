@@ -3,7 +3,7 @@
 #include "base/base.h"
 
 /* Where to begin: the normal that continues eta, else the line between the bodies. Returns 1 in the first case. */
-static int mg_begin_at(const mg_shape_pair *p, const mg_real *eta, int warm, mg_real *normal, mg_real *rounding) {
+static int mg_start_normal(const mg_shape_pair *p, const mg_real *eta, int warm, mg_real *normal, mg_real *rounding) {
   p->kernels->contact_aim(p->kind, p->pose_o, p->pose_f, eta, p->parameters, normal, rounding);
   if (warm && mg_normalise3(normal)) return 1;
   for (int k = 0; k < 3; k++) normal[k] = p->pose_f[k] - p->pose_o[k];
@@ -16,7 +16,7 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
                                   mg_real *placed) {
   mg_real rounding, next[MG_MAX_ETA];
   mg_separation_view v;
-  const int known = mg_begin_at(p, eta, warm, v.normal, &rounding);
+  const int known = mg_start_normal(p, eta, warm, v.normal, &rounding);
   const int found = mg_maximise_separation(p, -rounding - goal->tolerance * goal->length, known, &v);
   for (int k = 0; k < 6; k++) eta[k] = v.eta[k];
   mg_place_pair(p, eta, next, placed);

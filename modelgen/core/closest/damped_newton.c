@@ -14,12 +14,12 @@ MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goa
   return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * far && placed[2] <= goal->tolerance;
 }
 
-static mg_real mg_merit_of(const mg_newton_goal *goal, const mg_real *placed) {
+static mg_real mg_newton_merit(const mg_newton_goal *goal, const mg_real *placed) {
   return placed[1] / goal->length + placed[2];
 }
 
 /* The part of the way to `next` that keeps each entry within its reach; 0 if the step is not finite. */
-static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
+static mg_real mg_bounded_step_part(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
   mg_real part = 1;
   for (int k = 0; k < n; k++) {
     const mg_real step = fabs(next[k] - eta[k]);
@@ -30,14 +30,15 @@ static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const 
 }
 
 /* Halves the step until the merit falls; returns 0 if it does not. Entries without bounds are signs: they jump. */
-static int mg_damped(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *next, mg_real *placed) {
+static int mg_damped_step(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *next,
+                          mg_real *placed) {
   const int n = p->kernels->contact_kinds[p->kind].n_eta;
-  const mg_real before = mg_merit_of(goal, placed);
-  mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded(goal, eta, next, n);
+  const mg_real before = mg_newton_merit(goal, placed);
+  mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded_step_part(goal, eta, next, n);
   for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
     for (int k = 0; k < n; k++) there[k] = goal->step_limit[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
     mg_place_pair(p, there, after, placed);
-    if (!(mg_merit_of(goal, placed) < (1 - part / 1000) * before)) continue;
+    if (!(mg_newton_merit(goal, placed) < (1 - part / 1000) * before)) continue;
     for (int k = 0; k < n; k++) eta[k] = there[k], next[k] = after[k];
     return 1;
   }
@@ -51,7 +52,7 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
   mg_place_pair(p, eta, next, placed);
   for (int step = 0; step < 100; step++) {
     if (mg_is_residual_small(p, goal, placed)) return step;
-    if (!mg_damped(p, goal, eta, next, placed)) break;
+    if (!mg_damped_step(p, goal, eta, next, placed)) break;
   }
   mg_place_pair(p, eta, next, placed);
   return -1;
@@ -61,7 +62,7 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
 MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
 /* How far each entry of eta on a feature pair may go in one step. */
-static void mg_eta_reach(const mg_context *c, int feature_pair, mg_real *reach) {
+static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
   mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
     const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
@@ -71,7 +72,7 @@ static void mg_eta_reach(const mg_context *c, int feature_pair, mg_real *reach) 
   }
 }
 
-static mg_shape_pair mg_couple_of(const mg_context *c, int contact) {
+static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
   const mg_shape_pair couple = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
                                 c->bodies.pose + 12 * c->contacts.f[contact],
                                 c->system->parameters + c->contacts.parameters[contact]};
@@ -80,11 +81,11 @@ static mg_shape_pair mg_couple_of(const mg_context *c, int contact) {
 
 /* As mg_newton_on_feature_pair, from anywhere; convex shapes from nothing. c->search.placement says whether it is a
  * minimum. */
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta) {
-  const mg_shape_pair p = mg_couple_of(c, mg_use_spare_contact(c, feature_pair));
+MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
+  const mg_shape_pair p = mg_shape_pair_of(c, mg_use_spare_contact(c, feature_pair));
   mg_real reach[MG_MAX_ETA];
   const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, reach};
-  mg_eta_reach(c, feature_pair, reach);
+  mg_eta_step_limit(c, feature_pair, reach);
   if (p.kernels->contact_kinds[p.kind].is_convex)
     return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;
   return mg_damped_newton(&p, &goal, eta, c->search.placement);

@@ -23,7 +23,7 @@ static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
-static int mg_undecided(const mg_context *c, int feature_pair) {
+static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
   const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   return mg_dot3(hint, hint) == 0 && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
@@ -47,7 +47,7 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
-  const int sided = !(a->feature_pair == b->feature_pair && mg_has_signs(c, a->feature_pair) &&
+  const int sided = !(a->feature_pair == b->feature_pair && mg_has_normal_sign(c, a->feature_pair) &&
                       mg_has_no_outside(c, a->feature_pair));
   apart += (a->d - b->d) * (a->d - b->d);
   return sqrt(apart) < c->settings->search_merge_distance * c->system->length &&
@@ -60,12 +60,12 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   int which;
   mg_real next[6];
   mg_place_contact(c, spare, eta, next);
-  if (mg_has_signs(c, feature_pair)) {
+  if (mg_has_normal_sign(c, feature_pair)) {
     const int wrong = alone ? mg_is_on_wrong_side(c, feature_pair)
                             : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
     if (wrong) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
-  found->undecided = mg_has_signs(c, feature_pair) && alone && mg_undecided(c, feature_pair);
+  found->undecided = mg_has_normal_sign(c, feature_pair) && alone && mg_is_side_undecided(c, feature_pair);
   if (!(mg_placement_margin(c) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
@@ -104,7 +104,7 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
 }
 
 /* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
-static int mg_was_left(mg_context *c, const mg_minimum *found) {
+static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
     if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
@@ -127,18 +127,20 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, 
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_newton_starts(c, feature_pair, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_from_anywhere(c, feature_pair, starts->eta[i]) < 0) continue;
-    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found))
+    if (mg_converge_from_any_start(c, feature_pair, starts->eta[i]) < 0) continue;
+    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_abandoned(c, &found))
       continue;
     mg_insert_minimum(c, kept, &found);
   }
 }
 
 /* ---- the start ---- */
-static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->settings->start_gap * c->system->length; }
+static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
+  return d >= -c->settings->start_gap * c->system->length;
+}
 
 /* Each contact of the pair has a feature pair of its own. */
-static int mg_start_each(mg_context *c, int pair) {
+static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
@@ -153,7 +155,7 @@ static int mg_start_each(mg_context *c, int pair) {
 }
 
 /* The contacts of the pair share its feature pairs: the nearest first, others only within reach. */
-static int mg_start_shared(mg_context *c, int pair) {
+static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
@@ -167,7 +169,7 @@ static int mg_start_shared(mg_context *c, int pair) {
     return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
-    while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
+    while (k > 0 && k < found.count && !mg_is_start_gap_allowed(c, found.list[k].d)) k++;
     const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->search_gap * s->length);
     if (fits && found.list[k].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
@@ -178,7 +180,8 @@ static int mg_start_shared(mg_context *c, int pair) {
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) {
-    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
+    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
+                                                          : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
     c->run->moved_since_search[pair] = 0;
   }

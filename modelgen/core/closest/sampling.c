@@ -9,7 +9,7 @@ MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int 
 
 /* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
    length 0 where the shape has none. */
-static void mg_sample_in(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
+static void mg_sample_in_body(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->system;
   const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
@@ -20,7 +20,7 @@ static void mg_sample_in(mg_context *c, int feature_pair, int side, const mg_rea
   mg_to_world(place, in, 1, in + 3), mg_to_world(place, direction, 0, in + 6);
 }
 
-static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
+static void mg_sample_to_world(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
   for (int k = 0; k < 3; k++) at->local[k] = in[k];
   mg_to_world(pose, in + 3, 1, at->point), mg_to_world(pose, in + 6, 0, at->direction);
   at->uv[0] = uv[0], at->uv[1] = uv[1];
@@ -28,12 +28,12 @@ static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real 
 
 MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_sample *at) {
   mg_real in[MG_SAMPLE_SIZE];
-  mg_sample_in(c, feature_pair, side, uv, in);
-  mg_sample_out(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
+  mg_sample_in_body(c, feature_pair, side, uv, in);
+  mg_sample_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
 }
 
 /* The parameter at which a curve without ends is farther than `reach` on both sides. */
-static mg_real mg_far_along(mg_context *c, int feature_pair, int side, mg_real reach) {
+static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg_real reach) {
   const mg_system *s = c->system;
   const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
@@ -56,8 +56,9 @@ MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
-  const mg_real far =
-      endless && mg_feature_dimension(c, feature_pair, side) == 1 ? mg_far_along(c, feature_pair, side, reach) : reach;
+  const mg_real far = endless && mg_feature_dimension(c, feature_pair, side) == 1
+                          ? mg_parameter_beyond(c, feature_pair, side, reach)
+                          : reach;
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
 }
@@ -89,8 +90,8 @@ MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, con
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
       mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : single;
-      if (fresh) mg_sample_in(c, feature_pair, side, uv, in);
-      mg_sample_out(pose, uv, in, out + count++);
+      if (fresh) mg_sample_in_body(c, feature_pair, side, uv, in);
+      mg_sample_to_world(pose, uv, in, out + count++);
     }
   return count;
 }

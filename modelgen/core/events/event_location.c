@@ -108,7 +108,7 @@ MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real th
   mg_interpolate(c, c->run->x, theta, c->step.stage);
   mg_normalise_quaternions(c, c->step.stage);
   mg_right_hand_side(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   return mg_mark_triggered_events(c, c->step.stage);
 }
 

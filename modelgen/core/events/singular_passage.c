@@ -30,7 +30,7 @@ static void mg_add_body_impulse(const mg_context *c, int row, const mg_real *col
                                 mg_real *per_body) {
   for (int k = 0; k < 12; k++) {
     const int body = k < 6 ? c->contacts.o[row] : c->contacts.f[row];
-    if (mg_moves(c, body)) per_body[6 * body + k % 6] += column[k] * amount;
+    if (mg_is_moved_by_forces(c, body)) per_body[6 * body + k % 6] += column[k] * amount;
   }
 }
 
@@ -154,7 +154,7 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
   }
   *row_change = 0;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++) {
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++) {
       const int at = s->n_q + s->body_u[b] + k;
       const mg_real size = fabs(change[6 * b + k]) * (k < 3 ? s->time / s->length : s->time);
       if (!(size <= *row_change)) *row_change = size;
@@ -211,7 +211,7 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
     distance = mg_place_points_after_passage(c, t, x);
     if (!(distance < MG_MAX)) return MG_MAX;
     mg_right_hand_side(c, t, x, c->step.slopes + c->layout.n_states);
-    mg_gap_rates(c);
+    mg_update_gap_rates(c);
     mg_update_passage_impulses(c);
     mg_set_passage_velocities(c, tau, x, &row_change);
   }
@@ -250,7 +250,7 @@ static void mg_record_passage(mg_context *c, mg_record *record) {
     for (int k = 0; k < c->system->n_q; k++) c->step.stage[k] += back * c->step.slopes[k];
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_poses(c, c->run->t + back, c->step.stage);
-    mg_record_row(c, record, c->step.stage);
+    mg_record_sample(c, record, c->step.stage);
     mg_evaluate_run_state(c);
   }
 }

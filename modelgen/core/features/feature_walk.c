@@ -52,7 +52,7 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
   if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->search_margin))
     return -MG_MAX;
-  if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
+  if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
   return mg_most_violated_condition(c, to, eta, which);
 }
@@ -315,7 +315,7 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_motion_bound motion = mg_pair_motion(c, pair);
+    const mg_motion_bound motion = mg_pair_motion_bound(c, pair);
     const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
@@ -331,7 +331,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_motion(c, pair).speed;
+    c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (s->pair_search[pair] == MG_SEARCH_MOVED &&
         c->run->moved_since_search[pair] < c->settings->search_movement * s->length)
       continue;

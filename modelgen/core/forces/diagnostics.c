@@ -9,9 +9,9 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
   *kinetic = 0;
   for (int b = 0; b < s->n_body; b++) {
     mg_real moving, height, momentum[3], spin[3];
-    if (!mg_moves(c, b)) continue;
-    c->kernels->body_energy(mg_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b], s->gravity,
-                            s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
+    if (!mg_is_moved_by_forces(c, b)) continue;
+    c->kernels->body_energy(mg_body_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b],
+                            s->gravity, s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
     total += moving + height;
     *kinetic += moving;
   }

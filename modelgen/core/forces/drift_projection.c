@@ -46,10 +46,10 @@ MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
 MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
-    if (!mg_moves(c, b)) continue;
+    if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
-    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
+    if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
   mg_normalise_quaternions(c, c->run->x);
   mg_clear_body_corrections(c);
@@ -59,7 +59,7 @@ MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
 MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
   mg_clear_body_corrections(c);
 }

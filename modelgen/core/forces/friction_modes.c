@@ -116,7 +116,7 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
     if (c->friction.bound[g] != MG_BOUND_SLIP) continue;
     mg_set_slip_force_ratio(c, contact, g);
     for (int k = 0; k < mg_friction_row_count(c, g); k++)
-      mg_inverse_mass_row(c, mg_first_friction_row(c, contact, g) + k);
+      mg_update_inverse_mass_row(c, mg_first_friction_row(c, contact, g) + k);
   }
 }
 

@@ -152,7 +152,7 @@ static void mg_set_patch_force_ratio(mg_context *c, int slot) {
     r->force_ratio[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
     r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(centre_offset, force));
   }
-  for (int k = 0; k < MG_PATCH_ROWS; k++) mg_inverse_mass_row(c, row + k);
+  for (int k = 0; k < MG_PATCH_ROWS; k++) mg_update_inverse_mass_row(c, row + k);
 }
 
 /* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */

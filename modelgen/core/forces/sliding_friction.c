@@ -89,7 +89,8 @@ MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
       mg_set_slip_force_ratio(c, i, g);
-      for (int k = 0; k < mg_friction_row_count(c, g); k++) mg_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
+      for (int k = 0; k < mg_friction_row_count(c, g); k++)
+        mg_update_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
     }
   mg_set_patch_force_ratios(c);
 }
@@ -100,7 +101,7 @@ MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) 
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {
       const int body = side ? c->contacts.f[row] : c->contacts.o[row];
-      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_moves(c, body)) continue;
+      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_is_moved_by_forces(c, body)) continue;
       sum += mg_dot6(c->rows.J + 12 * row + 6 * side, c->rows.MJ + 12 * column + 6 * other);
     }
   return sum;

@@ -57,7 +57,7 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
   mg_free_accelerations(c, t, x, x_dot);
-  mg_contact_rows(c, x);
+  mg_update_contact_rows(c, x);
   mg_update_joint_rows(c, t);
   mg_solve_contact_forces(c);
   for (int b = 0; b < s->n_body; b++)
@@ -87,7 +87,7 @@ static void mg_chain(mg_context *c, int n) {
   for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
   for (int r = 0; r < n; r++) {
     const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
-    if (mg_moves(c, o) && mg_moves(c, f))
+    if (mg_is_moved_by_forces(c, o) && mg_is_moved_by_forces(c, f))
       c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {
@@ -123,7 +123,7 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
   if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
   if (n == 1 && !c->friction.couples_normal) {
-    const mg_real weight = mg_inverse_mass_row(c, c->lcp.rows[0]);
+    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0) {
     mg_chain(c, n);
@@ -137,6 +137,6 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
    of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
   mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }

@@ -41,7 +41,7 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
     c->run->x[c->layout.work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }

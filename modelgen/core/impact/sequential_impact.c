@@ -118,7 +118,7 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
     mg_note_impact_energy_gain(c, contact_rows);
   mg_apply_impulses(c, n);
   mg_update_poses(c, c->run->t, c->run->x);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   mg_report_single_impact(c, events, contact, before, closing_time);
   return 1;
 }

@@ -44,7 +44,7 @@ static void mg_lagrange(mg_real theta, mg_real *value) {
 
 /* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
    step. */
-static void mg_restage(mg_real *value, mg_real share) {
+static void mg_resample_stages(mg_real *value, mg_real share) {
   mg_real old[MG_RADAU_STAGES], part[MG_RADAU_STAGES];
   for (int k = 0; k < MG_RADAU_STAGES; k++) old[k] = value[k], value[k] = 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
@@ -75,7 +75,7 @@ MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real
 
 /* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at
    the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
-MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->system;
   mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states,
           *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
@@ -100,7 +100,7 @@ MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const m
 }
 
 /* The end of the step and the interpolant of the polynomial through x and the stages. */
-MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x) {
   const int n = c->layout.n_states;
   for (int i = 0; i < n; i++) {
     c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
@@ -119,13 +119,14 @@ MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real sha
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->rolling_start[i] == MG_START_FLAT)
-      mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
+      mg_resample_stages(c->step.rolling_starts[i].azimuth, share),
+          mg_resample_stages(c->step.rolling_starts[i].stiffness, share);
 }
 
 /* Ends the step that was collocated at a share of it. */
 MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share) {
   mg_restrict_stages(c, x, share);
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
 }
 
 /* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */

@@ -197,7 +197,7 @@ static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_rea
 static int mg_evaluate_rolling_stage(mg_context *c, mg_real t, int stage, mg_real h, int evaluation_flags) {
   const int first = c->system->n_q + c->system->n_u;
   if (!mg_tilted_stage_slope(c, t, stage, h, evaluation_flags & MG_TILT_HELD, 0, mg_stage_slope(c, stage))) return 0;
-  mg_watch_stage(c);
+  mg_watch_event_signs(c);
   for (int i = first; i < c->layout.work_state; i++) mg_stage_state(c, stage)[i] = c->step.stage[i];
   return !(evaluation_flags & MG_WITH_STIFFNESS) || mg_find_azimuth_stiffness(c, t, stage, h);
 }
@@ -364,7 +364,7 @@ MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real
   const mg_real full_change = mg_solve_full_rolling_step(c, t, x, h);
   c->step.rolling_step = full_change <= MG_MAX ? h : 0;
   if (!(full_change <= MG_MAX)) return MG_MAX;
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
   if (c->settings->method == MG_RK4) return 0;
   mg_save_or_restore_azimuths(c, 0);
   const int reused = mg_reuse_longer_step_stages(c, t, x, h / 2, (mg_real)1 / 2);
@@ -372,7 +372,7 @@ MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real
   mg_save_or_restore_azimuths(c, 1);
   if (!(half_change <= MG_MAX)) return MG_MAX;
   const mg_real half_difference = mg_half_step_difference(c, x, mg_stage_state(c, MG_RADAU_STAGES - 1));
-  const mg_real start_error = mg_misses_start_of_rolling(c, t, x, h / 2),
+  const mg_real start_error = mg_rolling_start_load_error(c, t, x, h / 2),
                 noise = (half_change > full_change ? half_change : full_change) / c->settings->tolerance;
   const mg_real error = (half_difference > start_error ? half_difference : start_error) - noise;
   return error > 0 ? error : 0;

@@ -4,7 +4,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-static void mg_copy(mg_real *to, const mg_real *from, int n) {
+static void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }
 
@@ -16,9 +16,9 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
     for (int j = 0; j < 14; j++) c->search.placement[j] = (mg_real)NAN;
   record->force[k] = c->solution.force[contact];
   record->gap[k] = c->search.placement[0];
-  mg_copy(record->normal + 3 * k, c->search.placement + 5, 3);
-  mg_copy(record->point_o + 3 * k, c->search.placement + 8, 3);
-  mg_copy(record->point_f + 3 * k, c->search.placement + 11, 3);
+  mg_copy_reals(record->normal + 3 * k, c->search.placement + 5, 3);
+  mg_copy_reals(record->point_o + 3 * k, c->search.placement + 8, 3);
+  mg_copy_reals(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
 /* What the rows below make of c->solution.force or c->rows.d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
@@ -83,7 +83,7 @@ static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot)
   mg_record_patch_friction(c, slot, pressure + 1, record->patch_friction + 8 * k);
 }
 
-static mg_real mg_energy_of(mg_context *c, mg_real *x) {
+static mg_real mg_energy_at(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
   c->run->x = x;
   const mg_real energy = mg_energy(c, &kinetic);
@@ -92,18 +92,18 @@ static mg_real mg_energy_of(mg_context *c, mg_real *x) {
 }
 
 /* One sample of the state x; needs its poses, twists and forces fresh. */
-MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
+MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) {
   const mg_system *s = c->system;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;
-  mg_copy(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
-  mg_copy(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
-  mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
+  mg_copy_reals(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
+  mg_copy_reals(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
+  mg_copy_reals(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact_friction(c, record, (int)row, i);
   for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
-  record->energy[row] = mg_energy_of(c, x);
+  record->energy[row] = mg_energy_at(c, x);
   record->work[row] = x[c->layout.work_state];
 }
 
@@ -116,17 +116,17 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
   if (!mg_is_sample_due(record, t + h)) return;
   mg_finish_step(c, t, h);
-  mg_make_dense(c, t, c->run->x, h);
+  mg_make_interpolant(c, t, c->run->x, h);
   while (mg_is_sample_due(record, t + h)) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
     mg_normalise_quaternions(c, c->step.stage);
     mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
-    mg_record_row(c, record, c->step.stage);
+    mg_record_sample(c, record, c->step.stage);
   }
 }
 
 /* Samples that are due at run->t itself; needs its rows fresh. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
-  while (mg_is_sample_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
+  while (mg_is_sample_due(record, c->run->t)) mg_record_sample(c, record, c->run->x);
 }

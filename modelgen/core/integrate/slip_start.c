@@ -104,7 +104,7 @@ static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, m
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
                                   mg_stage_slope(c, stage));
-    mg_watch_stage(c);
+    mg_watch_event_signs(c);
     for (int k = 0; k < o->count; k++)
       mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_all_finite(c->layout.n_states, mg_stage_slope(c, stage))) return 0;
@@ -202,6 +202,6 @@ MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_r
   if (!mg_list_slip_onsets(c, &onset) || !mg_solve_slip_stages(c, &onset, t, x, h / 2)) return MG_MAX;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
   if (!mg_solve_slip_stages(c, &onset, t, x, h) || !mg_is_slip_established(c, &onset)) return MG_MAX;
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
   return c->settings->method == MG_RK4 ? 0 : mg_half_step_difference(c, x, c->step.settled);
 }

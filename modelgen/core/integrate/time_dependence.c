@@ -12,7 +12,17 @@ static const mg_real mg_sampled[MG_TIME_PARTS + 1] = {
 
 #define MG_SAMPLE_SPACING (mg_real)0.2667 /* part between two of them */
 
-enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
+enum {
+  MG_TIME_FIRST,
+  MG_TIME_LAST,
+  MG_TIME_LOW,
+  MG_TIME_HIGH,
+  MG_TIME_EXCESS,
+  MG_TIME_LEAST,
+  MG_TIME_MOST,
+  MG_TIME_WEIGHT,
+  MG_TIME_ROWS
+};
 
 #define MG_EXTRAPOLATED_PART \
   (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
@@ -46,7 +56,7 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
 }
 
 /* Memory of the samples of functions of time, in mg_real. */
-MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_time_function_count(s); }
+MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_TIME_ROWS * mg_time_function_count(s); }
 
 /* Row of the sample memory: first value, last value, least, largest and so on. */
 static mg_real *mg_time_sample_row(const mg_context *c, int which) {
@@ -111,9 +121,9 @@ static void mg_set_time_function_weights(const mg_context *c, mg_real h, mg_real
 
 /* Sample one part of a step, from t to t + h, and update by how much each function leaves the range of its ends. */
 static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real step_length, int sample_count) {
-  mg_real *from = mg_time_sample_row(c, MG_FROM), *to = mg_time_sample_row(c, MG_TO),
-          *low = mg_time_sample_row(c, MG_LOW);
-  mg_real *high = mg_time_sample_row(c, MG_HIGH), *excess = mg_time_sample_row(c, MG_OVER);
+  mg_real *from = mg_time_sample_row(c, MG_TIME_FIRST), *to = mg_time_sample_row(c, MG_TIME_LAST),
+          *low = mg_time_sample_row(c, MG_TIME_LOW);
+  mg_real *high = mg_time_sample_row(c, MG_TIME_HIGH), *excess = mg_time_sample_row(c, MG_TIME_EXCESS);
   for (int i = 0; i < c->layout.n_timed; i++) low[i] = MG_MAX, high[i] = -MG_MAX;
   for (int k = 1; k <= sample_count; k++) {
     mg_sample_time_functions(c, t + k * h / sample_count, step_length, to);
@@ -122,8 +132,8 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
   }
   for (int i = 0; i < c->layout.n_timed; i++) {
     excess[i] = fmax(excess[i], fmax(high[i] - fmax(from[i], to[i]), fmin(from[i], to[i]) - low[i]));
-    mg_time_sample_row(c, MG_LEAST)[i] = fmin(mg_time_sample_row(c, MG_LEAST)[i], to[i]);
-    mg_time_sample_row(c, MG_MOST)[i] = fmax(mg_time_sample_row(c, MG_MOST)[i], to[i]);
+    mg_time_sample_row(c, MG_TIME_LEAST)[i] = fmin(mg_time_sample_row(c, MG_TIME_LEAST)[i], to[i]);
+    mg_time_sample_row(c, MG_TIME_MOST)[i] = fmax(mg_time_sample_row(c, MG_TIME_MOST)[i], to[i]);
     from[i] = to[i];
   }
 }
@@ -132,19 +142,20 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
 static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_length) {
   const mg_real sample_count = h / (c->settings->time_resolution * c->system->time);
   if (sample_count > MG_TIME_SAMPLES_MAX) return 0;
-  mg_real *excess = mg_time_sample_row(c, MG_OVER), *least = mg_time_sample_row(c, MG_LEAST),
-          *most = mg_time_sample_row(c, MG_MOST);
-  mg_sample_time_functions(c, c->run->t, step_length, mg_time_sample_row(c, MG_FROM));
-  for (int i = 0; i < c->layout.n_timed; i++) excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_FROM)[i];
+  mg_real *excess = mg_time_sample_row(c, MG_TIME_EXCESS), *least = mg_time_sample_row(c, MG_TIME_LEAST),
+          *most = mg_time_sample_row(c, MG_TIME_MOST);
+  mg_sample_time_functions(c, c->run->t, step_length, mg_time_sample_row(c, MG_TIME_FIRST));
+  for (int i = 0; i < c->layout.n_timed; i++)
+    excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_TIME_FIRST)[i];
   for (int k = 0; k < MG_TIME_PARTS; k++) {
     const mg_real part = mg_sampled[k + 1] - mg_sampled[k];
     mg_sample_step_part(c, c->run->t + mg_sampled[k] * h, part * h, step_length, (int)(part * sample_count) + 1);
   }
-  mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_WEIGHT));
+  mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_TIME_WEIGHT));
   for (int i = 0; i < c->layout.n_timed; i++) {
     const mg_real rounding = 64 * MG_EPS * fmax(fabs(least[i]), fabs(most[i]));
     const int hides = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
-    if (hides && excess[i] * mg_time_sample_row(c, MG_WEIGHT)[i] > 1) return 0;
+    if (hides && excess[i] * mg_time_sample_row(c, MG_TIME_WEIGHT)[i] > 1) return 0;
   }
   return 1;
 }
@@ -170,10 +181,10 @@ MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
    it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h) {
   if (!c->layout.n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
-  mg_make_cubic(c, c->run->x, h);
+  mg_make_cubic_interpolant(c, c->run->x, h);
   int shows = mg_is_step_resolved_in_time(c, h, h);
   if (shows && !mg_is_collocated(c)) {
-    mg_make_dense(c, c->run->t, c->run->x, h);
+    mg_make_interpolant(c, c->run->t, c->run->x, h);
     shows = mg_is_step_resolved_in_time(c, h, h);
   }
   mg_finish_step(c, c->run->t, h);

@@ -3,7 +3,7 @@
 #include "base/base.h"
 
 /* Between two balls, their centres in the axes of their bodies. */
-static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
+static mg_real mg_ball_distance(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
                                 const mg_real *centre_f, mg_real radius_f) {
   mg_real a[3], b[3];
   mg_to_world(c->bodies.pose + 12 * o, centre_o, 1, a);
@@ -13,18 +13,18 @@ static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centr
 }
 
 /* Between the shapes of a feature pair; 0 where one has no bound. */
-static mg_real mg_clearance(const mg_context *c, int feature_pair) {
+static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) {
   const mg_real *o = mg_feature_numbers(c, feature_pair, 0), *f = mg_feature_numbers(c, feature_pair, 1);
   mg_real centre_o[3], centre_f[3];
   if (o[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2 || f[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2) return 0;
   mg_to_world(o + MG_FEATURE_PLACEMENT, o + MG_FEATURE_BALL_CENTRE, 1, centre_o);
   mg_to_world(f + MG_FEATURE_PLACEMENT, f + MG_FEATURE_BALL_CENTRE, 1, centre_f);
-  return mg_between_balls(c, mg_feature_body(c, feature_pair, 0), centre_o, o[MG_FEATURE_BALL_RADIUS],
+  return mg_ball_distance(c, mg_feature_body(c, feature_pair, 0), centre_o, o[MG_FEATURE_BALL_RADIUS],
                           mg_feature_body(c, feature_pair, 1), centre_f, f[MG_FEATURE_BALL_RADIUS]);
 }
 
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
-  return mg_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
+  return mg_feature_pair_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
 }
 
 /* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
@@ -33,21 +33,21 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   const int first = c->system->pair_feature_pair[pair];
   mg_real clear = MG_MAX, whole = 0;
   if (ball[3] >= 0 && ball[7] >= 0)
-    whole = mg_between_balls(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
+    whole = mg_ball_distance(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
                              ball[7]);
   for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
-    clear = fmin(clear, mg_clearance(c, feature_pair));
+    clear = fmin(clear, mg_feature_pair_clearance(c, feature_pair));
   return fmax(fmax(clear, whole), 0);
 }
 
 /* How far the shape of a body of a pair (0: o, 1: f) extends from the centre of mass; < 0: without end. */
-static mg_real mg_extent(const mg_context *c, int pair, int body) {
+static mg_real mg_shape_extent(const mg_context *c, int pair, int body) {
   const mg_real *ball = c->system->pair_ball + 8 * pair + 4 * body;
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
 /* Of a body that extends so far from its centre of mass, as another body sees it. */
-static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
+static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, int from, mg_real extent) {
   const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
   const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,
                 *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
@@ -64,12 +64,12 @@ static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_
 
 /* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
    end the parts no farther than the characteristic length count. */
-MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair) {
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair) {
   const int first = c->system->pair_feature_pair[pair], o = mg_feature_body(c, first, 0),
             f = mg_feature_body(c, first, 1);
-  const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
-  const mg_motion_bound of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->system->length : extent_f);
+  const mg_real extent_o = mg_shape_extent(c, pair, 0), extent_f = mg_shape_extent(c, pair, 1);
+  const mg_motion_bound of_f = mg_relative_motion_bound(c, f, o, extent_f < 0 ? c->system->length : extent_f);
   if (extent_o < 0) return of_f;
-  const mg_motion_bound of_o = mg_seen_from(c, o, f, extent_o);
+  const mg_motion_bound of_o = mg_relative_motion_bound(c, o, f, extent_o);
   return extent_f < 0 || of_o.speed < of_f.speed ? of_o : of_f;
 }

@@ -35,7 +35,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   return 1;
 }
 
-static int mg_settled(const mg_context *c) {
+static int mg_is_placement_converged(const mg_context *c) {
   return c->search.placement[1] <= c->settings->extremality_residual * c->system->length &&
          c->search.placement[2] <= c->settings->extremality_residual;
 }
@@ -44,7 +44,7 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place_contact(c, contact, eta, next);
-    if (mg_settled(c)) return step;
+    if (mg_is_placement_converged(c)) return step;
     for (int k = 0; k < n; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return -1;
       eta[k] = next[k];

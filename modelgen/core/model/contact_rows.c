@@ -19,8 +19,8 @@ static void mg_align_tangents_to_friction(mg_context *c, int contact, int constr
 
 /* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N
    and t2 turn round, and slip along t1 and rolling about t2 change sign. */
-static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
-                             const mg_real *block) {
+static void mg_set_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
+                            const mg_real *block) {
   mg_real *normal = c->rows.normal + 3 * contact;
   for (int i = 0; i < c->kernels->contact_kinds[c->contacts.kind[contact]].rows; i++) {
     const int row = i ? c->layout.friction_row_begin + c->system->contact_friction_row[contact] + i - 1 : contact;
@@ -51,7 +51,7 @@ static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_link)
 
 /* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the
    point where it begins to roll, which its own equations do not tell. */
-static int mg_begins_to_roll(mg_context *c, int contact) {
+static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const mg_real lost = c->settings->flat_angle * c->settings->flat_angle;
   const int patch =
@@ -69,7 +69,7 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
                             c->bodies.twist + 6 * f, 0, c->contacts.point_parameters, c->rows.d + contact, block,
                             block + 36, block + 72, none, c->rows.normal + 3 * contact,
                             c->rows.tangents ? c->rows.tangents + 6 * contact : 0);
-  mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->contacts.o[contact], block);
+  mg_set_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->contacts.o[contact], block);
   return 1;
 }
 
@@ -86,12 +86,12 @@ static void mg_scatter_contact_rows(mg_context *c, int contact) {
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
   for (int i = 0; i < s->n_contact; i++) {
     const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
               below = c->kernels->contact_kinds[kind].rows > 1;
-    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_begins_to_roll(c, i))) continue;
+    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_set_rows_of_flat_start(c, i))) continue;
     c->kernels->contact_rates(
         kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f, c->bodies.twist + 6 * f,
         x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->rows.d + i,
@@ -126,12 +126,13 @@ static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, 
 }
 
 /* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
-MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real *J = c->rows.J + 12 * contact, *MJ = c->rows.MJ + 12 * contact, sum = 0;
-  if (mg_moves(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
-  if (mg_moves(c, f)) mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
+  if (mg_is_moved_by_forces(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
+  if (mg_is_moved_by_forces(c, f))
+    mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
   return sum;
 }
 
@@ -139,28 +140,28 @@ MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact) {
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   const mg_real *MJ = c->rows.MJ + 12 * contact;
-  if (mg_moves(c, o))
+  if (mg_is_moved_by_forces(c, o))
     for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
-  if (mg_moves(c, f))
+  if (mg_is_moved_by_forces(c, f))
     for (int k = 0; k < 6; k++) per_body[6 * f + k] += MJ[6 + k] * amount;
 }
 
-static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int contact, int body) {
+static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows, int contact, int body) {
   return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }
 
 /* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_inverse_mass_row(c, list[r]);
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
       const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
-      const mg_real *J = mg_half(c, c->rows.J, list[r], body);
+      const mg_real *J = mg_body_half_row(c, c->rows.J, list[r], body);
       for (int k = c->islands.incident_begin[body]; k < c->islands.incident_begin[body + 1]; k++) {
         const int column = c->lcp.column[c->islands.incident[k]];
         if (column < 0) continue;
-        const mg_real *MJ = mg_half(c, c->rows.MJ, c->islands.incident[k], body);
+        const mg_real *MJ = mg_body_half_row(c, c->rows.MJ, c->islands.incident[k], body);
         c->lcp.A[r + n * column] += mg_dot6(J, MJ);
       }
     }
@@ -172,13 +173,13 @@ MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
-    if (c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
+    if (c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_DRIVEN)
       rate += mg_dot6(c->rows.J + 12 * contact + 6 * side, c->bodies.twist + 6 * body);
   }
   return rate;
 }
 
-MG_INTERNAL void mg_gap_rates(mg_context *c) {
+MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];

@@ -204,7 +204,7 @@ typedef struct {
 typedef struct {
   mg_sample *samples;      /* [2 MG_SAMPLES] samples of the two features of a pair */
   mg_real *merit;          /* [MG_SAMPLES] merit of a sample of the first feature with its partner, m */
-  int *mate;               /* [MG_SAMPLES] partner of a sample of the first feature among those of the second */
+  int *partner;            /* [MG_SAMPLES] partner of a sample of the first feature among those of the second */
   mg_real *table;          /* [MG_SAMPLE_SIZE per sample] samples kept between searches */
   int *table_filled;       /* [per table] 1: filled */
   mg_newton_starts starts; /* starts of Newton's method */

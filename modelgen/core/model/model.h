@@ -28,8 +28,8 @@ enum {
 }; /* marks in c->patches.trial: the slot's support points stand on points of the edge; and had rested flat */
 
 /* bodies.c */
-MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
-MG_INTERNAL int mg_moves(const mg_context *c, int body);
+MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body);
+MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
@@ -48,7 +48,7 @@ MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int featur
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
-MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact);
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
@@ -60,17 +60,17 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which);
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
-MG_INTERNAL int mg_has_signs(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contact_rows.c */
-MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x);
+MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
-MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact);
+MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
-MG_INTERNAL void mg_gap_rates(mg_context *c);
+MG_INTERNAL void mg_update_gap_rates(mg_context *c);
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
@@ -93,7 +93,7 @@ MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 /* bounding_balls.c */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
-MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
 
 /* planar_contacts.c */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);

@@ -9,10 +9,10 @@
 typedef struct {
   int count;
   mg_arc_span pair[MG_PENDING_SPAN_PAIRS][2];
-} mg_splits;
+} mg_span_pair_stack;
 
 /* The parameter, snapped to an end of the arc within `shared` of the point. */
-static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_real t) {
+static mg_real mg_snap_to_arc_end(const mg_hull *h, int track, const mg_real *point, mg_real t) {
   const mg_placed_arc *k = h->arcs + track;
   const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
   const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->coincidence, middle = (k->t0 + k->t1) / 2;
@@ -21,11 +21,11 @@ static mg_real mg_snapped(const mg_hull *h, int track, const mg_real *point, mg_
   return t;
 }
 
-static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_real *point) {
+static void mg_add_intersection(mg_hull *h, const int *track, const mg_real *t, const mg_real *point) {
   mg_intersection cut;
   for (int side = 0; side < 2; side++) {
     cut.arc[side] = track[side], cut.point[side] = point[side];
-    cut.t[side] = mg_snapped(h, track[side], point, t[side]);
+    cut.t[side] = mg_snap_to_arc_end(h, track[side], point, t[side]);
   }
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *other = h->intersections + i;
@@ -37,7 +37,7 @@ static void mg_add_cut(mg_hull *h, const int *track, const mg_real *t, const mg_
 }
 
 /* An end of an arc against the spans of an arc of the other side. */
-static void mg_try_end(mg_hull *h, int ending, int last, int other) {
+static void mg_intersect_arc_end(mg_hull *h, int ending, int last, int other) {
   const mg_placed_arc *e = h->arcs + ending, *k = h->arcs + other;
   const mg_arc_span *s = h->spans + e->span + (last ? e->n_span - 1 : 0);
   const mg_real *p = last ? s->end : s->begin, shared = MG_COINCIDENCE_FACTOR * h->regions->coincidence;
@@ -51,17 +51,17 @@ static void mg_try_end(mg_hull *h, int ending, int last, int other) {
     const mg_real part = fmin(fmax(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
     t[k->side] = k->straight ? cell->t_begin + part * (cell->t_end - cell->t_begin)
-                             : mg_zero_on_arc(k, MG_ZERO_FOOT, p, cell->t_begin, cell->t_end);
+                             : mg_zero_on_arc(k, MG_ZERO_NEAREST, p, cell->t_begin, cell->t_end);
     t[e->side] = last ? e->t1 : e->t0;
     mg_arc_point(k, t[k->side], point, T);
     if (mg_distance2(point, p) > shared) continue;
     const int track[2] = {k->side ? ending : other, k->side ? other : ending};
-    mg_add_cut(h, track, t, p);
+    mg_add_intersection(h, track, t, p);
   }
 }
 
 /* Whether the curve of one span may come near the other: bounding boxes. */
-static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
+static int mg_may_spans_meet(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
   const mg_real slack =
       shared + (mg_distance2(x->begin, x->end) * x->turn + mg_distance2(y->begin, y->end) * y->turn) / 2;
   for (int k = 0; k < 2; k++) {
@@ -76,7 +76,7 @@ static int mg_is_near(const mg_arc_span *x, const mg_arc_span *y, mg_real shared
 }
 
 /* Spans whose tangents have no direction in common cross at most once: Newton's method. */
-static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
+static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
   const mg_arc_span *s[2] = {x, y};
   const int track[2] = {x->arc, y->arc};
   mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
@@ -100,20 +100,22 @@ static void mg_try_crossing(mg_hull *h, const mg_arc_span *x, const mg_arc_span 
     if (t[k] < s[k]->t_begin - slack || t[k] > s[k]->t_end + slack) return;
   }
   const mg_real middle[2] = {(c[0][0] + c[1][0]) / 2, (c[0][1] + c[1][1]) / 2};
-  if (mg_dot2(apart, apart) <= h->regions->coincidence * h->regions->coincidence) mg_add_cut(h, track, t, middle);
+  if (mg_dot2(apart, apart) <= h->regions->coincidence * h->regions->coincidence)
+    mg_add_intersection(h, track, t, middle);
 }
 
 /* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
-static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t, mg_real *gap) {
+static int mg_sample_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t,
+                          mg_real *gap) {
   const mg_placed_arc *k = h->arcs + x->arc, *other = h->arcs + y->arc;
-  const mg_real ends[2] = {mg_zero_on_arc(k, MG_ZERO_FOOT, y->begin, x->t_begin, x->t_end),
-                           mg_zero_on_arc(k, MG_ZERO_FOOT, y->end, x->t_begin, x->t_end)};
+  const mg_real ends[2] = {mg_zero_on_arc(k, MG_ZERO_NEAREST, y->begin, x->t_begin, x->t_end),
+                           mg_zero_on_arc(k, MG_ZERO_NEAREST, y->end, x->t_begin, x->t_end)};
   if (fabs(ends[1] - ends[0]) <= 64 * MG_EPS * (fabs(x->t_begin) + fabs(x->t_end))) return 0;
   for (int i = 0; i < 5; i++) {
     mg_real p[2], q[2], T[2];
     s[i] = ends[0] + i * (ends[1] - ends[0]) / 4;
     mg_arc_point(k, s[i], p, T);
-    t[i] = mg_zero_on_arc(other, MG_ZERO_FOOT, p, y->t_begin, y->t_end);
+    t[i] = mg_zero_on_arc(other, MG_ZERO_NEAREST, p, y->t_begin, y->t_end);
     mg_arc_point(other, t[i], q, T);
     const mg_real arm[2] = {p[0] - q[0], p[1] - q[1]};
     gap[i] = mg_cross2(T, arm) / sqrt(mg_dot2(T, T));
@@ -122,20 +124,21 @@ static int mg_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y,
 }
 
 /* A gap that closes at an end is a cut there: what follows may not see it. */
-static void mg_try_closed(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t, mg_real gap) {
+static void mg_add_closed_gap(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t,
+                              mg_real gap) {
   const int track[2] = {x->arc, y->arc};
   const mg_real at[2] = {s, t};
   mg_real point[2], T[2];
   if (fabs(gap) > h->regions->coincidence) return;
   mg_arc_point(h->arcs + x->arc, s, point, T);
-  mg_add_cut(h, track, at, point);
+  mg_add_intersection(h, track, at, point);
 }
 
 /* Spans that run side by side: 1 where the gap between them, nearly linear, tells that they are apart, one, or cross
    once, which is then found; 0: they have to be split. */
-static int mg_run_along(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
+static int mg_intersect_nearly_parallel(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   mg_real s[5], t[5], gap[5], bent = 0, least = MG_MAX, most = 0, step = MG_MAX;
-  if (!mg_gaps(h, x, y, s, t, gap)) return 1;
+  if (!mg_sample_gaps(h, x, y, s, t, gap)) return 1;
   int change = -1, changes = 0;
   for (int i = 0; i < 5; i++) {
     least = fmin(least, fabs(gap[i])), most = fmax(most, fabs(gap[i]));
@@ -144,21 +147,22 @@ static int mg_run_along(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) 
     if (i > 0 && (gap[i] > 0) != (gap[i - 1] > 0)) change = i, changes++;
   }
   if (most <= h->regions->coincidence) return 1;
-  mg_try_closed(h, x, y, s[0], t[0], gap[0]), mg_try_closed(h, x, y, s[4], t[4], gap[4]);
+  mg_add_closed_gap(h, x, y, s[0], t[0], gap[0]), mg_add_closed_gap(h, x, y, s[4], t[4], gap[4]);
   if (!changes && least > bent) return 1;
   if (changes != 1 || step <= bent) return 0;
   const mg_real part = gap[change - 1] / (gap[change - 1] - gap[change]),
                 start[2] = {s[change - 1] + part * (s[change] - s[change - 1]),
                             t[change - 1] + part * (t[change] - t[change - 1])};
-  mg_try_crossing(h, x, y, start);
+  mg_newton_intersection(h, x, y, start);
   return 1;
 }
 
-static void mg_push_spans(mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
+static void mg_push_spans(mg_span_pair_stack *stack, const mg_arc_span *x, const mg_arc_span *y) {
   stack->pair[stack->count][0] = *x, stack->pair[stack->count++][1] = *y;
 }
 
-static void mg_split(const mg_hull *h, mg_splits *stack, const mg_arc_span *x, const mg_arc_span *y) {
+static void mg_split_longer_span(const mg_hull *h, mg_span_pair_stack *stack, const mg_arc_span *x,
+                                 const mg_arc_span *y) {
   const int second = mg_distance2(y->begin, y->end) > mg_distance2(x->begin, x->end);
   const mg_arc_span *whole = second ? y : x;
   const mg_real middle = (whole->t_begin + whole->t_end) / 2, ends[3] = {whole->t_begin, middle, whole->t_end};
@@ -171,8 +175,8 @@ static void mg_split(const mg_hull *h, mg_splits *stack, const mg_arc_span *x, c
 }
 
 /* All crossings of two spans: they are split until they are apart, transversal, or one lies on the other. */
-static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_span *second) {
-  mg_splits stack;
+static void mg_intersect_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_span *second) {
+  mg_span_pair_stack stack;
   stack.count = 0;
   mg_push_spans(&stack, first, second);
   while (stack.count) {
@@ -180,17 +184,17 @@ static void mg_cross_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_sp
     const mg_real u[2] = {x.end[0] - x.begin[0], x.end[1] - x.begin[1]},
                   v[2] = {y.end[0] - y.begin[0], y.end[1] - y.begin[1]};
     const mg_real along = sqrt(mg_dot2(u, u)), across = sqrt(mg_dot2(v, v)), shared = h->regions->coincidence;
-    if ((along <= shared && across <= shared) || !mg_is_near(&x, &y, shared)) continue;
+    if ((along <= shared && across <= shared) || !mg_may_spans_meet(&x, &y, shared)) continue;
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
     const mg_real middle[2] = {(x.t_begin + x.t_end) / 2, (y.t_begin + y.t_end) / 2};
-    if (sine > 2 * (x.turn + y.turn)) mg_try_crossing(h, &x, &y, middle);
+    if (sine > 2 * (x.turn + y.turn)) mg_newton_intersection(h, &x, &y, middle);
     else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS &&
-             !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_run_along(h, &x, &y)))
-      mg_split(h, &stack, &x, &y);
+             !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_intersect_nearly_parallel(h, &x, &y)))
+      mg_split_longer_span(h, &stack, &x, &y);
   }
 }
 
-static void mg_cross_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
+static void mg_intersect_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   const mg_real u[2] = {x->end[0] - x->begin[0], x->end[1] - x->begin[1]},
                 v[2] = {y->end[0] - y->begin[0], y->end[1] - y->begin[1]};
   const mg_real w[2] = {y->begin[0] - x->begin[0], y->begin[1] - x->begin[1]}, det = mg_cross2(u, v);
@@ -200,7 +204,7 @@ static void mg_cross_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *
   const int track[2] = {x->arc, y->arc};
   const mg_real t[2] = {x->t_begin + p * (x->t_end - x->t_begin), y->t_begin + q * (y->t_end - y->t_begin)};
   const mg_real point[2] = {x->begin[0] + p * u[0], x->begin[1] + p * u[1]};
-  mg_add_cut(h, track, t, point);
+  mg_add_intersection(h, track, t, point);
 }
 
 MG_INTERNAL void mg_find_intersections(mg_hull *h) {
@@ -209,12 +213,12 @@ MG_INTERNAL void mg_find_intersections(mg_hull *h) {
   for (int i = 0; i < n_o; i++)
     for (int j = n_o; j < n; j++) {
       const mg_placed_arc *o = h->arcs + i, *f = h->arcs + j;
-      for (int last = 0; last < 2; last++) mg_try_end(h, i, last, j), mg_try_end(h, j, last, i);
+      for (int last = 0; last < 2; last++) mg_intersect_arc_end(h, i, last, j), mg_intersect_arc_end(h, j, last, i);
       for (int a = o->span; a < o->span + o->n_span; a++)
         for (int b = f->span; b < f->span + f->n_span; b++) {
-          if (!mg_is_near(h->spans + a, h->spans + b, h->regions->coincidence)) continue;
-          if (o->straight && f->straight) mg_cross_lines(h, h->spans + a, h->spans + b);
-          else mg_cross_spans(h, h->spans + a, h->spans + b);
+          if (!mg_may_spans_meet(h->spans + a, h->spans + b, h->regions->coincidence)) continue;
+          if (o->straight && f->straight) mg_intersect_lines(h, h->spans + a, h->spans + b);
+          else mg_intersect_spans(h, h->spans + a, h->spans + b);
         }
     }
 }

@@ -3,46 +3,47 @@
 #include "base/base.h"
 
 typedef struct { /* how many of each there is room for */
-  long span, cut, piece, spot;
+  long span, intersection, piece, vertex;
 } mg_hull_capacity;
 
-static mg_hull_capacity mg_rooms_of(int n_arc, int n_o) {
+static mg_hull_capacity mg_capacity_of(int n_arc, int n_o) {
   mg_hull_capacity r;
   r.span = 24L * n_arc + 512;
-  r.cut = 2L * n_o * (n_arc - n_o) + (n_o ? 4L * n_arc + 64 : 0);
-  r.piece = n_arc + 2 * r.cut;
-  r.spot = r.span + 2 * r.piece + r.cut + 256;
+  r.intersection = 2L * n_o * (n_arc - n_o) + (n_o ? 4L * n_arc + 64 : 0);
+  r.piece = n_arc + 2 * r.intersection;
+  r.vertex = r.span + 2 * r.piece + r.intersection + 256;
   return r;
 }
 
 MG_INTERNAL long mg_hull_memory_size(int n_arc, int n_o) {
-  const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
+  const mg_hull_capacity r = mg_capacity_of(n_arc, n_o);
   return mg_count_reals(n_arc, sizeof(mg_placed_arc)) + mg_count_reals(r.span, sizeof(mg_arc_span)) +
-         mg_count_reals(r.cut, sizeof(mg_intersection)) + mg_count_reals(r.piece, sizeof(mg_boundary_piece)) +
-         mg_count_reals(r.spot, sizeof(mg_hull_vertex)) + mg_count_reals(r.spot, sizeof(mg_hull_edge)) +
-         mg_count_reals(2 * r.spot, sizeof(int));
+         mg_count_reals(r.intersection, sizeof(mg_intersection)) + mg_count_reals(r.piece, sizeof(mg_boundary_piece)) +
+         mg_count_reals(r.vertex, sizeof(mg_hull_vertex)) + mg_count_reals(r.vertex, sizeof(mg_hull_edge)) +
+         mg_count_reals(2 * r.vertex, sizeof(int));
 }
 
 MG_INTERNAL long mg_strip_capacity(int n_arc, int n_o) {
-  const mg_hull_capacity r = mg_rooms_of(n_arc, n_o);
+  const mg_hull_capacity r = mg_capacity_of(n_arc, n_o);
   return 2 * (r.span + r.piece);
 }
 
 MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_real *memory) {
-  const mg_hull_capacity r = mg_rooms_of(regions->n_arc, regions->n_o);
+  const mg_hull_capacity r = mg_capacity_of(regions->n_arc, regions->n_o);
   h->regions = regions;
   h->arcs = mg_take_memory(&memory, regions->n_arc, sizeof(mg_placed_arc));
   h->spans = mg_take_memory(&memory, r.span, sizeof(mg_arc_span)), h->span_capacity = (int)r.span;
-  h->intersections = mg_take_memory(&memory, r.cut, sizeof(mg_intersection)), h->intersection_capacity = (int)r.cut;
+  h->intersections = mg_take_memory(&memory, r.intersection, sizeof(mg_intersection)),
+  h->intersection_capacity = (int)r.intersection;
   h->pieces = mg_take_memory(&memory, r.piece, sizeof(mg_boundary_piece)), h->piece_capacity = (int)r.piece;
-  h->vertices = mg_take_memory(&memory, r.spot, sizeof(mg_hull_vertex)), h->vertex_capacity = (int)r.spot;
-  h->edges = mg_take_memory(&memory, r.spot, sizeof(mg_hull_edge));
-  h->order = mg_take_memory(&memory, 2 * r.spot, sizeof(int));
+  h->vertices = mg_take_memory(&memory, r.vertex, sizeof(mg_hull_vertex)), h->vertex_capacity = (int)r.vertex;
+  h->edges = mg_take_memory(&memory, r.vertex, sizeof(mg_hull_edge));
+  h->order = mg_take_memory(&memory, 2 * r.vertex, sizeof(int));
   mg_divide_arcs(h);
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
-static int mg_next_cut(const mg_hull *h, int track, mg_real t, int before) {
+static int mg_next_intersection(const mg_hull *h, int track, mg_real t, int before) {
   const int side = h->arcs[track].side;
   int next = -1;
   for (int i = 0; i < h->n_intersection; i++) {
@@ -76,7 +77,7 @@ static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
 }
 
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
-static void mg_keep_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
+static void mg_add_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
   const mg_placed_arc *k = h->arcs + track;
   mg_real p[2], T[2];
   if (!(t1 > t0)) return;
@@ -99,8 +100,8 @@ static void mg_find_pieces(mg_hull *h) {
     mg_real t = k->t0;
     int before = -1;
     for (;;) {
-      const int next = mg_next_cut(h, i, t, before);
-      mg_keep_piece(h, i, t, next < 0 ? k->t1 : h->intersections[next].t[k->side], before, next);
+      const int next = mg_next_intersection(h, i, t, before);
+      mg_add_piece(h, i, t, next < 0 ? k->t1 : h->intersections[next].t[k->side], before, next);
       if (next < 0) break;
       t = h->intersections[next].t[k->side], before = next;
     }

@@ -20,14 +20,14 @@ MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point,
 }
 
 /* The unit tangent in place of one of any length. */
-static void mg_unit2(mg_real *d) {
+static void mg_normalise2(mg_real *d) {
   const mg_real size = sqrt(mg_dot2(d, d));
   if (size > 0) d[0] /= size, d[1] /= size;
 }
 
-static void mg_turn_of(mg_arc_span *s) {
+static void mg_set_span_turn(mg_arc_span *s) {
   mg_real chord[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]};
-  mg_unit2(chord);
+  mg_normalise2(chord);
   const int back = mg_dot2(chord, s->begin_tangent) < 0.5 || mg_dot2(chord, s->end_tangent) < 0.5;
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->begin_tangent)) + fabs(mg_cross2(chord, s->end_tangent));
 }
@@ -36,8 +36,8 @@ MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b,
   span->arc = track, span->t_begin = a, span->t_end = b;
   mg_arc_point(h->arcs + track, a, span->begin, span->begin_tangent),
       mg_arc_point(h->arcs + track, b, span->end, span->end_tangent);
-  mg_unit2(span->begin_tangent), mg_unit2(span->end_tangent);
-  mg_turn_of(span);
+  mg_normalise2(span->begin_tangent), mg_normalise2(span->end_tangent);
+  mg_set_span_turn(span);
 }
 
 /* Whether the arc is a straight line, to rounding. */
@@ -47,19 +47,19 @@ static int mg_is_straight(const mg_placed_arc *k) {
   mg_arc_point(k, k->t0, P, T), mg_arc_point(k, k->t1, Q, E);
   mg_real chord[2] = {Q[0] - P[0], Q[1] - P[1]};
   const mg_real size = fabs(P[0]) + fabs(P[1]) + fabs(Q[0]) + fabs(Q[1]);
-  mg_unit2(chord), mg_unit2(T), mg_unit2(E);
+  mg_normalise2(chord), mg_normalise2(T), mg_normalise2(E);
   int straight = mg_dot2(chord, T) > 0.5 && mg_dot2(chord, E) > 0.5;
   for (int i = 0; i < 3 && straight; i++) {
     mg_real x[2], D[2];
     mg_arc_point(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
     const mg_real arm[2] = {x[0] - P[0], x[1] - P[1]};
-    mg_unit2(D);
+    mg_normalise2(D);
     straight = fabs(mg_cross2(chord, arm)) <= 4 * MG_EPS * size && fabs(mg_cross2(chord, D)) <= sqrt(MG_EPS);
   }
   return straight;
 }
 
-static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
+static mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
   mg_real x[2], T[2], E[2];
   if (sought == MG_ZERO_CURVATURE) {
     const mg_real step = (k->t1 - k->t0) / 4096;
@@ -74,15 +74,15 @@ static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, m
 /* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
  * (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
-  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
-  if (sought == MG_ZERO_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
+  mg_real fa = mg_zero_function(k, sought, v, a), fb = mg_zero_function(k, sought, v, b), t = b;
+  if (sought == MG_ZERO_NEAREST && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
   if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
   const mg_real least = MG_EPS * (fabs(a) + fabs(b));
   for (int i = 1; i < 100 && fabs(b - a) > least; i++) {
     const int halve = i % 8 == 0;
     t = halve ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
     if (!halve && fabs(t - b) <= least / 2) return t;
-    const mg_real f = mg_sought(k, sought, v, t);
+    const mg_real f = mg_zero_function(k, sought, v, t);
     if (f == 0) return t;
     if (f * fb < 0) {
       a = b, fa = fb;
@@ -99,10 +99,10 @@ MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_
 static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   const mg_placed_arc *k = h->arcs + s->arc;
   const mg_real part = (s->t_end - s->t_begin) / MG_INFLECTION_PARTS;
-  mg_real before = mg_sought(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
+  mg_real before = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
   for (int i = 0; i < MG_INFLECTION_PARTS; i++) {
     const mg_real low = s->t_begin + i * part, high = low + part,
-                  bend = mg_sought(k, MG_ZERO_CURVATURE, s->begin, high);
+                  bend = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, high);
     const int changed = (before > 0) != (bend > 0);
     before = bend;
     if (!changed) continue;
@@ -114,7 +114,7 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
 }
 
 /* At most `most` spans of an arc from its start on, each as long as its turn allows. */
-static void mg_divide(mg_hull *h, int track, int most) {
+static void mg_divide_arc(mg_hull *h, int track, int most) {
   mg_placed_arc *k = h->arcs + track;
   const mg_real whole = k->t1 - k->t0;
   mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
@@ -138,19 +138,19 @@ static void mg_divide(mg_hull *h, int track, int most) {
 }
 
 /* The spans of all arcs; the curves share the room equally. */
-static void mg_divide_all(mg_hull *h) {
+static void mg_divide_all_arcs(mg_hull *h) {
   const int n = h->regions->n_arc;
   int straight = 0, curved = 0;
   for (int i = 0; i < n; i++) straight += h->arcs[i].straight, curved += !h->arcs[i].straight;
   h->n_span = 0;
   for (int i = 0; i < n; i++) {
-    if (h->arcs[i].straight) mg_divide(h, i, 1), straight--;
-    else mg_divide(h, i, (h->span_capacity - h->n_span - straight) / curved), curved--;
+    if (h->arcs[i].straight) mg_divide_arc(h, i, 1), straight--;
+    else mg_divide_arc(h, i, (h->span_capacity - h->n_span - straight) / curved), curved--;
   }
 }
 
 /* The arc that goes on where arc i ends. */
-static int mg_following(const mg_region_pair *r, int i) {
+static int mg_next_arc_of_loop(const mg_region_pair *r, int i) {
   const int loop = r->arc[i].loop;
   if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
   while (i > 0 && i != r->n_o && r->arc[i - 1].loop == loop) i--;
@@ -158,7 +158,7 @@ static int mg_following(const mg_region_pair *r, int i) {
 }
 
 /* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
-static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
+static void mg_place_arc(mg_hull *h, int i, const mg_real *pose) {
   const mg_real *place = h->regions->arc[i].place;
   mg_placed_arc *k = h->arcs + i;
   for (int row = 0; row < 2; row++) {
@@ -178,7 +178,7 @@ static void mg_close_loop(mg_hull *h, int i) {
   for (int j = 0; j < 2; j++) last->end[j] = h->spans[h->arcs[k->next].span].begin[j];
 }
 
-static mg_real mg_reach_of_track(const mg_hull *h, int i) {
+static mg_real mg_arc_extent(const mg_hull *h, int i) {
   mg_real most = 0;
   for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
     most = fmax(most, fabs(h->spans[j].begin[0]) + fabs(h->spans[j].begin[1]));
@@ -186,11 +186,11 @@ static mg_real mg_reach_of_track(const mg_hull *h, int i) {
 }
 
 /* Whether the region that an arc bounds lies on its right. */
-static int mg_has_right(const mg_hull *h, int i) {
+static int mg_is_region_on_right(const mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_real x[2], T[2];
   mg_arc_point(k, (k->t0 + k->t1) / 2, x, T);
-  mg_unit2(T);
+  mg_normalise2(T);
   const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence,
                 right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
   return mg_locate_point(h, k->side, right) == 1;
@@ -202,13 +202,13 @@ MG_INTERNAL void mg_divide_arcs(mg_hull *h) {
     mg_placed_arc *k = h->arcs + i;
     k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0,
     k->t1 = r->arc[i].t1;
-    k->side = i >= r->n_o, k->next = mg_following(r, i);
-    mg_place_track(h, i, 0);
+    k->side = i >= r->n_o, k->next = mg_next_arc_of_loop(r, i);
+    mg_place_arc(h, i, 0);
     k->straight = mg_is_straight(k);
   }
-  mg_divide_all(h);
+  mg_divide_all_arcs(h);
   for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
-  for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_has_right(h, i);
+  for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_is_region_on_right(h, i);
 }
 
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
@@ -216,7 +216,7 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
     const mg_placed_arc *k = h->arcs + i;
-    mg_place_track(h, i, pose);
+    mg_place_arc(h, i, pose);
     for (int j = k->span; j < k->span + k->n_span; j++) {
       mg_arc_span *s = h->spans + j;
       mg_make_span(h, i, s->t_begin, s->t_end, s);
@@ -226,6 +226,6 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   h->size = 0;
   for (int i = 0; i < r->n_arc; i++) {
     mg_close_loop(h, i);
-    h->size = fmax(h->size, mg_reach_of_track(h, i));
+    h->size = fmax(h->size, mg_arc_extent(h, i));
   }
 }

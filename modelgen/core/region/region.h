@@ -152,7 +152,7 @@ typedef struct {
 /* Functions of which mg_zero_on_arc finds a zero, at a point c of a curve with tangent c'. */
 enum {
   MG_ZERO_SUPPORT,  /* v.c': c is extreme in the direction v */
-  MG_ZERO_FOOT,     /* (c - v).c': c is the point nearest to v */
+  MG_ZERO_NEAREST,  /* (c - v).c': c is the point nearest to v */
   MG_ZERO_CURVATURE /* curvature: c is an inflection */
 };
 
@@ -167,15 +167,15 @@ typedef struct {
 
 /* Pressure between two faces. */
 typedef struct {
-  const mg_hull *hull;       /* overlap of the faces */
-  int partly_unloaded;       /* 1: the pressure vanishes in a part of the overlap */
-  long n, capacity;          /* strips, and room for strips */
-  mg_boundary_strip *strips; /* boundary of the loaded region */
-  mg_real centre[2];         /* point to which coefficients and moments refer, m */
-  mg_real coefficients[3];   /* p = coefficients[0] + (coefficients[1], coefficients[2]).(x - centre), Pa and Pa/m */
-  mg_real line_foot[2];      /* point nearest to the centre on the line where the pressure vanishes; else the centre */
-  mg_real moments[6];        /* integrals of 1, x, y, xx, xy, yy over the loaded region, about the centre */
-  mg_real reach;             /* bound of the distance of the loaded region from the centre, m */
+  const mg_hull *hull;        /* overlap of the faces */
+  int partly_unloaded;        /* 1: the pressure vanishes in a part of the overlap */
+  long n, capacity;           /* strips, and room for strips */
+  mg_boundary_strip *strips;  /* boundary of the loaded region */
+  mg_real centre[2];          /* point to which coefficients and moments refer, m */
+  mg_real coefficients[3];    /* p = coefficients[0] + (coefficients[1], coefficients[2]).(x - centre), Pa and Pa/m */
+  mg_real zero_line_point[2]; /* point nearest to the centre on the line where the pressure vanishes; else the centre */
+  mg_real moments[6];         /* integrals of 1, x, y, xx, xy, yy over the loaded region, about the centre */
+  mg_real reach;              /* bound of the distance of the loaded region from the centre, m */
 } mg_winkler_pressure_field;
 
 /* Numbers of nodes of Gauss-Legendre quadrature. */

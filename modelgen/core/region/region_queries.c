@@ -6,22 +6,22 @@ MG_API long mg_region_size(int n_arc, int n_o) {
   return mg_hull_memory_size(n_arc, n_o) + mg_count_reals(n_arc, sizeof(mg_arc));
 }
 
-static void mg_put_support(const mg_support_point *from, int *identity, mg_real *where) {
+static void mg_store_support(const mg_support_point *from, int *identity, mg_real *where) {
   identity[0] = from->side, identity[1] = from->arc, identity[2] = from->crossing_arc;
   where[0] = from->t, where[1] = from->crossing_t, where[2] = from->point[0], where[3] = from->point[1];
 }
 
-static void mg_put_margin(const mg_hull *h, const mg_region_query *q, int i) {
+static void mg_store_margin(const mg_hull *h, const mg_region_query *q, int i) {
   mg_nearest_boundary brink = {0};
   q->margin[i] = mg_hull_margin(h, q->points + 2 * i, &brink);
   q->supports[i] = brink.n;
   for (int k = 0; k < 2; k++) q->normal[2 * i + k] = brink.normal[k];
   for (int k = 0; k < brink.n; k++)
-    mg_put_support(brink.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
+    mg_store_support(brink.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
 }
 
 /* Lays the regions on each other; returns the number of sides of their hull. */
-static int mg_lay_query(const mg_region_query *q, mg_region_pair *regions, mg_hull *h, mg_real **work) {
+static int mg_overlay_query(const mg_region_query *q, mg_region_pair *regions, mg_hull *h, mg_real **work) {
   mg_arc *arc = mg_take_memory(work, q->n_arc, sizeof(mg_arc));
   for (int i = 0; i < q->n_arc; i++) {
     const mg_real *numbers = q->numbers + 14 * i;
@@ -38,8 +38,8 @@ static int mg_lay_query(const mg_region_query *q, mg_region_pair *regions, mg_hu
 MG_API int mg_region(const mg_region_query *q, mg_real *work) {
   mg_region_pair regions;
   mg_hull h;
-  const int sides = mg_lay_query(q, &regions, &h, &work);
-  for (int i = 0; i < q->n_point; i++) mg_put_margin(&h, q, i);
+  const int sides = mg_overlay_query(q, &regions, &h, &work);
+  for (int i = 0; i < q->n_point; i++) mg_store_margin(&h, q, i);
   mg_outline_pieces(&h, q->points_per_turn, q->outline);
   mg_outline_hull(&h, q->points_per_turn, q->hull);
   return h.overflow ? -1 : sides;
@@ -73,7 +73,7 @@ MG_API int mg_region_friction(const mg_patch_friction_query *q, mg_real *work) {
   mg_region_pair regions;
   mg_hull h;
   mg_winkler_pressure_field press;
-  const int sides = mg_lay_query(r, &regions, &h, &work);
+  const int sides = mg_overlay_query(r, &regions, &h, &work);
   mg_open_pressure(&press, &h, mg_strip_capacity(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
   for (int i = 0; i < q->n && sides > 2; i++) mg_store_patch_friction(q, &press, i);
   return h.overflow ? -1 : sides;

@@ -4,7 +4,7 @@
 
 #define MG_PRESSURE_STEPS 60
 
-#define MG_EDGE 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
+#define MG_HULL_EDGE_PART 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
 
 #define MG_NEWTON_PART_MIN 1e-6 /* of a Newton step */
 
@@ -19,7 +19,7 @@ static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real 
   return p->coefficients[0] + p->coefficients[1] * (x[0] - p->centre[0]) + p->coefficients[2] * (x[1] - p->centre[1]);
 }
 
-static void mg_put_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
+static void mg_add_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
   if (p->n == p->capacity) return;
   mg_boundary_strip *s = p->strips + p->n++;
   *s = *strip;
@@ -42,11 +42,12 @@ static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, 
     const mg_real at[2] = {s.begin[0] + part * (s.end[0] - s.begin[0]), s.begin[1] + part * (s.end[1] - s.begin[1])};
     x[0] = at[0], x[1] = at[1], s.ends[end] = p->partly_unloaded = 1;
   }
-  mg_put_strip(p, &s, back);
+  mg_add_strip(p, &s, back);
 }
 
 /* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
-static mg_real mg_find_level(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
+static mg_real mg_find_zero_pressure(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0,
+                                     mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
   mg_arc_point(k, t0, x, T);
   const int sign = mg_pressure_at(p, x) > 0;
@@ -65,11 +66,12 @@ static mg_real mg_find_level(const mg_winkler_pressure_field *p, const mg_placed
   return t;
 }
 
-static void mg_put_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
+static void mg_add_curved_strip(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, const int *ends,
+                                int back) {
   mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
   mg_arc_point(p->hull->arcs + track, t0, s.begin, T), mg_arc_point(p->hull->arcs + track, t1, s.end, T);
-  mg_put_strip(p, &s, back);
+  mg_add_strip(p, &s, back);
 }
 
 /* The parts of a curve that are pressed; it turns by so little that there are two at most. */
@@ -85,14 +87,14 @@ static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, m
     const int in = value[half] > 0, out = value[half + 1] > 0;
     if (!in || !out) p->partly_unloaded = 1;
     if (!in && !out) continue;
-    const mg_real at = in == out ? 0 : mg_find_level(p, k, t[half], t[half + 1]);
+    const mg_real at = in == out ? 0 : mg_find_zero_pressure(p, k, t[half], t[half + 1]);
     const int ends[2] = {!in, !out};
-    mg_put_curve(p, track, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
+    mg_add_curved_strip(p, track, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
   }
 }
 
 /* The boundary of what is pressed with the pressure at hand; all of it with a pressure of 1. */
-static void mg_strip_boundary(mg_winkler_pressure_field *p) {
+static void mg_find_loaded_boundary(mg_winkler_pressure_field *p) {
   const mg_hull *h = p->hull;
   p->n = p->partly_unloaded = 0;
   for (int i = 0; i < h->n_piece; i++) {
@@ -121,7 +123,7 @@ static void mg_strip_boundary(mg_winkler_pressure_field *p) {
 
 /* Adds the moments of the triangle between a piece of boundary, at x with weight x cross dx, and the foot. */
 static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const mg_real *x) {
-  const mg_real d[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]};
+  const mg_real d[2] = {x[0] - p->zero_line_point[0], x[1] - p->zero_line_point[1]};
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
   m[3] += weight * d[0] * d[0] / 4, m[4] += weight * d[0] * d[1] / 4, m[5] += weight * d[1] * d[1] / 4;
@@ -130,8 +132,9 @@ static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const m
 
 /* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts,
    moved to the centre. */
-static void mg_take_moments(mg_winkler_pressure_field *p) {
-  const mg_real *o = p->line_foot, shift[2] = {p->line_foot[0] - p->centre[0], p->line_foot[1] - p->centre[1]};
+static void mg_compute_moments(mg_winkler_pressure_field *p) {
+  const mg_real *o = p->zero_line_point,
+                shift[2] = {p->zero_line_point[0] - p->centre[0], p->zero_line_point[1] - p->centre[1]};
   mg_real *m = p->moments;
   for (int k = 0; k < 6; k++) m[k] = 0;
   p->reach = 0;
@@ -169,23 +172,23 @@ MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_re
 
 /* All of the region pressed alike, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about) {
-  for (int k = 0; k < 2; k++) p->centre[k] = p->line_foot[k] = about[k];
+  for (int k = 0; k < 2; k++) p->centre[k] = p->zero_line_point[k] = about[k];
   p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
-  mg_strip_boundary(p);
-  mg_take_moments(p);
+  mg_find_loaded_boundary(p);
+  mg_compute_moments(p);
 }
 
-static void mg_set_level(mg_winkler_pressure_field *p, const mg_real *level) {
+static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *level) {
   for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
-  mg_strip_boundary(p);
+  mg_find_loaded_boundary(p);
   const mg_real slope = level[1] * level[1] + level[2] * level[2];
   for (int k = 0; k < 2; k++)
-    p->line_foot[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
-  mg_take_moments(p);
+    p->zero_line_point[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
+  mg_compute_moments(p);
 }
 
 /* What the pressure wanted minimises: half its square, less the level's share of the moments. */
-static mg_real mg_press_merit(const mg_winkler_pressure_field *p, mg_real force) {
+static mg_real mg_pressure_merit(const mg_winkler_pressure_field *p, mg_real force) {
   const mg_real *m = p->moments, *l = p->coefficients;
   return (m[0] * l[0] * l[0] + m[3] * l[1] * l[1] + m[5] * l[2] * l[2]) / 2 + m[1] * l[0] * l[1] + m[2] * l[0] * l[2] +
          m[4] * l[1] * l[2] - force * l[0];
@@ -207,7 +210,8 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary brink;
   mg_real middle[2];
-  const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
+  const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle),
+                least = reach / MG_HULL_EDGE_PART;
   if (margin >= least || h->n_edge == 0) return 0;
   for (int k = 0; k < 2; k++) {
     const mg_real at = brink.n == 2 ? x[k] + margin * brink.normal[k] : brink.at[0].point[k];
@@ -218,7 +222,8 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
 
 /* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a
    convex function, whose Hessian the moments are; 0 where it is not found. */
-static int mg_press_from(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre, const mg_real *start) {
+static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre,
+                              const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
@@ -227,8 +232,8 @@ static int mg_press_from(mg_winkler_pressure_field *p, mg_real force, const mg_r
   for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     mg_real tried[3], change = 0;
     for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
-    mg_set_level(p, tried);
-    const mg_real now = p->coefficients[0] > 0 ? mg_press_merit(p, force) : MG_MAX;
+    mg_set_coefficients(p, tried);
+    const mg_real now = p->coefficients[0] > 0 ? mg_pressure_merit(p, force) : MG_MAX;
     if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_NEWTON_PART_MIN) {
       part /= 2;
       continue;
@@ -248,7 +253,7 @@ static int mg_press_from(mg_winkler_pressure_field *p, mg_real force, const mg_r
 }
 
 /* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
-static int mg_press_along(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
+static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
@@ -257,7 +262,7 @@ static int mg_press_along(mg_winkler_pressure_field *p, mg_real force, const mg_
     const mg_real next = left * (1 - part);
     mg_real at[2], start[3] = {level[0], level[1], level[2]};
     for (int k = 0; k < 2; k++) at[k] = centre[k] - next * way[k], start[0] += level[1 + k] * (left - next) * way[k];
-    if (!mg_press_from(p, force, at, start)) {
+    if (!mg_newton_pressure(p, force, at, start)) {
       if ((part /= 2) < MG_CONTINUATION_PART_MIN) return 0;
       continue;
     }
@@ -274,5 +279,5 @@ MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force,
   mg_real level[3];
   mg_uniform_pressure(p, centre);
   if (!mg_solve_moments(p, moment, level)) return 0;
-  return mg_press_from(p, force, centre, level) || mg_press_along(p, force, centre);
+  return mg_newton_pressure(p, force, centre, level) || mg_continue_pressure(p, force, centre);
 }

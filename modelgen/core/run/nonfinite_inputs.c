@@ -23,8 +23,8 @@ static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
   mg_real wrench[12] = {0}, size = 0;
   mg_load_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++)
-    if (body[side] >= 0 && mg_moves(c, body[side]))
-      size = mg_largest_magnitude(wrench + 6 * side, c->kernels->body_kinds[mg_kind_of(c, body[side])].n_u, size);
+    if (body[side] >= 0 && mg_is_moved_by_forces(c, body[side]))
+      size = mg_largest_magnitude(wrench + 6 * side, c->kernels->body_kinds[mg_body_kind_of(c, body[side])].n_u, size);
   return size;
 }
 
@@ -32,7 +32,7 @@ static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
 static mg_real mg_driven_path_magnitude(const mg_context *c, int body, mg_real t) {
   mg_real place[24] = {0};
   if (!mg_is_driven_body(c->system, body)) return 0;
-  c->kernels->body_path(mg_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body], place,
+  c->kernels->body_path(mg_body_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body], place,
                         place + 12, place + 18);
   return mg_largest_magnitude(place, 24, 0);
 }
@@ -97,7 +97,7 @@ static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
 /* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome) {
   const mg_real ahead = c->settings->time_resolution * c->system->time;
-  return mg_needs_fallback(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
+  return mg_is_fallback_outcome(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
 }
 
 /* Length of the step that ended a run as not finite; an adaptive step has been shortened since. */

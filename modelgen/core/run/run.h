@@ -4,7 +4,7 @@
 
 #include "model/context.h"
 
-#define MG_FRICTION_ROWS 5 /* most rows of a contact below its normal one */
+#define MG_FRICTION_ROWS_MAX 5 /* most rows of a contact below its normal one */
 
 /* workspace.c */
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,

@@ -9,7 +9,7 @@
 #include "impact/impact.h"
 #include "events/events.h"
 
-enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
+enum { MG_FALLBACK_STEPS = 8, MG_FALLBACK_DOUBLINGS = 12, MG_PROGRESS_TRIES = 2000 };
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;
@@ -21,7 +21,7 @@ MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
 }
 
-MG_INTERNAL int mg_needs_fallback(int outcome) {
+MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
          outcome == MG_STEP_TOO_SMALL;
 }
@@ -32,12 +32,12 @@ static int mg_has_sticking_friction(const mg_context *c) {
   return 0;
 }
 
-/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as
+/* Whether of the last MG_PROGRESS_TRIES steps that were tried a third was refused and the others hardly got on; or, as
    where slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
-  if (tries < MG_CRAWL_TRIES) return 0;
+  if (tries < MG_PROGRESS_TRIES) return 0;
   const mg_real way = run->t - run->progress_t, least = c->settings->fallback_progress * c->system->time;
   const int crawls =
       way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_has_sticking_friction(c)));
@@ -45,7 +45,7 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   return crawls;
 }
 
-static int mg_first_closed(const mg_context *c) {
+static int mg_first_closed_contact(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i]) return i;
   return 0;
@@ -66,19 +66,20 @@ static void mg_release_patches(mg_context *c) {
    on another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_needs_fallback(outcome)) return 0;
-  const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome)) return 0;
+  const mg_real span =
+      (MG_FALLBACK_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
   const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
-  run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
-  run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
+  run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
+  run->fallback_steps_left = (long)MG_FALLBACK_STEPS << run->fallback_doublings;
   if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-  mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed(c), 0);
+  mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_release_patches(c);
   return 1;
 }
 
 /* Closed contacts as the step left them, brought onto d = 0 and d_dot = 0; what that does to the energy is work. */
-static int mg_hand_over(mg_context *c) {
+static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
   const mg_real before = mg_energy(c, &kinetic);
@@ -99,10 +100,10 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
   if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
-  int outcome = mg_hand_over(c);
+  int outcome = mg_resume_event_driven(c);
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);
   if (!outcome && c->settings->project && !mg_project_drift(c)) outcome = MG_NOT_FINITE;
-  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_END, mg_first_closed(c), 0);
+  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_END, mg_first_closed_contact(c), 0);
   return outcome;
 }

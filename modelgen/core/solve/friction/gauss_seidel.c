@@ -3,14 +3,14 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_LOCAL_ROOT = 40, MG_LOCAL_DOUBLINGS = 80 };
+enum { MG_DISC_ROOT_STEPS = 40, MG_DISC_BRACKET_STEPS = 80 };
 
 typedef struct { /* T f + c = -alpha f on a disc; N = base + slope.f */
   int k;
   mg_real T[4], c[2], slope[2], base;
 } mg_disc;
 
-enum { MG_ROWS_AT_MOST = 6 };
+enum { MG_CONTACT_ROWS_MAX = 6 };
 
 /* f = -(T + alpha I)^-1 c. Returns 0 where that is singular. */
 static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
@@ -34,7 +34,7 @@ static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f) {
 }
 
 /* N - |f|; far below 0 where the force is not defined. */
-static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f) {
+static mg_real mg_disc_slack(const mg_disc *d, mg_real alpha, mg_real *f) {
   if (!mg_disc_force(d, alpha, f)) return -MG_MAX;
   return mg_disc_radius(d, f) - mg_friction_norm(d->k, f);
 }
@@ -42,11 +42,11 @@ static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f) {
 /* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
 static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f) {
   int side = 0;
-  for (int i = 0; i < MG_LOCAL_ROOT; ++i) {
+  for (int i = 0; i < MG_DISC_ROOT_STEPS; ++i) {
     mg_real middle = (low + high) / 2, room;
     if (room_low > -1 / MG_EPS) middle = high - room_high * (high - low) / (room_high - room_low);
     if (!(middle > low && middle < high)) middle = (low + high) / 2;
-    room = mg_disc_room(d, middle, f);
+    room = mg_disc_slack(d, middle, f);
     if (fabs(room) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
     if (room < 0) {
       low = middle, room_low = room;
@@ -62,12 +62,12 @@ static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_rea
 
 /* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
 static void mg_disc_solve(const mg_disc *d, mg_real *f) {
-  mg_real room = mg_disc_room(d, 0, f), low = 0, high, room_high = 0;
+  mg_real room = mg_disc_slack(d, 0, f), low = 0, high, room_high = 0;
   if (room >= 0) return;
   high = (mg_real)fabs(d->T[0]) + (mg_real)fabs(d->T[3]);
   if (!(high > 0)) high = 1;
-  for (int i = 0; i < MG_LOCAL_DOUBLINGS; ++i) {
-    room_high = mg_disc_room(d, high, f);
+  for (int i = 0; i < MG_DISC_BRACKET_STEPS; ++i) {
+    room_high = mg_disc_slack(d, high, f);
     if (room_high >= 0) break;
     low = high;
     room = room_high;
@@ -84,7 +84,7 @@ static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, i
 }
 
 /* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
-static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
+static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
   const int m = s->m, row = s->part_row[part];
   const mg_real a = s->S[from + from * m];
   mg_real b;
@@ -109,8 +109,8 @@ static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to,
 }
 
 /* y: the contact's rows, from s->y on entry, solved on return. */
-static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
-  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   int part = s->part[contact];
   mg_disc d;
   mg_real b;
@@ -124,19 +124,19 @@ static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_rea
   }
   y[0] = -b / s->S[from + from * s->m];
   if (part < s->part[contact + 1] && s->part_mark[part] == MG_MARK_SLIP) {
-    mg_disc_set(s, part, from, to, 0, y, &d);
+    mg_set_disc(s, part, from, to, 0, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
     y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);
     ++part;
   }
   for (; part < s->part[contact + 1]; ++part) {
-    mg_disc_set(s, part, from, to, 1, y, &d);
+    mg_set_disc(s, part, from, to, 1, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
   }
 }
 
 /* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
-static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_real *y) {
+static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
   mg_real N = y[0], size[3];
   for (int p = 0; p < parts; ++p) size[p] = mg_friction_norm(s->part_dim[first + p], y + s->part_row[first + p] - from);
@@ -154,20 +154,20 @@ static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_rea
 }
 
 /* A projected gradient step of one contact: the convex program's own sweep. */
-static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_real *y) {
-  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact, mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   mg_real trace = 0;
   for (int i = from; i < to; ++i) trace += s->S[i + i * s->m];
   for (int i = from; i < to && trace > 0; ++i) y[i - from] -= s->v[i] / trace;
-  mg_friction_project(s, contact, y);
+  mg_project_on_cone(s, contact, y);
 }
 
-static void mg_friction_change(mg_scaled_friction *s, int contact) {
-  const int m = s->m, from = s->normal[contact], to = mg_friction_end_of(s, contact);
-  mg_real y[MG_ROWS_AT_MOST];
+static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
+  const int m = s->m, from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  mg_real y[MG_CONTACT_ROWS_MAX];
   for (int j = from; j < to; ++j) y[j - from] = s->y[j];
-  if (s->theta > 0) mg_friction_descend(s, contact, y);
-  else mg_friction_contact(s, contact, y);
+  if (s->theta > 0) mg_projected_gradient_step(s, contact, y);
+  else mg_solve_friction_contact(s, contact, y);
   for (int j = from; j < to; ++j) {
     const mg_real *column = s->S + j * m, step = y[j - from] - s->y[j];
     if (!(fabs(step) > 0)) continue;
@@ -178,12 +178,12 @@ static void mg_friction_change(mg_scaled_friction *s, int contact) {
 
 /* Sweeps forth and back from y. Returns whether that is a solution. */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
-  mg_friction_motion(s);
+  mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (int c = 0; c < s->n; ++c) mg_friction_change(s, sweep % 2 ? s->n - 1 - c : c);
+    for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, sweep % 2 ? s->n - 1 - c : c);
     ++s->sweeps;
     if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
-  mg_friction_motion(s);
-  return mg_friction_keep(s);
+  mg_friction_update_motion(s);
+  return mg_friction_update_best(s);
 }

@@ -35,7 +35,7 @@ static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwo
   s->iwork = s->part_mark + 3 * k;
 }
 
-MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact) {
+MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact) {
   return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
 }
 
@@ -98,7 +98,7 @@ static mg_real mg_friction_diagonal(const mg_scaled_friction *s, int i) {
 }
 
 /* x becomes (L L')^-1 x on the pivoted rows. */
-static void mg_friction_back(const mg_scaled_friction *s, mg_real *x) {
+static void mg_friction_solve_bilateral(const mg_scaled_friction *s, mg_real *x) {
   const int k = s->n_bilateral, r = s->rank;
   for (int j = 0; j < r; ++j) {
     x[j] /= s->L[j + j * k];
@@ -111,7 +111,7 @@ static void mg_friction_back(const mg_scaled_friction *s, mg_real *x) {
 }
 
 /* Of dependent bilateral rows those pivoted first stand for all. */
-static void mg_friction_factor(mg_scaled_friction *s) {
+static void mg_friction_factor_bilateral(mg_scaled_friction *s) {
   const int k = s->n_bilateral;
   for (int i = 0; i < k; ++i) s->e_b[i] = 1 / mg_friction_diagonal(s, s->bilateral[i]);
   for (int j = 0; j < k; ++j)
@@ -121,7 +121,7 @@ static void mg_friction_factor(mg_scaled_friction *s) {
 }
 
 /* What is left of row and column i is rounding: the bilateral rows hold it. */
-static void mg_friction_clear(mg_scaled_friction *s, int i) {
+static void mg_friction_clear_row(mg_scaled_friction *s, int i) {
   for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
 }
 
@@ -130,14 +130,14 @@ static void mg_friction_eliminate(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->y;
   for (int i = 0; i < m; ++i) before[i] = (mg_real)fabs(s->S[i + i * m]);
-  mg_friction_factor(s);
+  mg_friction_factor_bilateral(s);
   for (int j = 0; j <= m; ++j) {
     mg_real *x = s->X + j * s->n_bilateral, *target = j < m ? s->S + j * m : s->c;
     for (int i = 0; i < s->rank; ++i) {
       const int b = s->order[i], row = s->bilateral[b];
       x[i] = s->e_b[b] * (j < m ? mg_friction_entry(s, row, s->row[j]) * s->e[j] : s->given->b[row]);
     }
-    mg_friction_back(s, x);
+    mg_friction_solve_bilateral(s, x);
     for (int k = 0; k < s->rank; ++k) {
       const int b = s->order[k];
       for (int i = 0; i < m; ++i)
@@ -145,10 +145,10 @@ static void mg_friction_eliminate(mg_scaled_friction *s) {
     }
   }
   for (int i = 0; i < m; ++i)
-    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear(s, i);
+    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear_row(s, i);
 }
 
-static void mg_friction_means(mg_scaled_friction *s) {
+static void mg_friction_set_rho(mg_scaled_friction *s) {
   for (int p = 0; p < s->n_part; ++p) {
     mg_real sum = 0;
     for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) sum += (mg_real)fabs(s->S[i + i * s->m]);
@@ -173,7 +173,7 @@ static void mg_friction_normalise(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *factor = s->y;
   for (int c = 0; c < s->n; ++c) {
-    const int normal = s->normal[c], end = mg_friction_end_of(s, c);
+    const int normal = s->normal[c], end = mg_friction_row_end(s, c);
     const mg_real size = (mg_real)fabs(s->S[normal + normal * m]);
     for (int i = normal; i < end; ++i) factor[i] = size > MG_LCP_RANK(m) ? 1 / (mg_real)sqrt(size) : (mg_real)1;
   }
@@ -190,7 +190,7 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   const int m = s->m;
   for (int c = 0; c < s->n; ++c) {
     const mg_real e = 1 / mg_friction_diagonal(s, s->row[s->normal[c]]);
-    const int end = mg_friction_end_of(s, c);
+    const int end = mg_friction_row_end(s, c);
     for (int i = s->normal[c]; i < end; ++i) s->e[i] *= e;
   }
   for (int j = 0; j < m; ++j)
@@ -200,7 +200,7 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
     mg_friction_eliminate(s);
     mg_friction_normalise(s);
   }
-  mg_friction_means(s);
+  mg_friction_set_rho(s);
   s->scale = mg_friction_size(s);
   if (!mg_all_finite(m * m, s->S) || !mg_all_finite(m, s->c)) return 0;
   if (!(s->scale > 0)) s->scale = 1;
@@ -208,12 +208,12 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   return 1;
 }
 
-MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z) {
+MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z) {
   for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
 /* z of the whole problem; the bilateral forces are of minimum norm. */
-MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
+MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;
   mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k;

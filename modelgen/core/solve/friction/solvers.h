@@ -40,26 +40,26 @@ typedef struct {
   int sweeps, newton;               /* sweeps and Newton steps so far */
 } mg_scaled_friction;
 
-enum { MG_PATHS = 20 }; /* starting points that mg_friction_follow knows */
+enum { MG_FRICTION_STARTS = 20 }; /* starting points that mg_friction_try_start knows */
 
 /* certificate.c */
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
 MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
 MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s);
-MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s);
+MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s);
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y);
-MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s);
+MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s);
 MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
-MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s);
-MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report);
+MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s);
+MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict, mg_friction_report *report);
 
 /* scaled_problem.c */
-MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact);
+MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact);
 MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
                                    int *iwork);
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
-MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z);
-MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z);
+MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z);
+MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z);
 
 /* gauss_seidel.c */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps);
@@ -71,9 +71,9 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
 MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap);
 
 /* homotopy.c */
-MG_INTERNAL int mg_friction_follow(mg_scaled_friction *s, int which);
+MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which);
 
 /* least_norm.c */
-MG_INTERNAL int mg_friction_even(mg_scaled_friction *s, const int *marks, mg_friction_report *report);
+MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, mg_friction_report *report);
 
 #endif

@@ -73,8 +73,8 @@ MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const 
 }
 
 /* The outcome without a solution; z is the best candidate met, with its residual. */
-MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
-                               mg_lcp_report *report) {
+MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
+                                      mg_lcp_report *report) {
   report->residual = mg_lcp_residual(n, A, b, z);
   return report->outcome = outcome;
 }

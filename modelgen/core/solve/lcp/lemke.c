@@ -4,7 +4,7 @@
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_LEMKE_COVERS = 3, MG_LEMKE_SHORT = 20 };
+enum { MG_LEMKE_COVERS = 3, MG_LEMKE_SHORT_PATH = 20 };
 
 typedef struct {
   int n, width; /* columns: w (n), z (n), z0, right-hand side */
@@ -12,7 +12,7 @@ typedef struct {
   int *basis;   /* the column that is basic in each row */
 } mg_tableau;
 
-static mg_real mg_cover(int cover, int n, int i) {
+static mg_real mg_covering_vector(int cover, int n, int i) {
   mg_real place = (mg_real)(i + 1) / (mg_real)n;
   if (cover == 0) return 1;
   return cover == 1 ? 1 + place : 2 - place * place;
@@ -26,7 +26,7 @@ static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, i
       row[j] = i == j;
       row[n + j] = -A[i + j * n];
     }
-    row[2 * n] = -mg_cover(cover, n, i);
+    row[2 * n] = -mg_covering_vector(cover, n, i);
     row[2 * n + 1] = b[i];
     t->basis[i] = i;
   }
@@ -45,7 +45,7 @@ static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering) {
 }
 
 /* The row of least b_i / h_i, the last of equals: every other row is then lexicographically positive. */
-static int mg_first_row(const mg_tableau *t) {
+static int mg_first_pivot_row(const mg_tableau *t) {
   int n = t->n, best = 0;
   for (int i = 1; i < n; ++i) {
     const mg_real *row = t->T + i * t->width, *least = t->T + best * t->width;
@@ -63,7 +63,7 @@ static int mg_compare_ratios(const mg_tableau *t, int a, int b, int entering, in
   return x < y ? -1 : 1;
 }
 
-static int mg_lexicographic(const mg_tableau *t, int a, int b, int entering) {
+static int mg_compare_lexicographic(const mg_tableau *t, int a, int b, int entering) {
   int order = mg_compare_ratios(t, a, b, entering, 2 * t->n + 1);
   if (order == 0 && t->basis[a] == 2 * t->n) return -1;
   if (order == 0 && t->basis[b] == 2 * t->n) return 1;
@@ -76,13 +76,13 @@ static int mg_ratio_test(const mg_tableau *t, int entering) {
   int best = -1;
   for (int i = 0; i < t->n; ++i) {
     if (!(t->T[i * t->width + entering] > MG_LCP_RANK(1))) continue;
-    if (best < 0 || mg_lexicographic(t, i, best, entering) < 0) best = i;
+    if (best < 0 || mg_compare_lexicographic(t, i, best, entering) < 0) best = i;
   }
   return best;
 }
 
 static int mg_lemke_path(mg_tableau *t, int limit, int *pivots) {
-  int n = t->n, row = mg_first_row(t), entering, leaving = t->basis[row];
+  int n = t->n, row = mg_first_pivot_row(t), entering, leaving = t->basis[row];
   mg_tableau_pivot(t, row, 2 * n);
   for (*pivots = 1; leaving != 2 * n; ++*pivots) {
     if (*pivots >= limit) return MG_LCP_ITERATIONS;
@@ -112,7 +112,7 @@ MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iteration
                     mg_real *work, int *iwork) {
   mg_real *S = work, *c = S + n * n, *row = c + n, *column = row + n, *candidate = column + n;
   mg_tableau t = {n, 2 * n + 2, candidate + n, iwork};
-  int brief = MG_LEMKE_SHORT * n < max_iterations ? MG_LEMKE_SHORT * n : max_iterations;
+  int brief = MG_LEMKE_SHORT_PATH * n < max_iterations ? MG_LEMKE_SHORT_PATH * n : max_iterations;
   int outcome = MG_LCP_RAY;
   int ended[MG_LEMKE_COVERS] = {MG_LCP_ITERATIONS, MG_LCP_ITERATIONS, MG_LCP_ITERATIONS};
   if (mg_lcp_start(n, A, b, z, report)) return report->outcome;
@@ -133,5 +133,5 @@ MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iteration
   }
   for (int cover = 0; cover < MG_LEMKE_COVERS; ++cover)
     if (ended[cover] != MG_LCP_RAY) outcome = MG_LCP_ITERATIONS;
-  return mg_lcp_give_up(n, A, b, z, outcome, report);
+  return mg_lcp_report_failure(n, A, b, z, outcome, report);
 }
