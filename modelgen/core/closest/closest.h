@@ -41,7 +41,7 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
 
 /* closest_batch.c */
-MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                                   mg_real *placed);
 
 /* singularities.c */

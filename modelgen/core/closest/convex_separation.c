@@ -29,9 +29,9 @@ static mg_real mg_newton_normal_step(const mg_separation_view *v, mg_real radius
 
 /* Straight uphill, where bend is not finite. */
 static mg_real mg_steepest_ascent_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
-  const mg_real g = v->slope[0], h = v->slope[1], steep = sqrt(g * g + h * h);
-  delta[0] = radius * g / steep, delta[1] = radius * h / steep;
-  return radius * steep / 2;
+  const mg_real g = v->slope[0], h = v->slope[1], slope_norm = sqrt(g * g + h * h);
+  delta[0] = radius * g / slope_norm, delta[1] = radius * h / slope_norm;
+  return radius * slope_norm / 2;
 }
 
 /* Best step along one axis of the model, of curvature w: no longer than the radius, uphill where w <= 0. */
@@ -76,17 +76,17 @@ static int mg_ascend(const mg_shape_pair *p, mg_separation_view *v) {
   int found = 0;
   mg_evaluate_separation(p, at);
   noise = mg_separation_noise(p, at);
-  for (int looks = 1; looks < MG_ASCENT_EVALUATIONS && !found; looks++) {
+  for (int evaluations = 1; evaluations < MG_ASCENT_EVALUATIONS && !found; evaluations++) {
     mg_real gain = mg_newton_normal_step(at, radius, delta);
     if (!(gain >= 0)) gain = mg_principal_axes_step(at, radius, delta);
     const mg_real length = sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
-    const int blind = gain <= noise;
+    const int is_below_noise = gain <= noise;
     if (!(gain >= 0 && length <= 4)) break;
-    if ((found = blind && gain > last / 4)) break;
-    last = blind ? gain : MG_MAX;
+    if ((found = is_below_noise && gain > last / 4)) break;
+    last = is_below_noise ? gain : MG_MAX;
     mg_move_normal(at, delta, next);
     mg_evaluate_separation(p, next);
-    const mg_real ratio = blind ? 1 : (next->d - at->d) / gain;
+    const mg_real ratio = is_below_noise ? 1 : (next->d - at->d) / gain;
     if (!(ratio >= (mg_real)0.25)) radius = length / 4;
     if (ratio > (mg_real)0.75 && radius < 1) radius *= 2;
     if (!(ratio > (mg_real)0.05)) continue;
@@ -122,14 +122,14 @@ static int mg_direction_away_from(const mg_real *peaks, int n, mg_real *directio
 MG_INTERNAL int mg_maximise_separation(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v) {
   mg_real peaks[3 * MG_ASCENT_RESTARTS];
   mg_separation_view best = *v;
-  int sharp = 0;
+  int is_converged = 0;
   for (int i = 0; i < MG_ASCENT_RESTARTS; i++) {
     const int found = mg_ascend(p, v);
-    if (i == 0 || v->d > floor || (!keep && v->d > best.d)) best = *v, sharp = found;
+    if (i == 0 || v->d > floor || (!keep && v->d > best.d)) best = *v, is_converged = found;
     if (best.d > floor) break;
     for (int k = 0; k < 3; k++) peaks[3 * i + k] = v->normal[k];
     if (!mg_direction_away_from(peaks, i + 1, v->normal)) break;
   }
   *v = best;
-  return sharp;
+  return is_converged;
 }

@@ -9,9 +9,9 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
 
 /* The residual is as small as is asked for, or as rounding of the positions lets it be. */
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
-  mg_real far = 0;
-  for (int k = 0; k < 3; k++) far += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
-  return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * far && placed[2] <= goal->tolerance;
+  mg_real size = 0;
+  for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
+  return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * size && placed[2] <= goal->tolerance;
 }
 
 static mg_real mg_newton_merit(const mg_newton_goal *goal, const mg_real *placed) {
@@ -65,18 +65,23 @@ MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
   mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
-    const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_carried[parametrisation];
+    const int signs = parametrisation == MG_SIGN ? 1 : parametrisation == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < n; k++, reach++)
-      *reach = k >= n - signs ? MG_MAX : *reach * (carrier == MG_LOCAL ? 2 : carrier == MG_TURN ? 16 : 1) / 4;
+      *reach = k >= n - signs ? MG_MAX
+                              : *reach *
+                                    (parametrisation == MG_LOCAL  ? 2
+                                     : parametrisation == MG_TURN ? 16
+                                                                  : 1) /
+                                    4;
   }
 }
 
 static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
-  const mg_shape_pair couple = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
-                                c->bodies.pose + 12 * c->contacts.f[contact],
-                                c->system->parameters + c->contacts.parameters[contact]};
-  return couple;
+  const mg_shape_pair shape_pair = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
+                                    c->bodies.pose + 12 * c->contacts.f[contact],
+                                    c->system->parameters + c->contacts.parameters[contact]};
+  return shape_pair;
 }
 
 /* As mg_newton_on_feature_pair, from anywhere; convex shapes from nothing. c->search.placement says whether it is a

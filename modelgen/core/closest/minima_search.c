@@ -18,14 +18,15 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
 
 /* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
 static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
-  const mg_real along = mg_dot3(hint, c->search.placement + 5);
+  const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
+  const mg_real along = mg_dot3(given_normal, c->search.placement + 5);
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
 static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
-  return mg_dot3(hint, hint) == 0 && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
+  const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
+  return mg_dot3(given_normal, given_normal) == 0 &&
+         fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
 
 /* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
@@ -56,16 +57,17 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
 
 /* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the feature pair's own. */
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
-  const int spare = mg_use_spare_contact(c, feature_pair), alone = mg_has_no_outside(c, feature_pair);
+  const int spare = mg_use_spare_contact(c, feature_pair), has_no_outside = mg_has_no_outside(c, feature_pair);
   int which;
   mg_real next[6];
   mg_place_contact(c, spare, eta, next);
   if (mg_has_normal_sign(c, feature_pair)) {
-    const int wrong = alone ? mg_is_on_wrong_side(c, feature_pair)
-                            : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
-    if (wrong) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
+    const int is_wrong_side =
+        has_no_outside ? mg_is_on_wrong_side(c, feature_pair)
+                       : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
+    if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
-  found->undecided = mg_has_normal_sign(c, feature_pair) && alone && mg_is_side_undecided(c, feature_pair);
+  found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
   if (!(mg_placement_margin(c) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
@@ -89,7 +91,7 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
    the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
+  mg_real eta[6] = {0}, next[6], separation = -MG_MAX;
   int groups = 0;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++) {
     const int group = s->feature_pair_group[feature_pair];
@@ -99,8 +101,8 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
     if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
-    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > parting) parting = c->search.merit[k];
-  return parting;
+    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > separation) separation = c->search.merit[k];
+  return separation;
 }
 
 /* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */

@@ -38,9 +38,9 @@ static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg
   const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
   c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], zero, parameters, x, T);
-  mg_real far = reach / sqrt(mg_dot3(T, T));
-  for (int doubling = 0; doubling < 30; doubling++, far *= 2) {
-    const mg_real ends[2][2] = {{-far, 0}, {far, 0}};
+  mg_real bound = reach / sqrt(mg_dot3(T, T));
+  for (int doubling = 0; doubling < 30; doubling++, bound *= 2) {
+    const mg_real ends[2][2] = {{-bound, 0}, {bound, 0}};
     int outside = 0;
     for (int end = 0; end < 2; end++) {
       c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], ends[end], parameters, x, T);
@@ -48,7 +48,7 @@ static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg
     }
     if (outside == 2) break;
   }
-  return far;
+  return bound;
 }
 
 /* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
@@ -56,24 +56,24 @@ MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
-  const mg_real far = endless && mg_feature_dimension(c, feature_pair, side) == 1
-                          ? mg_parameter_beyond(c, feature_pair, side, reach)
-                          : reach;
+  const mg_real bound = endless && mg_feature_dimension(c, feature_pair, side) == 1
+                            ? mg_parameter_beyond(c, feature_pair, side, reach)
+                            : reach;
   for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
+    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
 }
 
 /* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
    taken; 0 where none are kept of so many within this window. */
 static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const mg_real *window, int count,
-                                int *fresh) {
+                                int *is_unfilled) {
   const mg_system *s = c->system;
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   const int table = s->n_sample_table ? s->feature_table[2 * feature_pair + side] : -1;
   if (table < 0 || s->sample_table_first[table + 1] - s->sample_table_first[table] != count) return 0;
   for (int k = 0; k < 4; k++)
     if (window[k] != domain[k]) return 0;
-  *fresh = !c->search.table_filled[table], c->search.table_filled[table] = 1;
+  *is_unfilled = !c->search.table_filled[table], c->search.table_filled[table] = 1;
   return c->search.table + (long)MG_SAMPLE_SIZE * s->sample_table_first[table];
 }
 
@@ -83,14 +83,14 @@ MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, con
   const int dimension = mg_feature_dimension(c, feature_pair, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
-  int count = 0, fresh = 1;
-  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &fresh);
+  int count = 0, is_unfilled = 1;
+  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &is_unfilled);
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
       mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : single;
-      if (fresh) mg_sample_in_body(c, feature_pair, side, uv, in);
+      if (is_unfilled) mg_sample_in_body(c, feature_pair, side, uv, in);
       mg_sample_to_world(pose, uv, in, out + count++);
     }
   return count;

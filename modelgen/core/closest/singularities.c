@@ -28,8 +28,8 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
 
 /* True if the side of the feature pair is parametrised as a curve. */
 static int mg_is_feature_a_curve(const mg_context *c, int feature_pair, int side) {
-  const int carrier = mg_parametrisation(c, feature_pair, side);
-  return carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
+  return parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */

@@ -255,7 +255,7 @@ static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
   const mg_real part = (mg_real)1 / c->settings->event_scan_parts;
   for (int j = 1; j <= c->settings->event_scan_parts; j++) {
     const mg_real at = (mg_real)j / c->settings->event_scan_parts;
-    const int fired = mg_mark_triggered_events_at(c, h, at), dips = mg_mark_gap_minima(c, part * h);
+    const int triggered = mg_mark_triggered_events_at(c, h, at), dips = mg_mark_gap_minima(c, part * h);
     mg_store_gaps(c);
     mg_sample_event_margins(c, j % MG_MARGIN_SAMPLES);
     const mg_real hidden_event = j > 1 ? mg_first_hidden_event(c, h, j - 1, j + 1, part, low) : 0;
@@ -263,7 +263,7 @@ static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
     *low = at - part;
     const mg_real dip = dips ? mg_first_gap_minimum_event(c, h, *low, at) : 0;
     if (dip > 0) return dip;
-    if (fired) return at;
+    if (triggered) return at;
   }
   return mg_first_hidden_event(c, h, c->settings->event_scan_parts, c->settings->event_scan_parts + 1, part, low);
 }

@@ -237,9 +237,9 @@ static mg_real mg_choose_passage_step(mg_context *c) {
 static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
   for (int k = 0; k < c->layout.n_states; k++) c->run->x[k] = x[k];
   c->run->t = t;
-  const int sound = mg_place_all_contacts(c, t, c->run->x);
+  const int is_valid = mg_place_all_contacts(c, t, c->run->x);
   mg_evaluate_run_state(c);
-  return sound;
+  return is_valid;
 }
 
 /* Record the samples due during the passage: bodies extrapolated back, forces and points as after it. */

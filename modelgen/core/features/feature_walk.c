@@ -33,9 +33,9 @@ static void mg_eta_from_points(mg_context *c, int feature_pair, const mg_real *p
                                mg_real *eta) {
   mg_sample at[2];
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side);
+    const int parametrisation = mg_parametrisation(c, feature_pair, side);
     mg_point_in_shape_axes(c, feature_pair, side, side ? point_f : point_o, at[side].local);
-    if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
+    if (parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE)
       mg_nearest_shape_coordinates(c, feature_pair, side, at[side].local, at[side].uv);
   }
   mg_start_eta(c, feature_pair, at, at + 1, eta);
@@ -224,9 +224,9 @@ MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
-  const int far =
+  const int is_distant =
       found->d > c->settings->search_gap * length && !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
-  if (found->undecided || far || found->d < -c->settings->appear_depth * length) return 0;
+  if (found->undecided || is_distant || found->d < -c->settings->appear_depth * length) return 0;
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);

@@ -87,7 +87,7 @@ MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch);
-MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink);
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest);
 MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
 MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
 MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot);

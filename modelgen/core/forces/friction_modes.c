@@ -13,11 +13,11 @@
 
 /* Time in s until slip stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constraint) {
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   const int row = mg_first_friction_row(c, contact, constraint),
             spins = c->system->friction_kind[constraint] == MG_FRICTION_SPIN;
-  mg_real slip[2], braking = -mg_row_acceleration(c, row) * (spins ? course[0] : mg_dot3(t, course));
-  if (!spins) braking -= mg_row_acceleration(c, row + 1) * mg_dot3(t + 3, course);
+  mg_real slip[2], braking = -mg_row_acceleration(c, row) * (spins ? direction[0] : mg_dot3(t, direction));
+  if (!spins) braking -= mg_row_acceleration(c, row + 1) * mg_dot3(t + 3, direction);
   const mg_real along = mg_slip_along_direction(c, contact, constraint, slip);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
@@ -32,10 +32,10 @@ static mg_real mg_slip_magnitude(const mg_context *c, int contact, int constrain
 /* Set the slip direction of a row group along its slip, world axes. */
 static void mg_set_slip_direction(mg_context *c, int contact, int constraint) {
   const mg_real *t = c->rows.tangents + 6 * contact, size = mg_slip_magnitude(c, contact, constraint);
-  mg_real slip[2], *course = c->run->slip_direction + 3 * constraint;
+  mg_real slip[2], *direction = c->run->slip_direction + 3 * constraint;
   mg_slip_along_direction(c, contact, constraint, slip);
-  for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
+  for (int k = 0; k < 3; k++) direction[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) direction[0] = slip[0] > 0 ? 1 : -1;
 }
 
 /* Set the slip direction of a row group; returns 0 where it hardly slips. */
@@ -220,9 +220,9 @@ static void mg_set_slip_direction_from_force(mg_context *c, int contact, int con
   const mg_real a = -force[0] / (mu[0] * mu[0]),
                 b = mg_friction_row_count(c, constraint) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
   const mg_real size = sqrt(a * a + b * b);
-  mg_real *course = c->run->slip_direction + 3 * constraint;
-  for (int k = 0; k < 3; k++) course[k] = (a * t[k] + b * t[3 + k]) / size;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = a > 0 ? 1 : -1;
+  mg_real *direction = c->run->slip_direction + 3 * constraint;
+  for (int k = 0; k < 3; k++) direction[k] = (a * t[k] + b * t[3 + k]) / size;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) direction[0] = a > 0 ? 1 : -1;
 }
 
 /* True if slip starts without a jump of the force: the group was sticking, and its static and kinetic

@@ -155,28 +155,30 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
 
 /* The joint of which the joints before it leave least, against the most that they have left since the start. */
 static int mg_faintest(mg_context *c, mg_real *least) {
-  int faintest = -1;
+  int least_independent = -1;
   *least = 1;
   for (int r = 0; r < c->system->n_joint_row; r++)
     c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_left_of(c, j);
     if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
-    if (left < *least * c->joints.best_independence[j]) *least = left / c->joints.best_independence[j], faintest = j;
+    if (left < *least * c->joints.best_independence[j])
+      *least = left / c->joints.best_independence[j], least_independent = j;
   }
-  return faintest;
+  return least_independent;
 }
 
 /* Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;
-  const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);
-  if (mg_passed_dead_centre(c) && !run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = faintest;
+  const int rank = mg_rank_joints(c, 0), least_independent = mg_faintest(c, &least);
+  if (mg_passed_dead_centre(c) && !run->dead_centres++)
+    run->dead_centre_t = run->t, run->dead_centre = least_independent;
   mg_worst_joint(c, c->rows.d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;
   if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
   if (rank > run->rank_max) run->rank_max = rank;
   if (!(least < run->joint_margin_min)) return;
-  run->joint_margin_min = least, run->joint_margin = faintest, run->joint_margin_t = run->t;
+  run->joint_margin_min = least, run->joint_margin = least_independent, run->joint_margin_t = run->t;
 }

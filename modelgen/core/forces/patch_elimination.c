@@ -128,19 +128,19 @@ MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, 
 
 /* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
 MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
-  const int wide = n - rank;
+  const int spacing = n - rank;
   mg_real *beyond = R + n * rank;
   for (int i = rank - 1; i >= 0; i--) {
-    beta[i] = mg_make_householder_reflector(R + i + n * i, wide, beyond + i, n);
+    beta[i] = mg_make_householder_reflector(R + i + n * i, spacing, beyond + i, n);
     for (int k = 0; k < i; k++)
-      mg_apply_householder_reflector(beta[i], wide, beyond + i, n, R + k + n * i, beyond + k, n);
+      mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, R + k + n * i, beyond + k, n);
   }
   for (int i = 0; i < n; i++) z[i] = i < rank ? y[i] : 0;
   for (int i = rank - 1; i >= 0; i--) {
     for (int k = i + 1; k < rank; k++) z[i] -= R[i + n * k] * z[k];
     z[i] /= R[i + n * i];
   }
-  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
+  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, z + i, z + rank, 1);
 }
 
 /* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;

@@ -55,20 +55,20 @@ MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_fram
 
 /* Slip and spin of a patch along its stored slip direction. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
-  return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) +
-         slip[2] * mg_support_radius(c, slot) * course[3];
+  return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction) +
+         slip[2] * mg_support_radius(c, slot) * direction[3];
 }
 
 /* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist) {
   const mg_real *t = c->rows.tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
-  mg_real *course = c->run->patch_slip_direction + 4 * slot;
-  for (int k = 0; k < 3; k++) course[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
-  course[3] = turn / size;
+  mg_real *direction = c->run->patch_slip_direction + 4 * slot;
+  for (int k = 0; k < 3; k++) direction[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
+  direction[3] = turn / size;
 }
 
 /* Two unit vectors that complete the unit vector e to an orthonormal basis. */
@@ -83,9 +83,9 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
 /* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
    radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
+  e[0][0] = mg_dot3(t, direction), e[0][1] = mg_dot3(t + 3, direction), e[0][2] = direction[3];
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
 

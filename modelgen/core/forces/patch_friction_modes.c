@@ -141,12 +141,13 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
 
 /* Time in s until the slip of a patch stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   mg_real rate[3];
   mg_patch_slip_acceleration(c, slot, rate);
   const mg_real along = mg_patch_slip_along_direction(c, slot);
-  const mg_real braking = -(rate[0] * mg_dot3(t, course) + rate[1] * mg_dot3(t + 3, course) + rate[2] * course[3]);
+  const mg_real braking =
+      -(rate[0] * mg_dot3(t, direction) + rate[1] * mg_dot3(t + 3, direction) + rate[2] * direction[3]);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 

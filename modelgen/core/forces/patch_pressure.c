@@ -88,12 +88,12 @@ MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
 
 /* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
    the faces share nothing. Remembers the deepest point found in a hull that does not change. */
-MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink) {
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
   mg_world_to_local_point(hull, world, x);
   mg_overlay_patch_regions(c, patch);
-  const mg_real margin = mg_hull_margin(&c->patches.hull, x, brink);
+  const mg_real margin = mg_hull_margin(&c->patches.hull, x, nearest);
   if (mg_is_whole_plane(c, patch) && margin > c->patches.deepest)
     c->patches.deepest = margin, c->patches.deepest_point[0] = x[0], c->patches.deepest_point[1] = x[1];
   return margin;
@@ -118,12 +118,12 @@ MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c) { return mg_accelera
 MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor,
                                         mg_real *margin) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   const mg_real N = mg_support_resultant(c, slot, amount, centre);
   *margin = -MG_MAX;
   if (!(N > floor)) return MG_FACES_SEPARATE;
   if (mg_is_edge_pivot(c, slot)) return mg_find_pivot_end_cause(c, slot, amount, floor);
-  *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
   return *margin < -c->settings->feature_border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
 }
 
@@ -173,10 +173,10 @@ MG_INTERNAL int mg_has_patch_event(mg_context *c) {
 /* Event function of a patch, for the given cause. */
 MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int support, int cause) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   const int slot = (support - c->layout.support_begin) / 3;
   const mg_real N = mg_support_resultant(c, slot, c->solution.force, centre);
   if (cause >= MG_FRICTION_EXCEEDED) return mg_patch_friction_event_value(c, slot, cause);
   if (cause >= MG_ROLLS_ONTO_RIM) return mg_pivot_event_value(c, slot, cause);
-  return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
 }

@@ -46,11 +46,11 @@ MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constrai
 /* Slip components s of a row group, and as value s . e along its stored slip direction e. */
 MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip) {
   const int row = mg_first_friction_row(c, contact, constraint);
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   slip[0] = c->rows.d_dot[row], slip[1] = 0;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) return slip[0] * course[0];
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) return slip[0] * direction[0];
   slip[1] = c->rows.d_dot[row + 1];
-  return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course);
+  return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction);
 }
 
 /* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
@@ -58,15 +58,16 @@ MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, in
    where rounding would turn it. */
 MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
-  const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *course = c->run->slip_direction + 3 * constraint;
+  const mg_real *mu = c->system->friction_kinetic + 2 * constraint,
+                *direction = c->run->slip_direction + 3 * constraint;
   const mg_real *t = c->rows.tangents + 6 * contact;
   mg_real slip[2], sign = mg_slip_along_direction(c, contact, constraint, slip) < 0 ? -1 : 1;
   const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, constraint);
-  if (rows == 1) slip[0] = course[0], sign = 1;
+  if (rows == 1) slip[0] = direction[0], sign = 1;
   else if (c->friction.follows_angle && c->run->friction_mode[constraint] == MG_SLIP_ONSET)
     mg_slip_direction_at_angle(c, contact, constraint, c->friction.slip_angle[constraint], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= direction_tolerance * direction_tolerance)
-    slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
+    slip[0] = mg_dot3(t, direction), slip[1] = mg_dot3(t + 3, direction), sign = 1;
   const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], weighted_slip = sqrt(a * a + b * b);
   c->friction.force_ratio[row - c->layout.friction_row_begin] =
       weighted_slip > 0 ? sign * mu[0] * a / weighted_slip : 0;
@@ -119,8 +120,8 @@ MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list
     const int first = c->layout.friction_row_begin +
                       (mg_tangential_row_count(c, list[j]) ? c->system->contact_friction_row[list[j]] : 0);
     for (int k = first; k < first + mg_tangential_row_count(c, list[j]); k++) {
-      const mg_real lean = c->friction.force_ratio[k - c->layout.friction_row_begin];
-      for (int r = 0; r < n && lean != 0; r++) c->lcp.A[r + n * j] -= lean * mg_delassus_entry(c, list[r], k);
+      const mg_real tilt = c->friction.force_ratio[k - c->layout.friction_row_begin];
+      for (int r = 0; r < n && tilt != 0; r++) c->lcp.A[r + n * j] -= tilt * mg_delassus_entry(c, list[r], k);
     }
   }
   mg_couple_slip_to_support_columns(c, list, n);
@@ -158,9 +159,9 @@ MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
       const int row = c->layout.friction_row_begin + c->system->contact_friction_row[i] + k;
-      const mg_real lean = c->friction.force_ratio[row - c->layout.friction_row_begin];
-      if (lean == 0) continue;
-      c->solution.force[row] = -c->solution.force[i] * lean;
+      const mg_real tilt = c->friction.force_ratio[row - c->layout.friction_row_begin];
+      if (tilt == 0) continue;
+      c->solution.force[row] = -c->solution.force[i] * tilt;
       mg_add_row_response(c, row, c->solution.force[row], c->bodies.acceleration);
     }
   mg_apply_patch_slip_forces(c);
@@ -181,7 +182,7 @@ MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
 /* Direction at an angle from the stored slip direction, in the components of its rows. */
 MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
                                             mg_real *along) {
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
-  const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real x = mg_dot3(t, direction), y = mg_dot3(t + 3, direction), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
 }

@@ -68,9 +68,9 @@ static void mg_continue_rolling_start(mg_context *c, int contact) {
 
 /* Longest explicit step in s after the start of rolling: the time scale of oscillation about the smooth solution. */
 static mg_real mg_rolling_step_limit(const mg_context *c, int contact) {
-  const mg_rolling_start *onset = c->step.rolling_starts + contact;
-  const mg_contact_tilt at = mg_tilt_at_azimuth(c, contact, onset->azimuth[MG_RADAU_STAGES - 1]);
-  return sqrt(mg_dot3(at.along, at.tilt) / fabs(onset->stiffness[MG_RADAU_STAGES - 1]));
+  const mg_rolling_start *start = c->step.rolling_starts + contact;
+  const mg_contact_tilt at = mg_tilt_at_azimuth(c, contact, start->azimuth[MG_RADAU_STAGES - 1]);
+  return sqrt(mg_dot3(at.along, at.tilt) / fabs(start->stiffness[MG_RADAU_STAGES - 1]));
 }
 
 /* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
@@ -108,15 +108,15 @@ static int mg_tilt_stage_bodies(mg_context *c, mg_real t, int stage, mg_real h, 
     mg_update_poses(c, t, c->step.stage);
     for (int i = 0; i < c->system->n_contact; i++) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
-      mg_real lean[3];
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
+      mg_real tilt[3];
       if (!iteration && !tilt_held) {
-        mg_tilt_of_stage(c, i, stage, h, lean);
-        onset->tilt[stage] = mg_dot3(at.along, lean) + noise;
+        mg_tilt_of_stage(c, i, stage, h, tilt);
+        start->tilt[stage] = mg_dot3(at.along, tilt) + noise;
       }
-      if (!(onset->tilt[stage] > 0)) return 0;
-      mg_rotate_to_tilt(c, i, &at, onset->tilt[stage], c->step.stage);
+      if (!(start->tilt[stage] > 0)) return 0;
+      mg_rotate_to_tilt(c, i, &at, start->tilt[stage], c->step.stage);
     }
     mg_normalise_quaternions(c, c->step.stage);
   }
@@ -133,12 +133,12 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
   if (!mg_tilt_stage_bodies(c, t, stage, h, tilt_held, azimuth_increment)) return 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-    mg_rolling_start *onset = c->step.rolling_starts + i;
-    const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
-    const int tilt_lost = mg_is_tilt_lost_in_rounding(c, onset->tilt[stage]);
-    onset->azimuth_noise[stage] =
-        tilt_lost ? MG_EPS / sqrt(c->settings->flat_angle) : mg_relative_tilt_error(&at, onset->tilt[stage]);
-    mg_set_azimuth_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
+    mg_rolling_start *start = c->step.rolling_starts + i;
+    const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
+    const int tilt_lost = mg_is_tilt_lost_in_rounding(c, start->tilt[stage]);
+    start->azimuth_noise[stage] =
+        tilt_lost ? MG_EPS / sqrt(c->settings->flat_angle) : mg_relative_tilt_error(&at, start->tilt[stage]);
+    mg_set_azimuth_rate(c, i, &at, start->tilt[stage], mg_derivative(start->azimuth, stage) / h, x);
     if (!(tilt_lost ? mg_find_rolling_point(c, t, i, &at, x)
                     : mg_converge_contact_point(c, i, mg_contact_eta(c, x, i))))
       return 0;
@@ -182,12 +182,12 @@ static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_rea
     if (perturbed && !mg_tilted_stage_slope(c, t, stage, h, 1, azimuth_increment, slope)) return 0;
     for (int i = 0; i < c->layout.support_begin; i++) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage]);
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage]);
       const mg_real across =
           -mg_relative_angular_acceleration(c, i, perturbed ? slope : mg_stage_slope(c, stage), at.along) /
           azimuth_increment;
-      onset->stiffness[stage] = perturbed ? onset->stiffness[stage] + across : -across;
+      start->stiffness[stage] = perturbed ? start->stiffness[stage] + across : -across;
     }
   }
   return 1;
@@ -226,21 +226,21 @@ static int mg_iterate_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_re
 
 /* Newton step for the azimuths of one contact; returns its relative effect on the velocities. */
 static mg_real mg_newton_azimuth_step(mg_context *c, mg_real t, mg_real h, int contact) {
-  mg_rolling_start *onset = c->step.rolling_starts + contact;
-  mg_real matrix[MG_RADAU_STAGES][MG_RADAU_STAGES], change[MG_RADAU_STAGES], lean[3], most = 0;
+  mg_rolling_start *start = c->step.rolling_starts + contact;
+  mg_real matrix[MG_RADAU_STAGES][MG_RADAU_STAGES], change[MG_RADAU_STAGES], tilt[3], most = 0;
   for (int row = 0; row < MG_RADAU_STAGES; row++) {
     mg_load_stage_state(c, row);
     mg_update_poses(c, t + mg_stage_time(row) * h, c->step.stage);
-    mg_tilt_of_stage(c, contact, row, h, lean);
-    change[row] = -mg_dot3(mg_tilt_at_azimuth(c, contact, onset->azimuth[row]).across, lean);
+    mg_tilt_of_stage(c, contact, row, h, tilt);
+    change[row] = -mg_dot3(mg_tilt_at_azimuth(c, contact, start->azimuth[row]).across, tilt);
     for (int k = 0; k < MG_RADAU_STAGES; k++)
-      matrix[row][k] = h * h * mg_double_integral_weight(row, k) * onset->stiffness[k];
-    matrix[row][row] -= onset->tilt[row];
+      matrix[row][k] = h * h * mg_double_integral_weight(row, k) * start->stiffness[k];
+    matrix[row][row] -= start->tilt[row];
   }
   if (!mg_gauss_eliminate(matrix, change)) return MG_MAX;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
-    const mg_real effect = fabs(change[stage] * onset->stiffness[stage]) * h * c->system->time;
-    onset->azimuth[stage] += change[stage];
+    const mg_real effect = fabs(change[stage] * start->stiffness[stage]) * h * c->system->time;
+    start->azimuth[stage] += change[stage];
     if (!(effect <= most)) most = effect;
   }
   return most;
@@ -350,10 +350,10 @@ static mg_real mg_solve_full_rolling_step(mg_context *c, mg_real t, mg_real *x, 
 static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
   for (int i = 0; i < c->layout.support_begin; i++)
     for (int k = 0; k < MG_RADAU_STAGES && c->run->rolling_start[i] == MG_START_FLAT; k++) {
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      mg_real *saved = onset->whole_step[k];
-      if (restore) onset->azimuth[k] = saved[0], onset->stiffness[k] = saved[1];
-      else saved[0] = onset->azimuth[k], saved[1] = onset->stiffness[k];
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      mg_real *saved = start->whole_step[k];
+      if (restore) start->azimuth[k] = saved[0], start->stiffness[k] = saved[1];
+      else saved[0] = start->azimuth[k], saved[1] = start->stiffness[k];
     }
 }
 

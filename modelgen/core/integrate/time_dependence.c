@@ -154,8 +154,8 @@ static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_le
   mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_TIME_WEIGHT));
   for (int i = 0; i < c->layout.n_timed; i++) {
     const mg_real rounding = 64 * MG_EPS * fmax(fabs(least[i]), fabs(most[i]));
-    const int hides = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
-    if (hides && excess[i] * mg_time_sample_row(c, MG_TIME_WEIGHT)[i] > 1) return 0;
+    const int is_unresolved = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
+    if (is_unresolved && excess[i] * mg_time_sample_row(c, MG_TIME_WEIGHT)[i] > 1) return 0;
   }
   return 1;
 }
@@ -182,11 +182,11 @@ MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h) {
   if (!c->layout.n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
   mg_make_cubic_interpolant(c, c->run->x, h);
-  int shows = mg_is_step_resolved_in_time(c, h, h);
-  if (shows && !mg_is_collocated(c)) {
+  int is_resolved = mg_is_step_resolved_in_time(c, h, h);
+  if (is_resolved && !mg_is_collocated(c)) {
     mg_make_interpolant(c, c->run->t, c->run->x, h);
-    shows = mg_is_step_resolved_in_time(c, h, h);
+    is_resolved = mg_is_step_resolved_in_time(c, h, h);
   }
   mg_finish_step(c, c->run->t, h);
-  return !shows;
+  return !is_resolved;
 }

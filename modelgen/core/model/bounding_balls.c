@@ -51,12 +51,15 @@ static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, i
   const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
   const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,
                 *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
-  mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
+  mg_real arm[3], v[3], w[3], dv[3], dw[3], frame_w[3], frame_dw[3], frame_velocity[3], frame_acceleration[3],
+      coriolis[3];
   for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
-  mg_to_world(pose, a + 3, 0, own), mg_to_world(pose, da + 3, 0, down), mg_to_world(of, b + 3, 0, w),
+  mg_to_world(pose, a + 3, 0, frame_w), mg_to_world(pose, da + 3, 0, frame_dw), mg_to_world(of, b + 3, 0, w),
       mg_to_world(of, db + 3, 0, dw);
-  mg_cross_product(own, arm, swept), mg_cross_product(down, arm, swung), mg_cross_product(own, v, turned);
-  for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
+  mg_cross_product(frame_w, arm, frame_velocity), mg_cross_product(frame_dw, arm, frame_acceleration),
+      mg_cross_product(frame_w, v, coriolis);
+  for (int k = 0; k < 3; k++)
+    v[k] -= frame_velocity[k], dv[k] -= frame_acceleration[k] + coriolis[k], w[k] -= frame_w[k], dw[k] -= frame_dw[k];
   const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
   const mg_motion_bound motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
   return motion;

@@ -39,12 +39,12 @@ static void mg_set_rim_rows(mg_context *c, int contact, const mg_contact_kind *p
 }
 
 /* The feature pair of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
-static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_link) {
+static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_feature_pair) {
   const mg_system *s = c->system;
   for (int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + 1;
        feature_pair >= c->layout.support_feature_pair_begin + 3 * patch; feature_pair--)
     if (c->kernels->contact_kinds[s->feature_pair_kind[feature_pair]].rows >=
-        c->kernels->contact_kinds[s->feature_pair_kind[contact_link]].rows)
+        c->kernels->contact_kinds[s->feature_pair_kind[contact_feature_pair]].rows)
       return feature_pair;
   return -1;
 }

@@ -47,12 +47,13 @@ MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
 /* What each entry of eta on a feature pair is measured against. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale) {
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
-    const int charted = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_carried[parametrisation];
+    const int coordinate_count =
+        parametrisation == MG_CHART ? 2 : parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
-      *scale++ = k < charted           ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
-                 : carrier == MG_LOCAL ? c->system->length
-                                       : 1;
+      *scale++ = k < coordinate_count          ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
+                 : parametrisation == MG_LOCAL ? c->system->length
+                                               : 1;
   }
 }
 
@@ -127,8 +128,8 @@ static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int 
 }
 
 static int mg_has_coordinates_in_eta(const mg_context *c, int feature_pair, int side) {
-  const int carrier = mg_parametrisation(c, feature_pair, side);
-  return carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
+  return parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
 /* The chart coordinates of one side; those of a plane or of a curve that eta does not tell are its first axes: an arc

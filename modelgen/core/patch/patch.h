@@ -29,7 +29,7 @@ MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real
 MG_INTERNAL void mg_close_contact(mg_context *c, int contact);
 MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point *at, mg_real *world);
 MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot);
-MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *brink);
+MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *nearest);
 MG_INTERNAL void mg_tip_patch(mg_context *c, int slot);
 MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse, mg_real floor);
 MG_INTERNAL int mg_replace_struck_patches(mg_context *c);

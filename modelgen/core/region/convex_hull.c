@@ -5,14 +5,14 @@
 
 #define MG_HULL_PASSES 60
 
-static int mg_add_vertex(mg_hull *h, int track, int cut, mg_real t) {
+static int mg_add_vertex(mg_hull *h, int arc, int crossing, mg_real t) {
   if (h->n_vertex == h->vertex_capacity) {
     h->overflow = 1;
     return -1;
   }
   mg_hull_vertex *s = h->vertices + h->n_vertex;
-  s->arc = track, s->intersection = cut, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
-  mg_arc_point(h->arcs + track, t, s->point, s->tangent);
+  s->arc = arc, s->intersection = crossing, s->t = s->t_end = t, s->next = -1, s->twin = h->n_vertex;
+  mg_arc_point(h->arcs + arc, t, s->point, s->tangent);
   return h->n_vertex++;
 }
 
@@ -23,9 +23,9 @@ static void mg_add_piece_vertices(mg_hull *h, const mg_boundary_piece *piece) {
   for (int i = k->span; i < k->span + k->n_span && last >= 0; i++) {
     const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->spans[i].t_end, piece->t[1]) : piece->t[1];
     if (t <= piece->t[0] || h->spans[i].t_begin >= piece->t[1]) continue;
-    const int end = t == piece->t[1], spot = mg_add_vertex(h, piece->arc, end ? piece->intersection[1] : -1, t);
-    if (!k->straight) h->vertices[last].next = spot, h->vertices[last].t_end = t;
-    last = spot;
+    const int end = t == piece->t[1], vertex = mg_add_vertex(h, piece->arc, end ? piece->intersection[1] : -1, t);
+    if (!k->straight) h->vertices[last].next = vertex, h->vertices[last].t_end = t;
+    last = vertex;
   }
 }
 
@@ -33,9 +33,10 @@ static void mg_add_all_vertices(mg_hull *h) {
   h->n_vertex = 0;
   for (int i = 0; i < h->n_piece; i++) mg_add_piece_vertices(h, h->pieces + i);
   for (int i = 0; i < h->n_intersection; i++) {
-    const mg_intersection *cut = h->intersections + i;
-    const int spot = mg_add_vertex(h, cut->arc[1], i, cut->t[1]);
-    if (spot >= 0) h->vertices[spot].point[0] = cut->point[0], h->vertices[spot].point[1] = cut->point[1];
+    const mg_intersection *crossing = h->intersections + i;
+    const int vertex = mg_add_vertex(h, crossing->arc[1], i, crossing->t[1]);
+    if (vertex >= 0)
+      h->vertices[vertex].point[0] = crossing->point[0], h->vertices[vertex].point[1] = crossing->point[1];
   }
 }
 
@@ -62,19 +63,19 @@ static int mg_merge_coincident_vertices(mg_hull *h, int n) {
   const mg_real near = 2 * MG_COINCIDENCE_FACTOR * h->regions->coincidence;
   int kept = 0;
   for (int i = 0; i < n; i++) {
-    const int spot = h->order[i];
+    const int vertex = h->order[i];
     int same = -1;
     for (int j = kept - 1; j >= 0 && same < 0; j--) {
       const mg_hull_vertex *other = h->vertices + h->order[j];
-      if (h->vertices[spot].point[0] - other->point[0] > near) break;
-      if (mg_distance2(other->point, h->vertices[spot].point) <= near) same = h->order[j];
+      if (h->vertices[vertex].point[0] - other->point[0] > near) break;
+      if (mg_distance2(other->point, h->vertices[vertex].point) <= near) same = h->order[j];
     }
     if (same < 0) {
-      h->order[kept++] = spot;
+      h->order[kept++] = vertex;
       continue;
     }
     const int next = h->vertices[same].twin;
-    h->vertices[same].twin = h->vertices[spot].twin, h->vertices[spot].twin = next;
+    h->vertices[same].twin = h->vertices[vertex].twin, h->vertices[vertex].twin = next;
   }
   return kept;
 }
@@ -101,9 +102,9 @@ static int mg_hull_chain(const mg_hull *h, int n, int *corner) {
   for (int way = 0; way < 2; way++) {
     const int floor = way ? count + 1 : 2;
     for (int i = way; i < n; i++) {
-      const int spot = h->order[way ? n - 1 - i : i];
-      while (count >= floor && mg_turns_right(h, corner[count - 2], corner[count - 1], spot)) count--;
-      corner[count++] = spot;
+      const int vertex = h->order[way ? n - 1 - i : i];
+      while (count >= floor && mg_turns_right(h, corner[count - 2], corner[count - 1], vertex)) count--;
+      corner[count++] = vertex;
     }
   }
   return count > 1 ? count - 1 : count;
@@ -164,8 +165,8 @@ static void mg_make_edges(mg_hull *h) {
 }
 
 /* Where a span from one spot to the next is farthest along n; 0: at an end. */
-static int mg_find_extreme_point(const mg_hull *h, int spot, const mg_real *n, mg_real *t) {
-  const mg_hull_vertex *s = h->vertices + spot, *to = h->vertices + s->next;
+static int mg_find_extreme_point(const mg_hull *h, int vertex, const mg_real *n, mg_real *t) {
+  const mg_hull_vertex *s = h->vertices + vertex, *to = h->vertices + s->next;
   if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
   *t = mg_zero_on_arc(h->arcs + s->arc, MG_ZERO_SUPPORT, n, s->t, s->t_end);
   return *t != s->t && *t != s->t_end;
@@ -191,14 +192,14 @@ static int mg_split_at_farthest_point(mg_hull *h, const mg_hull_edge *e, int n) 
 }
 
 /* Brings an end of a straight side that lies within a curve to the point of tangency. */
-static void mg_move_to_tangency(mg_hull *h, int spot, const mg_real *n) {
-  mg_hull_vertex *s = h->vertices + spot;
+static void mg_move_to_tangency(mg_hull *h, int vertex, const mg_real *n) {
+  mg_hull_vertex *s = h->vertices + vertex;
   int before = -1;
   for (int i = 0; i < h->n_vertex && before < 0; i++)
-    if (h->vertices[i].next == spot) before = i;
+    if (h->vertices[i].next == vertex) before = i;
   if (before < 0 || s->next < 0) return;
   mg_real t;
-  if (!mg_find_extreme_point(h, before, n, &t) && !mg_find_extreme_point(h, spot, n, &t)) return;
+  if (!mg_find_extreme_point(h, before, n, &t) && !mg_find_extreme_point(h, vertex, n, &t)) return;
   s->t = h->vertices[before].t_end = t;
   mg_arc_point(h->arcs + s->arc, t, s->point, s->tangent);
 }
@@ -217,11 +218,11 @@ MG_INTERNAL void mg_make_hull(mg_hull *h) {
   mg_make_edges(h);
   for (int pass = 0; pass < MG_HULL_PASSES; pass++) {
     const int n = h->n_vertex;
-    int raised = 0;
+    int added_count = 0;
     for (int i = 0; i < h->n_edge; i++)
       if (!h->edges[i].direction && h->edges[i].length > 0)
-        raised += mg_split_at_farthest_point(h, h->edges + i, h->n_vertex);
-    if (!raised || h->n_vertex == n) break;
+        added_count += mg_split_at_farthest_point(h, h->edges + i, h->n_vertex);
+    if (!added_count || h->n_vertex == n) break;
     mg_make_edges(h);
   }
   mg_move_all_to_tangency(h);

@@ -144,9 +144,9 @@ MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg
     return;
   }
   const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
-  mg_rotation_integrals ring = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
-  mg_integrate_about_rotation_centre(p, &ring);
-  mg_shift_to_pressure_centre(&ring, q, twist[2] > 0 ? 1 : -1, G);
+  mg_rotation_integrals integrals = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
+  mg_integrate_about_rotation_centre(p, &integrals);
+  mg_shift_to_pressure_centre(&integrals, q, twist[2] > 0 ? 1 : -1, G);
 }
 
 static void mg_twist_on_plane(const mg_search_plane *s, const mg_real *y, mg_real *twist) {
@@ -159,9 +159,9 @@ static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, 
   mg_twist_on_plane(s, y, twist);
   twist[2] /= s->radius;
   mg_friction_matrix(s->press, twist, G);
-  const mg_real *level = s->press->coefficients;
+  const mg_real *coefficients = s->press->coefficients;
   for (int k = 0; k < 3; k++) {
-    force[k] = G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2];
+    force[k] = G[k][0] * coefficients[0] + G[k][1] * coefficients[1] + G[k][2] * coefficients[2];
     power += force[k] * twist[k];
   }
   force[2] /= s->radius;

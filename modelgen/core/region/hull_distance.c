@@ -51,8 +51,8 @@ static int mg_try_straight_edge(const mg_hull *h, int edge, const mg_real *x, mg
 }
 
 /* Whether x is beyond the tangent at an end of a curved side. */
-static int mg_is_beyond_tangent(const mg_hull *h, const mg_hull_edge *e, int spot, const mg_real *x) {
-  const mg_hull_vertex *s = h->vertices + spot;
+static int mg_is_beyond_tangent(const mg_hull *h, const mg_hull_edge *e, int vertex, const mg_real *x) {
+  const mg_hull_vertex *s = h->vertices + vertex;
   const mg_real arm[2] = {x[0] - s->point[0], x[1] - s->point[1]};
   return -e->direction * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
 }
@@ -78,15 +78,15 @@ static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_edge *
   return outside;
 }
 
-MG_INTERNAL void mg_read_support_point(const mg_hull *h, int spot, mg_support_point *at) {
-  int own = spot;
-  for (int i = h->vertices[spot].twin; i != spot && h->vertices[own].intersection < 0; i = h->vertices[i].twin)
+MG_INTERNAL void mg_read_support_point(const mg_hull *h, int vertex, mg_support_point *at) {
+  int own = vertex;
+  for (int i = h->vertices[vertex].twin; i != vertex && h->vertices[own].intersection < 0; i = h->vertices[i].twin)
     if (h->vertices[i].intersection >= 0) own = i;
   const mg_hull_vertex *s = h->vertices + own;
-  const mg_intersection *cut = s->intersection >= 0 ? h->intersections + s->intersection : 0;
+  const mg_intersection *crossing = s->intersection >= 0 ? h->intersections + s->intersection : 0;
   const int side = h->arcs[s->arc].side;
   at->side = side, at->arc = s->arc, at->t = s->t;
-  at->crossing_arc = cut ? cut->arc[!side] : -1, at->crossing_t = cut ? cut->t[!side] : 0;
+  at->crossing_arc = crossing ? crossing->arc[!side] : -1, at->crossing_t = crossing ? crossing->t[!side] : 0;
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
@@ -98,54 +98,54 @@ static void mg_edge_normal(const mg_hull_edge *e, const mg_real *T, mg_real *nor
 
 /* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then.
  */
-static int mg_is_past_edge_normal(const mg_hull *h, const mg_hull_edge *e, int spot, int last, const mg_real *way,
+static int mg_is_past_edge_normal(const mg_hull *h, const mg_hull_edge *e, int vertex, int last, const mg_real *way,
                                   mg_real *normal) {
   if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->coincidence)) return 0;
-  mg_edge_normal(e, h->vertices[spot].tangent, normal);
+  mg_edge_normal(e, h->vertices[vertex].tangent, normal);
   return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
 }
 
 /* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there.
    Where these are one, as where a closed outline begins, so is it, however near x is. */
 static void mg_vertex_normal(const mg_hull *h, const mg_nearest_edge *near, const mg_real *x,
-                             mg_nearest_boundary *brink) {
+                             mg_nearest_boundary *nearest) {
   const mg_hull_edge *next = h->edges + near->edge, *last = h->edges + (near->edge + h->n_edge - 1) % h->n_edge;
-  const mg_real *p = brink->at[0].point, sign = brink->margin > 0 ? 1 : -1;
+  const mg_real *p = nearest->at[0].point, sign = nearest->margin > 0 ? 1 : -1;
   const mg_real way[2] = {sign * (p[0] - x[0]) / near->distance, sign * (p[1] - x[1]) / near->distance};
-  if (h->n_edge > 1 && (mg_is_past_edge_normal(h, last, last->to_vertex, 1, way, brink->normal) ||
-                        mg_is_past_edge_normal(h, next, next->from_vertex, 0, way, brink->normal)))
+  if (h->n_edge > 1 && (mg_is_past_edge_normal(h, last, last->to_vertex, 1, way, nearest->normal) ||
+                        mg_is_past_edge_normal(h, next, next->from_vertex, 0, way, nearest->normal)))
     return;
-  brink->normal[0] = way[0], brink->normal[1] = way[1];
+  nearest->normal[0] = way[0], nearest->normal[1] = way[1];
 }
 
 /* The brink at the nearest point: on a straight side its two ends, else one point. */
 static void mg_describe_nearest(const mg_hull *h, const mg_nearest_edge *near, const mg_real *x,
-                                mg_nearest_boundary *brink) {
+                                mg_nearest_boundary *nearest) {
   const mg_hull_edge *e = h->edges + near->edge;
   const mg_real *own = h->vertices[near->vertex >= 0 ? near->vertex : e->from_vertex].tangent;
   mg_real T[2] = {own[0], own[1]};
-  brink->n = 1;
+  nearest->n = 1;
   if (near->vertex >= 0) {
-    mg_read_support_point(h, near->vertex, brink->at);
+    mg_read_support_point(h, near->vertex, nearest->at);
   } else if (near->curve) {
-    mg_support_point *at = brink->at;
+    mg_support_point *at = nearest->at;
     mg_read_support_point(h, e->from_vertex, at);
     at->arc = h->vertices[e->from_vertex].arc, at->side = h->arcs[at->arc].side, at->t = near->t, at->crossing_arc = -1;
     mg_arc_point(h->arcs + at->arc, near->t, at->point, T);
   } else {
-    brink->n = 2;
-    mg_read_support_point(h, e->from_vertex, brink->at), mg_read_support_point(h, e->to_vertex, brink->at + 1);
+    nearest->n = 2;
+    mg_read_support_point(h, e->from_vertex, nearest->at), mg_read_support_point(h, e->to_vertex, nearest->at + 1);
   }
   const int is_off = near->vertex >= 0 && near->distance > h->regions->coincidence;
-  if (is_off) mg_vertex_normal(h, near, x, brink);
-  else mg_edge_normal(e, T, brink->normal);
+  if (is_off) mg_vertex_normal(h, near, x, nearest);
+  else mg_edge_normal(e, T, nearest->normal);
 }
 
-MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *brink) {
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *nearest) {
   mg_nearest_edge near = {MG_MAX, 0, 0, -1, 0};
-  brink->n = 0, brink->margin = -MG_MAX;
-  if (h->n_edge == 0) return brink->margin;
-  brink->margin = mg_find_nearest(h, x, &near) ? -near.distance : near.distance;
-  mg_describe_nearest(h, &near, x, brink);
-  return brink->margin;
+  nearest->n = 0, nearest->margin = -MG_MAX;
+  if (h->n_edge == 0) return nearest->margin;
+  nearest->margin = mg_find_nearest(h, x, &near) ? -near.distance : near.distance;
+  mg_describe_nearest(h, &near, x, nearest);
+  return nearest->margin;
 }

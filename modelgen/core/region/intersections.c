@@ -12,8 +12,8 @@ typedef struct {
 } mg_span_pair_stack;
 
 /* The parameter, snapped to an end of the arc within `shared` of the point. */
-static mg_real mg_snap_to_arc_end(const mg_hull *h, int track, const mg_real *point, mg_real t) {
-  const mg_placed_arc *k = h->arcs + track;
+static mg_real mg_snap_to_arc_end(const mg_hull *h, int arc, const mg_real *point, mg_real t) {
+  const mg_placed_arc *k = h->arcs + arc;
   const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
   const mg_real near = MG_COINCIDENCE_FACTOR * h->regions->coincidence, middle = (k->t0 + k->t1) / 2;
   if (t <= middle && mg_distance2(first->begin, point) <= near) return k->t0;
@@ -21,19 +21,19 @@ static mg_real mg_snap_to_arc_end(const mg_hull *h, int track, const mg_real *po
   return t;
 }
 
-static void mg_add_intersection(mg_hull *h, const int *track, const mg_real *t, const mg_real *point) {
-  mg_intersection cut;
+static void mg_add_intersection(mg_hull *h, const int *arc, const mg_real *t, const mg_real *point) {
+  mg_intersection crossing;
   for (int side = 0; side < 2; side++) {
-    cut.arc[side] = track[side], cut.point[side] = point[side];
-    cut.t[side] = mg_snap_to_arc_end(h, track[side], point, t[side]);
+    crossing.arc[side] = arc[side], crossing.point[side] = point[side];
+    crossing.t[side] = mg_snap_to_arc_end(h, arc[side], point, t[side]);
   }
   for (int i = 0; i < h->n_intersection; i++) {
     const mg_intersection *other = h->intersections + i;
-    const int same = other->arc[0] == track[0] && other->arc[1] == track[1];
+    const int same = other->arc[0] == arc[0] && other->arc[1] == arc[1];
     if (same && mg_distance2(other->point, point) <= 4 * h->regions->coincidence) return;
   }
   if (h->n_intersection == h->intersection_capacity) h->overflow = 1;
-  else h->intersections[h->n_intersection++] = cut;
+  else h->intersections[h->n_intersection++] = crossing;
 }
 
 /* An end of an arc against the spans of an arc of the other side. */
@@ -42,21 +42,21 @@ static void mg_intersect_arc_end(mg_hull *h, int ending, int last, int other) {
   const mg_arc_span *s = h->spans + e->span + (last ? e->n_span - 1 : 0);
   const mg_real *p = last ? s->end : s->begin, shared = MG_COINCIDENCE_FACTOR * h->regions->coincidence;
   for (int i = k->span; i < k->span + k->n_span; i++) {
-    const mg_arc_span *cell = h->spans + i;
-    const mg_real chord[2] = {cell->end[0] - cell->begin[0], cell->end[1] - cell->begin[1]};
-    const mg_real arm[2] = {p[0] - cell->begin[0], p[1] - cell->begin[1]}, length = sqrt(mg_dot2(chord, chord));
+    const mg_arc_span *span = h->spans + i;
+    const mg_real chord[2] = {span->end[0] - span->begin[0], span->end[1] - span->begin[1]};
+    const mg_real arm[2] = {p[0] - span->begin[0], p[1] - span->begin[1]}, length = sqrt(mg_dot2(chord, chord));
     const mg_real along = mg_dot2(arm, chord) / length, off = fabs(mg_cross2(chord, arm)) / length;
-    if (along < -cell->turn * length - shared || along > (1 + cell->turn) * length + shared) continue;
-    if (off > cell->turn * length + shared) continue;
+    if (along < -span->turn * length - shared || along > (1 + span->turn) * length + shared) continue;
+    if (off > span->turn * length + shared) continue;
     const mg_real part = fmin(fmax(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
-    t[k->side] = k->straight ? cell->t_begin + part * (cell->t_end - cell->t_begin)
-                             : mg_zero_on_arc(k, MG_ZERO_NEAREST, p, cell->t_begin, cell->t_end);
+    t[k->side] = k->straight ? span->t_begin + part * (span->t_end - span->t_begin)
+                             : mg_zero_on_arc(k, MG_ZERO_NEAREST, p, span->t_begin, span->t_end);
     t[e->side] = last ? e->t1 : e->t0;
     mg_arc_point(k, t[k->side], point, T);
     if (mg_distance2(point, p) > shared) continue;
-    const int track[2] = {k->side ? ending : other, k->side ? other : ending};
-    mg_add_intersection(h, track, t, p);
+    const int arc[2] = {k->side ? ending : other, k->side ? other : ending};
+    mg_add_intersection(h, arc, t, p);
   }
 }
 
@@ -78,10 +78,10 @@ static int mg_may_spans_meet(const mg_arc_span *x, const mg_arc_span *y, mg_real
 /* Spans whose tangents have no direction in common cross at most once: Newton's method. */
 static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
   const mg_arc_span *s[2] = {x, y};
-  const int track[2] = {x->arc, y->arc};
+  const int arc[2] = {x->arc, y->arc};
   mg_real t[2] = {start[0], start[1]}, c[2][2], T[2][2], apart[2] = {0, 0}, last = MG_MAX;
   for (int i = 0; i < 50; i++) {
-    for (int k = 0; k < 2; k++) mg_arc_point(h->arcs + track[k], t[k], c[k], T[k]);
+    for (int k = 0; k < 2; k++) mg_arc_point(h->arcs + arc[k], t[k], c[k], T[k]);
     for (int k = 0; k < 2; k++) apart[k] = c[1][k] - c[0][k];
     const mg_real det = mg_cross2(T[0], T[1]), size = mg_dot2(apart, apart);
     if (det == 0 || (size >= last && size <= h->regions->coincidence * h->regions->coincidence)) break;
@@ -89,8 +89,8 @@ static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_ar
     int still = 0;
     const mg_real step[2] = {mg_cross2(apart, T[1]) / det, mg_cross2(apart, T[0]) / det};
     for (int k = 0; k < 2; k++) {
-      const mg_real half = (s[k]->t_end - s[k]->t_begin) / 2, low = fmax(s[k]->t_begin - half, h->arcs[track[k]].t0);
-      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->t_end + half, h->arcs[track[k]].t1));
+      const mg_real half = (s[k]->t_end - s[k]->t_begin) / 2, low = fmax(s[k]->t_begin - half, h->arcs[arc[k]].t0);
+      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->t_end + half, h->arcs[arc[k]].t1));
       still += moved == t[k], t[k] = moved;
     }
     if (still == 2) break;
@@ -101,7 +101,7 @@ static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_ar
   }
   const mg_real middle[2] = {(c[0][0] + c[1][0]) / 2, (c[0][1] + c[1][1]) / 2};
   if (mg_dot2(apart, apart) <= h->regions->coincidence * h->regions->coincidence)
-    mg_add_intersection(h, track, t, middle);
+    mg_add_intersection(h, arc, t, middle);
 }
 
 /* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
@@ -126,30 +126,30 @@ static int mg_sample_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_s
 /* A gap that closes at an end is a cut there: what follows may not see it. */
 static void mg_add_closed_gap(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t,
                               mg_real gap) {
-  const int track[2] = {x->arc, y->arc};
+  const int arc[2] = {x->arc, y->arc};
   const mg_real at[2] = {s, t};
   mg_real point[2], T[2];
   if (fabs(gap) > h->regions->coincidence) return;
   mg_arc_point(h->arcs + x->arc, s, point, T);
-  mg_add_intersection(h, track, at, point);
+  mg_add_intersection(h, arc, at, point);
 }
 
 /* Spans that run side by side: 1 where the gap between them, nearly linear, tells that they are apart, one, or cross
    once, which is then found; 0: they have to be split. */
 static int mg_intersect_nearly_parallel(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
-  mg_real s[5], t[5], gap[5], bent = 0, least = MG_MAX, most = 0, step = MG_MAX;
+  mg_real s[5], t[5], gap[5], second_difference = 0, least = MG_MAX, most = 0, step = MG_MAX;
   if (!mg_sample_gaps(h, x, y, s, t, gap)) return 1;
   int change = -1, changes = 0;
   for (int i = 0; i < 5; i++) {
     least = fmin(least, fabs(gap[i])), most = fmax(most, fabs(gap[i]));
-    if (i > 1) bent = fmax(bent, fabs(gap[i] - 2 * gap[i - 1] + gap[i - 2]));
+    if (i > 1) second_difference = fmax(second_difference, fabs(gap[i] - 2 * gap[i - 1] + gap[i - 2]));
     if (i > 0) step = fmin(step, fabs(gap[i] - gap[i - 1]));
     if (i > 0 && (gap[i] > 0) != (gap[i - 1] > 0)) change = i, changes++;
   }
   if (most <= h->regions->coincidence) return 1;
   mg_add_closed_gap(h, x, y, s[0], t[0], gap[0]), mg_add_closed_gap(h, x, y, s[4], t[4], gap[4]);
-  if (!changes && least > bent) return 1;
-  if (changes != 1 || step <= bent) return 0;
+  if (!changes && least > second_difference) return 1;
+  if (changes != 1 || step <= second_difference) return 0;
   const mg_real part = gap[change - 1] / (gap[change - 1] - gap[change]),
                 start[2] = {s[change - 1] + part * (s[change] - s[change - 1]),
                             t[change - 1] + part * (t[change] - t[change - 1])};
@@ -201,10 +201,10 @@ static void mg_intersect_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_sp
   if (det == 0) return;
   const mg_real p = mg_cross2(w, v) / det, q = mg_cross2(w, u) / det;
   if (!(p >= 0 && p <= 1 && q >= 0 && q <= 1)) return;
-  const int track[2] = {x->arc, y->arc};
+  const int arc[2] = {x->arc, y->arc};
   const mg_real t[2] = {x->t_begin + p * (x->t_end - x->t_begin), y->t_begin + q * (y->t_end - y->t_begin)};
   const mg_real point[2] = {x->begin[0] + p * u[0], x->begin[1] + p * u[1]};
-  mg_add_intersection(h, track, t, point);
+  mg_add_intersection(h, arc, t, point);
 }
 
 MG_INTERNAL void mg_find_intersections(mg_hull *h) {

@@ -11,8 +11,8 @@ static void mg_add_outline_point(mg_outline *out, const mg_real *p) {
 }
 
 /* Points of a curve from t0 on, `fine` to a span; its end is left to what follows. */
-static void mg_trace_curve(const mg_hull *h, int track, mg_real t0, mg_real t1, int fine, mg_outline *out) {
-  const mg_placed_arc *k = h->arcs + track;
+static void mg_trace_curve(const mg_hull *h, int arc, mg_real t0, mg_real t1, int fine, mg_outline *out) {
+  const mg_placed_arc *k = h->arcs + arc;
   const int n = k->straight ? 1 : fine;
   for (int i = 0; i < n; i++) {
     mg_real p[2], T[2];

@@ -43,33 +43,33 @@ MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_re
 }
 
 /* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
-static int mg_next_intersection(const mg_hull *h, int track, mg_real t, int before) {
-  const int side = h->arcs[track].side;
+static int mg_next_intersection(const mg_hull *h, int arc, mg_real t, int before) {
+  const int side = h->arcs[arc].side;
   int next = -1;
   for (int i = 0; i < h->n_intersection; i++) {
-    const mg_intersection *cut = h->intersections + i;
-    if (cut->arc[side] != track || cut->t[side] < t || (cut->t[side] == t && i <= before)) continue;
-    if (next < 0 || cut->t[side] < h->intersections[next].t[side]) next = i;
+    const mg_intersection *crossing = h->intersections + i;
+    if (crossing->arc[side] != arc || crossing->t[side] < t || (crossing->t[side] == t && i <= before)) continue;
+    if (next < 0 || crossing->t[side] < h->intersections[next].t[side]) next = i;
   }
   return next;
 }
 
 /* Whether a part of an arc is in the other region: told by a point off its boundary; 2: it has none. */
-static int mg_is_part_inside(const mg_hull *h, int track, mg_real t0, mg_real t1) {
+static int mg_is_part_inside(const mg_hull *h, int arc, mg_real t0, mg_real t1) {
   static const mg_real parts[] = {0.5, 0.23, 0.81};
   for (int i = 0; i < 3; i++) {
     mg_real p[2], T[2];
-    mg_arc_point(h->arcs + track, t0 + parts[i] * (t1 - t0), p, T);
-    const int inside = mg_locate_point(h, !h->arcs[track].side, p);
+    mg_arc_point(h->arcs + arc, t0 + parts[i] * (t1 - t0), p, T);
+    const int inside = mg_locate_point(h, !h->arcs[arc].side, p);
     if (inside < 2) return inside;
   }
   return 2;
 }
 
 /* Whether the intersection has no width at a point where both boundaries are one. */
-static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
+static int mg_is_thin(const mg_hull *h, int arc, mg_real t) {
   mg_real p[2], T[2];
-  mg_arc_point(h->arcs + track, t, p, T);
+  mg_arc_point(h->arcs + arc, t, p, T);
   const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence / sqrt(mg_dot2(T, T));
   const mg_real left[2] = {p[0] - step * T[1], p[1] + step * T[0]}, right[2] = {p[0] + step * T[1], p[1] - step * T[0]};
   return !(mg_locate_point(h, 0, left) && mg_locate_point(h, 1, left)) &&
@@ -77,19 +77,20 @@ static int mg_is_thin(const mg_hull *h, int track, mg_real t) {
 }
 
 /* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
-static void mg_add_piece(mg_hull *h, int track, mg_real t0, mg_real t1, int cut0, int cut1) {
-  const mg_placed_arc *k = h->arcs + track;
+static void mg_add_piece(mg_hull *h, int arc, mg_real t0, mg_real t1, int intersection0, int intersection1) {
+  const mg_placed_arc *k = h->arcs + arc;
   mg_real p[2], T[2];
   if (!(t1 > t0)) return;
   mg_arc_point(k, (t0 + t1) / 2, p, T);
   if (sqrt(mg_dot2(T, T)) * (t1 - t0) <= h->regions->coincidence) return;
-  const int inside = mg_is_part_inside(h, track, t0, t1);
+  const int inside = mg_is_part_inside(h, arc, t0, t1);
   if (!inside || (inside == 2 && k->side)) return;
   if (h->n_piece == h->piece_capacity) {
     h->overflow = 1;
     return;
   }
-  const mg_boundary_piece piece = {track, inside == 2 && mg_is_thin(h, track, (t0 + t1) / 2), {cut0, cut1}, {t0, t1}};
+  const mg_boundary_piece piece = {
+      arc, inside == 2 && mg_is_thin(h, arc, (t0 + t1) / 2), {intersection0, intersection1}, {t0, t1}};
   h->pieces[h->n_piece++] = piece;
 }
 

@@ -32,10 +32,10 @@ static void mg_set_span_turn(mg_arc_span *s) {
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->begin_tangent)) + fabs(mg_cross2(chord, s->end_tangent));
 }
 
-MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
-  span->arc = track, span->t_begin = a, span->t_end = b;
-  mg_arc_point(h->arcs + track, a, span->begin, span->begin_tangent),
-      mg_arc_point(h->arcs + track, b, span->end, span->end_tangent);
+MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span) {
+  span->arc = arc, span->t_begin = a, span->t_end = b;
+  mg_arc_point(h->arcs + arc, a, span->begin, span->begin_tangent),
+      mg_arc_point(h->arcs + arc, b, span->end, span->end_tangent);
   mg_normalise2(span->begin_tangent), mg_normalise2(span->end_tangent);
   mg_set_span_turn(span);
 }
@@ -102,9 +102,9 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   mg_real before = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
   for (int i = 0; i < MG_INFLECTION_PARTS; i++) {
     const mg_real low = s->t_begin + i * part, high = low + part,
-                  bend = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, high);
-    const int changed = (before > 0) != (bend > 0);
-    before = bend;
+                  curvature = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, high);
+    const int changed = (before > 0) != (curvature > 0);
+    before = curvature;
     if (!changed) continue;
     const mg_real t = mg_zero_on_arc(k, MG_ZERO_CURVATURE, s->begin, low, high);
     if (!(t > s->t_begin + part / 64 && t < s->t_end - part / 64)) continue;
@@ -114,8 +114,8 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
 }
 
 /* At most `most` spans of an arc from its start on, each as long as its turn allows. */
-static void mg_divide_arc(mg_hull *h, int track, int most) {
-  mg_placed_arc *k = h->arcs + track;
+static void mg_divide_arc(mg_hull *h, int arc, int most) {
+  mg_placed_arc *k = h->arcs + arc;
   const mg_real whole = k->t1 - k->t0;
   mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
   k->span = h->n_span;
@@ -124,7 +124,7 @@ static void mg_divide_arc(mg_hull *h, int track, int most) {
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
     mg_arc_span *s = h->spans + h->n_span;
-    mg_make_span(h, track, h->n_span > k->span ? s[-1].t_end : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
+    mg_make_span(h, arc, h->n_span > k->span ? s[-1].t_end : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
     if (s->turn > MG_SPAN_TURN && part > (mg_real)1 / MG_SPANS_MAX && part / 2 > least) {
       part /= 2;
       continue;

@@ -12,11 +12,11 @@ static int mg_is_between_chord_and_curve(const mg_hull *h, const mg_arc_span *s,
   const mg_real along = mg_dot2(chord, arm) / length, off = cross / length;
   if (fabs(off) > length * s->turn + shared || along < -shared || along > length + shared) return 0;
   if (k->straight) return fabs(off) <= shared ? -1 : 0;
-  mg_real foot[2], T[2];
-  mg_arc_point(k, mg_zero_on_arc(k, MG_ZERO_NEAREST, p, s->t_begin, s->t_end), foot, T);
-  if (mg_distance2(foot, p) <= shared) return -1;
+  mg_real nearest[2], T[2];
+  mg_arc_point(k, mg_zero_on_arc(k, MG_ZERO_NEAREST, p, s->t_begin, s->t_end), nearest, T);
+  if (mg_distance2(nearest, p) <= shared) return -1;
   if (along < 0 || along > length) return 0;
-  const mg_real to[2] = {p[0] - foot[0], p[1] - foot[1]}, side = mg_cross2(T, to);
+  const mg_real to[2] = {p[0] - nearest[0], p[1] - nearest[1]}, side = mg_cross2(T, to);
   return (side > 0) != (cross > 0);
 }
 

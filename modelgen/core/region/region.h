@@ -199,7 +199,7 @@ static const mg_real mg_node_weight[MG_NODES] = {
 
 /* placed_arcs.c */
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);
-MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span);
+MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
 MG_INTERNAL void mg_divide_arcs(mg_hull *h);
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose);
@@ -220,16 +220,17 @@ MG_INTERNAL int mg_overlay_regions(mg_hull *h, const mg_real *pose);
 MG_INTERNAL void mg_make_hull(mg_hull *h);
 
 /* hull_distance.c */
-MG_INTERNAL void mg_read_support_point(const mg_hull *h, int spot, mg_support_point *at);
-MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *brink);
+MG_INTERNAL void mg_read_support_point(const mg_hull *h, int vertex, mg_support_point *at);
+MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *nearest);
 
 /* outline.c */
 MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
 MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 
 /* winkler_pressure.c */
-MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long room, mg_boundary_strip *strips);
-MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *level);
+MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
+                                  mg_boundary_strip *strips);
+MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients);
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);

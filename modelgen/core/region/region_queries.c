@@ -12,12 +12,12 @@ static void mg_store_support(const mg_support_point *from, int *identity, mg_rea
 }
 
 static void mg_store_margin(const mg_hull *h, const mg_region_query *q, int i) {
-  mg_nearest_boundary brink = {0};
-  q->margin[i] = mg_hull_margin(h, q->points + 2 * i, &brink);
-  q->supports[i] = brink.n;
-  for (int k = 0; k < 2; k++) q->normal[2 * i + k] = brink.normal[k];
-  for (int k = 0; k < brink.n; k++)
-    mg_store_support(brink.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
+  mg_nearest_boundary nearest = {0};
+  q->margin[i] = mg_hull_margin(h, q->points + 2 * i, &nearest);
+  q->supports[i] = nearest.n;
+  for (int k = 0; k < 2; k++) q->normal[2 * i + k] = nearest.normal[k];
+  for (int k = 0; k < nearest.n; k++)
+    mg_store_support(nearest.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
 }
 
 /* Lays the regions on each other; returns the number of sides of their hull. */
@@ -52,8 +52,8 @@ MG_API long mg_region_friction_size(int n_arc, int n_o) {
 static void mg_store_patch_friction(const mg_patch_friction_query *q, mg_winkler_pressure_field *p, int i) {
   const mg_real *load = q->load + 3 * i, centre[2] = {load[1], load[2]};
   mg_real G[3][3], worst[3];
-  mg_nearest_boundary brink;
-  q->found[i] = mg_hull_margin(p->hull, centre, &brink) > 0 && mg_winkler_pressure(p, load[0], centre);
+  mg_nearest_boundary nearest;
+  q->found[i] = mg_hull_margin(p->hull, centre, &nearest) > 0 && mg_winkler_pressure(p, load[0], centre);
   for (int k = 0; k < 3; k++) q->pressure[3 * i + k] = q->friction[3 * i + k] = (mg_real)NAN;
   q->friction_needed[i] = (mg_real)NAN;
   for (int k = 0; k < 3; k++) q->limiting_twist[3 * i + k] = (mg_real)NAN;
@@ -72,9 +72,9 @@ MG_API int mg_region_friction(const mg_patch_friction_query *q, mg_real *work) {
   const mg_region_query *r = q->regions;
   mg_region_pair regions;
   mg_hull h;
-  mg_winkler_pressure_field press;
+  mg_winkler_pressure_field pressure;
   const int sides = mg_overlay_query(r, &regions, &h, &work);
-  mg_open_pressure(&press, &h, mg_strip_capacity(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
-  for (int i = 0; i < q->n && sides > 2; i++) mg_store_patch_friction(q, &press, i);
+  mg_open_pressure(&pressure, &h, mg_strip_capacity(r->n_arc, r->n_o), (mg_boundary_strip *)(void *)work);
+  for (int i = 0; i < q->n && sides > 2; i++) mg_store_patch_friction(q, &pressure, i);
   return h.overflow ? -1 : sides;
 }

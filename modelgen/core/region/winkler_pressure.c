@@ -10,9 +10,9 @@
 
 #define MG_CONTINUATION_PART_MIN 1e-3 /* of what is left of the way to a centre */
 
-MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long room,
+MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips) {
-  p->hull = h, p->capacity = room, p->strips = strips, p->n = p->partly_unloaded = 0;
+  p->hull = h, p->capacity = capacity, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
 static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real *x) {
@@ -66,17 +66,17 @@ static mg_real mg_find_zero_pressure(const mg_winkler_pressure_field *p, const m
   return t;
 }
 
-static void mg_add_curved_strip(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, const int *ends,
+static void mg_add_curved_strip(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, const int *ends,
                                 int back) {
-  mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
+  mg_boundary_strip s = {arc, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
-  mg_arc_point(p->hull->arcs + track, t0, s.begin, T), mg_arc_point(p->hull->arcs + track, t1, s.end, T);
+  mg_arc_point(p->hull->arcs + arc, t0, s.begin, T), mg_arc_point(p->hull->arcs + arc, t1, s.end, T);
   mg_add_strip(p, &s, back);
 }
 
 /* The parts of a curve that are pressed; it turns by so little that there are two at most. */
-static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, int back) {
-  const mg_placed_arc *k = p->hull->arcs + track;
+static void mg_clip_curve(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, int back) {
+  const mg_placed_arc *k = p->hull->arcs + arc;
   const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
   mg_real t[3] = {t0, t0, t1}, value[3], slope[3], T[2], x[2];
   for (int i = 0; i < 3; i += 2)
@@ -89,7 +89,7 @@ static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, m
     if (!in && !out) continue;
     const mg_real at = in == out ? 0 : mg_find_zero_pressure(p, k, t[half], t[half + 1]);
     const int ends[2] = {!in, !out};
-    mg_add_curved_strip(p, track, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
+    mg_add_curved_strip(p, arc, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
   }
 }
 
@@ -160,13 +160,13 @@ static void mg_compute_moments(mg_winkler_pressure_field *p) {
 }
 
 /* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
-MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *level) {
+MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients) {
   const mg_real *m = p->moments, r = p->reach;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
   const mg_real free = yy - xy * xy / xx, bx = moment[1] - x * moment[0], by = moment[2] - y * moment[0];
   if (!(m[0] > 0) || !(xx > 0) || !(free > 0) || !(r > 0)) return 0;
-  level[2] = (by - xy / xx * bx) / free, level[1] = (bx - xy * level[2]) / xx;
-  level[0] = moment[0] / m[0] - x * level[1] - y * level[2];
+  coefficients[2] = (by - xy / xx * bx) / free, coefficients[1] = (bx - xy * coefficients[2]) / xx;
+  coefficients[0] = moment[0] / m[0] - x * coefficients[1] - y * coefficients[2];
   return 1;
 }
 
@@ -178,12 +178,12 @@ MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real
   mg_compute_moments(p);
 }
 
-static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *level) {
-  for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
+static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *coefficients) {
+  for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
   mg_find_loaded_boundary(p);
-  const mg_real slope = level[1] * level[1] + level[2] * level[2];
+  const mg_real slope = coefficients[1] * coefficients[1] + coefficients[2] * coefficients[2];
   for (int k = 0; k < 2; k++)
-    p->zero_line_point[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
+    p->zero_line_point[k] = p->centre[k] - (p->partly_unloaded ? coefficients[0] * coefficients[1 + k] / slope : 0);
   mg_compute_moments(p);
 }
 
@@ -208,13 +208,13 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
 /* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
    it had to. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   mg_real middle[2];
-  const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle),
+  const mg_real margin = mg_hull_margin(h, x, &nearest), reach = mg_hull_middle(h, middle),
                 least = reach / MG_HULL_EDGE_PART;
   if (margin >= least || h->n_edge == 0) return 0;
   for (int k = 0; k < 2; k++) {
-    const mg_real at = brink.n == 2 ? x[k] + margin * brink.normal[k] : brink.at[0].point[k];
+    const mg_real at = nearest.n == 2 ? x[k] + margin * nearest.normal[k] : nearest.at[0].point[k];
     x[k] = at + least / reach * (middle[k] - at);
   }
   return 1;
@@ -225,29 +225,30 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
 static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre,
                               const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
+  mg_real coefficients[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
   for (int k = 0; k < 2; k++) p->centre[k] = centre[k];
-  for (int k = 0; k < 3; k++) level[k] = start[k];
+  for (int k = 0; k < 3; k++) coefficients[k] = start[k];
   for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     mg_real tried[3], change = 0;
-    for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
+    for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (coefficients[k] - from[k]);
     mg_set_coefficients(p, tried);
     const mg_real now = p->coefficients[0] > 0 ? mg_pressure_merit(p, force) : MG_MAX;
     if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_NEWTON_PART_MIN) {
       part /= 2;
       continue;
     }
-    if (!mg_solve_moments(p, moment, level)) return 0;
+    if (!mg_solve_moments(p, moment, coefficients)) return 0;
     const mg_real r[3] = {1, p->reach, p->reach};
-    for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
+    for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(coefficients[k] - tried[k]) * r[k]);
     const mg_real noise = 65536 * MG_EPS * p->hull->size / p->reach; /* of a part so small */
     const int stalls = near && change > last / 4;                    /* Newton's method does so at rounding alone */
-    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
-      for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
+    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * coefficients[0]) {
+      for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
       return 1;
     }
-    merit = now, part = 1, last = change, near = change <= level[0] / 16; /* where rounding would tell the merit */
+    merit = now, part = 1, last = change,
+    near = change <= coefficients[0] / 16; /* where rounding would tell the merit */
   }
   return 0;
 }
@@ -257,17 +258,18 @@ static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, con
   mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
-  mg_real level[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
+  mg_real coefficients[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
   for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     const mg_real next = left * (1 - part);
-    mg_real at[2], start[3] = {level[0], level[1], level[2]};
-    for (int k = 0; k < 2; k++) at[k] = centre[k] - next * way[k], start[0] += level[1 + k] * (left - next) * way[k];
+    mg_real at[2], start[3] = {coefficients[0], coefficients[1], coefficients[2]};
+    for (int k = 0; k < 2; k++)
+      at[k] = centre[k] - next * way[k], start[0] += coefficients[1 + k] * (left - next) * way[k];
     if (!mg_newton_pressure(p, force, at, start)) {
       if ((part /= 2) < MG_CONTINUATION_PART_MIN) return 0;
       continue;
     }
     if (next == 0) return 1;
-    for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
+    for (int k = 0; k < 3; k++) coefficients[k] = p->coefficients[k];
     left = next, part = 1;
   }
   return 0;
@@ -276,8 +278,8 @@ static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, con
 /* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_real level[3];
+  mg_real coefficients[3];
   mg_uniform_pressure(p, centre);
-  if (!mg_solve_moments(p, moment, level)) return 0;
-  return mg_newton_pressure(p, force, centre, level) || mg_continue_pressure(p, force, centre);
+  if (!mg_solve_moments(p, moment, coefficients)) return 0;
+  return mg_newton_pressure(p, force, centre, coefficients) || mg_continue_pressure(p, force, centre);
 }

@@ -39,10 +39,10 @@ static int mg_place_step_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = c->step.end[i];
   mg_normalise_quaternions(c, c->step.settled);
-  int sound = mg_place_all_contacts(c, run->t + h, c->step.settled);
+  int is_valid = mg_place_all_contacts(c, run->t + h, c->step.settled);
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_contact_singular(c, i)) sound = 0;
-  return sound || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
+    if (mg_is_contact_singular(c, i)) is_valid = 0;
+  return is_valid || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
 }
 
 /* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points
@@ -97,18 +97,18 @@ static int mg_take_step_part(mg_context *c, mg_real *h) {
 /* The longest step in which nothing passes unseen. */
 static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
-                sight = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
-                unfolding = mg_patch_opening_step_limit(c);
-  const mg_real seen = sight < reach ? sight : reach;
+                search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
+                opening_limit = mg_patch_opening_step_limit(c);
+  const mg_real seen = search_limit < reach ? search_limit : reach;
   return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
-         (seen < unfolding ? seen : unfolding);
+         (seen < opening_limit ? seen : opening_limit);
 }
 
 /* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
 static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
-  const int dips = mg_mark_gap_minima(c, h), fired = mg_mark_triggered_events(c, c->step.end),
-            hidden = !fired && !c->step.sign_changed && mg_has_possible_hidden_event(c);
-  const int passed = fired || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
+  const int dips = mg_mark_gap_minima(c, h), triggered = mg_mark_triggered_events(c, c->step.end),
+            hidden = !triggered && !c->step.sign_changed && mg_has_possible_hidden_event(c);
+  const int passed = triggered || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
   if (!passed && !dips) return 0;
   mg_make_interpolant(c, c->run->t, c->run->x, h);
   return mg_locate_first_event(c, h, passed);
@@ -161,10 +161,10 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   if (mg_has_rolling_start(c)) h = run->h;
   if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);
   mg_real before, after;
-  const int jerks = mg_find_velocity_jump(c, h, &before, &after);
-  if (jerks && before - run->t <= c->settings->event_tolerance * c->system->time)
+  const int has_jump = mg_find_velocity_jump(c, h, &before, &after);
+  if (has_jump && before - run->t <= c->settings->event_tolerance * c->system->time)
     return mg_cross_velocity_jump(c, after, events);
-  if (jerks) h = before - run->t;
+  if (has_jump) h = before - run->t;
   c->search.abandoned.count = 0;
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);

@@ -59,9 +59,9 @@ static mg_real mg_time_function_magnitude(const mg_context *c, int function, mg_
 }
 
 /* Larger of the magnitudes of a function of time `far` before and after the present time. */
-static mg_real mg_magnitude_near_time(const mg_context *c, int function, mg_real far) {
-  const mg_real before = mg_time_function_magnitude(c, function, c->run->t - far),
-                after = mg_time_function_magnitude(c, function, c->run->t + far);
+static mg_real mg_magnitude_near_time(const mg_context *c, int function, mg_real distance) {
+  const mg_real before = mg_time_function_magnitude(c, function, c->run->t - distance),
+                after = mg_time_function_magnitude(c, function, c->run->t + distance);
   return before > after ? before : after;
 }
 
@@ -79,8 +79,8 @@ static int mg_has_pole(const mg_context *c, int function) {
 static int mg_is_nonfinite_ahead(const mg_context *c, int function, mg_real ahead) {
   const mg_real t = c->run->t;
   if (mg_time_function_magnitude(c, function, t) >= MG_MAX) return 1;
-  for (mg_real far = ahead; far > c->settings->step_min * c->system->time; far /= 2)
-    if (mg_time_function_magnitude(c, function, t + far) >= MG_MAX) return 1;
+  for (mg_real distance = ahead; distance > c->settings->step_min * c->system->time; distance /= 2)
+    if (mg_time_function_magnitude(c, function, t + distance) >= MG_MAX) return 1;
   return 0;
 }
 

@@ -7,7 +7,7 @@
 #define MG_FRICTION_ROWS_MAX 5 /* most rows of a contact below its normal one */
 
 /* workspace.c */
-MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
+MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork);
 
 /* nonfinite_inputs.c */

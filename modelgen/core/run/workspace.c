@@ -23,8 +23,8 @@ static long mg_held_row_capacity(const mg_system *s) {
 static long mg_strip_capacity_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
-    const long room = mg_strip_capacity(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
-    if (room > most) most = room;
+    const long capacity = mg_strip_capacity(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (capacity > most) most = capacity;
   }
   return most;
 }
@@ -51,8 +51,8 @@ static long mg_rolling_start_size(void) { return (long)(sizeof(mg_rolling_start)
 static long mg_hull_memory_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
-    const long room = mg_hull_memory_size(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
-    if (room > most) most = room;
+    const long size = mg_hull_memory_size(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (size > most) most = size;
   }
   return most;
 }
@@ -197,30 +197,30 @@ static void mg_set_constant_poses(mg_context *c) {
   }
 }
 
-MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
+MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork) {
-  c->system = sys, c->kernels = sys->kernels, c->settings = set, c->run = run;
-  c->layout.n_states = (int)mg_state_count(sys), c->layout.work_state = c->layout.n_states - 1,
+  c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
+  c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = 0, c->patches.hull_patch = -1;
-  c->layout.support_begin = sys->n_contact - 3 * sys->n_patch_slot,
-  c->layout.support_feature_pair_begin = sys->n_feature_pair - 3 * sys->n_patch;
-  c->layout.joint_row_begin = sys->n_contact + 1, c->layout.friction_row_end = (int)mg_row_count(sys);
-  c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + sys->n_joint_row,
+  c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
+  c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
+  c->layout.joint_row_begin = system->n_contact + 1, c->layout.friction_row_end = (int)mg_row_count(system);
+  c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + system->n_joint_row,
   c->friction.couples_normal = c->friction.follows_angle = 0;
   mg_set_arrays(c, work, iwork);
-  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = sys->scale[i];
-  mg_zero_reals(c->bodies.pose, 30L * sys->n_body);
+  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
+  mg_zero_reals(c->bodies.pose, 30L * system->n_body);
   mg_zero_reals(c->rows.J, 24L * c->layout.friction_row_end); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero_reals(c->solution.force, c->layout.friction_row_end);
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
-  mg_zero_reals(c->rows.d + c->layout.friction_row_begin, sys->n_friction_row);
-  c->layout.n_live_states = c->layout.n_states - sys->n_eta, c->search.abandoned.count = 0;
-  c->layout.n_state_loads = mg_state_load_count(sys, 0),
-  c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(sys, 1);
-  for (int i = 0; i < sys->n_contact; i++)
+  mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
+  c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.abandoned.count = 0;
+  c->layout.n_state_loads = mg_state_load_count(system, 0),
+  c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(system, 1);
+  for (int i = 0; i < system->n_contact; i++)
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
-  for (int slot = 0; slot < sys->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
-  for (int table = 0; table < sys->n_sample_table; table++) c->search.table_filled[table] = 0;
+  for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
+  for (int table = 0; table < system->n_sample_table; table++) c->search.table_filled[table] = 0;
   mg_init_joint_rows(c);
   mg_set_incidence(c);
   mg_set_constant_poses(c);

@@ -39,10 +39,10 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
   if (tries < MG_PROGRESS_TRIES) return 0;
   const mg_real way = run->t - run->progress_t, least = c->settings->fallback_progress * c->system->time;
-  const int crawls =
+  const int is_too_slow =
       way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_has_sticking_friction(c)));
   run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
-  return crawls;
+  return is_too_slow;
 }
 
 static int mg_first_closed_contact(const mg_context *c) {

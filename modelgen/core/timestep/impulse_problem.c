@@ -132,9 +132,9 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
 }
 
 static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
-  int many = 0, outcome;
-  for (int i = 0; i < c->system->n_contact; i++) many += c->events.is_near[i] != 0;
-  if (many > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
+  int count = 0, outcome;
+  for (int i = 0; i < c->system->n_contact; i++) count += c->events.is_near[i] != 0;
+  if (count > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   mg_set_step_bound_kinds(c);
   mg_friction_problem p = mg_make_friction_problem(c, h);
   *size = p.n;

@@ -52,12 +52,13 @@ static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_re
 /* One step of h, or of less where a pair could move past what the next search sees. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
-  const mg_real sight = mg_search_step_limit(c);
-  if (h > sight) h = sight;
+  const mg_real search_limit = mg_search_step_limit(c);
+  if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
   mg_set_step_geometry(c, h);
-  const int powered = mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
-  if (!powered || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
+  const int is_power_finite =
+      mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
+  if (!is_power_finite || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);

@@ -40,21 +40,22 @@ static mg_real mg_disc_slack(const mg_disc *d, mg_real alpha, mg_real *f) {
 }
 
 /* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
-static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f) {
+static void mg_disc_root(const mg_disc *d, mg_real low, mg_real slack_low, mg_real high, mg_real slack_high,
+                         mg_real *f) {
   int side = 0;
   for (int i = 0; i < MG_DISC_ROOT_STEPS; ++i) {
-    mg_real middle = (low + high) / 2, room;
-    if (room_low > -1 / MG_EPS) middle = high - room_high * (high - low) / (room_high - room_low);
+    mg_real middle = (low + high) / 2, slack;
+    if (slack_low > -1 / MG_EPS) middle = high - slack_high * (high - low) / (slack_high - slack_low);
     if (!(middle > low && middle < high)) middle = (low + high) / 2;
-    room = mg_disc_slack(d, middle, f);
-    if (fabs(room) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
-    if (room < 0) {
-      low = middle, room_low = room;
-      if (side == -1) room_high /= 2;
+    slack = mg_disc_slack(d, middle, f);
+    if (fabs(slack) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
+    if (slack < 0) {
+      low = middle, slack_low = slack;
+      if (side == -1) slack_high /= 2;
       side = -1;
     } else {
-      high = middle, room_high = room;
-      if (side == 1) room_low /= 2;
+      high = middle, slack_high = slack;
+      if (side == 1) slack_low /= 2;
       side = 1;
     }
   }
@@ -62,18 +63,18 @@ static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_rea
 
 /* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
 static void mg_disc_solve(const mg_disc *d, mg_real *f) {
-  mg_real room = mg_disc_slack(d, 0, f), low = 0, high, room_high = 0;
-  if (room >= 0) return;
+  mg_real slack = mg_disc_slack(d, 0, f), low = 0, high, slack_high = 0;
+  if (slack >= 0) return;
   high = (mg_real)fabs(d->T[0]) + (mg_real)fabs(d->T[3]);
   if (!(high > 0)) high = 1;
   for (int i = 0; i < MG_DISC_BRACKET_STEPS; ++i) {
-    room_high = mg_disc_slack(d, high, f);
-    if (room_high >= 0) break;
+    slack_high = mg_disc_slack(d, high, f);
+    if (slack_high >= 0) break;
     low = high;
-    room = room_high;
+    slack = slack_high;
     high *= 4;
   }
-  if (room_high > 0) mg_disc_root(d, low, room, high, room_high, f);
+  if (slack_high > 0) mg_disc_root(d, low, slack, high, slack_high, f);
 }
 
 /* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */

@@ -112,9 +112,9 @@ static int mg_friction_regularisation_path(mg_scaled_friction *s, int which) {
   for (int i = 0; i < s->m; ++i) p.last[i] = s->best[i];
   for (int tries = 0; tries < MG_PATH_STEPS && along < 1 && step > MG_PATH_STEP_MIN; ++tries) {
     const mg_real next = along + step < 1 ? along + step : 1;
-    const int went = mg_path_advance(&p, next);
-    if (went) along = next;
-    step = went ? 2 * step : step / 3;
+    const int advanced = mg_path_advance(&p, next);
+    if (advanced) along = next;
+    step = advanced ? 2 * step : step / 3;
   }
   mg_path_set_problem(&p, 1);
   mg_path_set_candidate(s, p.last);

@@ -136,11 +136,11 @@ static void mg_interior_complementarity_step(const mg_lorentz *q, mg_real centre
 }
 
 /* du = pull - W^-2 dx of one cone; dx comes scaled out as W^-1 dx. */
-static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *pull, const mg_real *dx, mg_real *scaled,
-                                  mg_real *du) {
+static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *complementarity, const mg_real *dx,
+                                  mg_real *scaled, mg_real *du) {
   mg_lorentz_scale(q, -1, dx, scaled);
   mg_lorentz_scale(q, -1, scaled, du);
-  for (int i = 0; i <= q->k; ++i) du[i] = pull[i] - du[i];
+  for (int i = 0; i <= q->k; ++i) du[i] = complementarity[i] - du[i];
 }
 
 /* Steps dy, du towards the centre, and how far they may go. `guess` takes part if `corrected`, else is set. */
@@ -160,12 +160,12 @@ static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int correct
   mg_lu_solve(s->m, n->K, n->swap, n->dy);
   for (int c = 0, at = 0; c < s->n; ++c)
     for (int cone = 0; cone < mg_interior_cones(s, c); ++cone, at += MG_LORENTZ_SIZE) {
-      mg_real dx[MG_LORENTZ_SIZE], x[MG_LORENTZ_SIZE], a[MG_LORENTZ_SIZE], b[MG_LORENTZ_SIZE], pull[MG_LORENTZ_SIZE],
-          step;
+      mg_real dx[MG_LORENTZ_SIZE], x[MG_LORENTZ_SIZE], a[MG_LORENTZ_SIZE], b[MG_LORENTZ_SIZE],
+          complementarity[MG_LORENTZ_SIZE], step;
       mg_lorentz_set(s, c, cone, n->u + at, &q);
       mg_lorentz_read(s, c, cone, n->dy, &q, dx);
-      for (int i = 0; i <= q.k; ++i) pull[i] = n->du[at + i], x[i] = q.x[i];
-      mg_interior_dual_step(&q, pull, dx, a, n->du + at);
+      for (int i = 0; i <= q.k; ++i) complementarity[i] = n->du[at + i], x[i] = q.x[i];
+      mg_interior_dual_step(&q, complementarity, dx, a, n->du + at);
       mg_lorentz_scale(&q, 1, n->du + at, b);
       n->correction[at] = a[0] * b[0] + mg_lorentz_tail(q.k, a, b);
       for (int i = 1; i <= q.k; ++i) n->correction[at + i] = a[0] * b[i] + b[0] * a[i];

@@ -91,7 +91,7 @@ static void mg_open_cones(mg_cones *e, int n, const mg_real *A, const mg_real *b
 MG_API int mg_enumerate(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report, mg_real *work,
                         int *iwork) {
   mg_cones e;
-  int doubt = 0;
+  int is_undecided = 0;
   if (mg_lcp_start(n, A, b, z, report)) return report->outcome;
   report->rank = n;
   if (n > MG_ENUMERATE_MAX) return mg_lcp_report_failure(n, A, b, z, MG_LCP_ITERATIONS, report);
@@ -103,7 +103,7 @@ MG_API int mg_enumerate(int n, const mg_real *A, const mg_real *b, mg_real *z, m
     ++report->iterations;
     for (int i = 0; i < n; ++i) e.h[i] = e.x[i] * e.column[i];
     if (verdict == MG_CONE_CANDIDATE && mg_lcp_certify(n, A, b, e.h, z, report)) return report->outcome;
-    doubt |= verdict != MG_CONE_EXCLUDED;
+    is_undecided |= verdict != MG_CONE_EXCLUDED;
   }
-  return mg_lcp_report_failure(n, A, b, z, doubt ? MG_LCP_RAY : MG_LCP_INFEASIBLE, report);
+  return mg_lcp_report_failure(n, A, b, z, is_undecided ? MG_LCP_RAY : MG_LCP_INFEASIBLE, report);
 }

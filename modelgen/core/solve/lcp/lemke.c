@@ -12,13 +12,13 @@ typedef struct {
   int *basis;   /* the column that is basic in each row */
 } mg_tableau;
 
-static mg_real mg_covering_vector(int cover, int n, int i) {
+static mg_real mg_covering_vector(int covering, int n, int i) {
   mg_real place = (mg_real)(i + 1) / (mg_real)n;
-  if (cover == 0) return 1;
-  return cover == 1 ? 1 + place : 2 - place * place;
+  if (covering == 0) return 1;
+  return covering == 1 ? 1 + place : 2 - place * place;
 }
 
-static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, int cover) {
+static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, int covering) {
   int n = t->n;
   for (int i = 0; i < n; ++i) {
     mg_real *row = t->T + i * t->width;
@@ -26,7 +26,7 @@ static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, i
       row[j] = i == j;
       row[n + j] = -A[i + j * n];
     }
-    row[2 * n] = -mg_covering_vector(cover, n, i);
+    row[2 * n] = -mg_covering_vector(covering, n, i);
     row[2 * n + 1] = b[i];
     t->basis[i] = i;
   }
@@ -112,7 +112,7 @@ MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iteration
                     mg_real *work, int *iwork) {
   mg_real *S = work, *c = S + n * n, *row = c + n, *column = row + n, *candidate = column + n;
   mg_tableau t = {n, 2 * n + 2, candidate + n, iwork};
-  int brief = MG_LEMKE_SHORT_PATH * n < max_iterations ? MG_LEMKE_SHORT_PATH * n : max_iterations;
+  int short_limit = MG_LEMKE_SHORT_PATH * n < max_iterations ? MG_LEMKE_SHORT_PATH * n : max_iterations;
   int outcome = MG_LCP_RAY;
   int ended[MG_LEMKE_COVERS] = {MG_LCP_ITERATIONS, MG_LCP_ITERATIONS, MG_LCP_ITERATIONS};
   if (mg_lcp_start(n, A, b, z, report)) return report->outcome;
@@ -121,17 +121,17 @@ MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iteration
   mg_equilibrate(n, S, c, row, column);
   report->rank = n;
   for (int path = 0; path < 2 * MG_LEMKE_COVERS; ++path) {
-    int pivots = 0, cover = path % MG_LEMKE_COVERS;
-    if (ended[cover] != MG_LCP_ITERATIONS) continue;
-    mg_tableau_fill(&t, S, c, cover);
-    ended[cover] = mg_lemke_path(&t, path < MG_LEMKE_COVERS ? brief : max_iterations, &pivots);
+    int pivots = 0, covering = path % MG_LEMKE_COVERS;
+    if (ended[covering] != MG_LCP_ITERATIONS) continue;
+    mg_tableau_fill(&t, S, c, covering);
+    ended[covering] = mg_lemke_path(&t, path < MG_LEMKE_COVERS ? short_limit : max_iterations, &pivots);
     report->iterations += pivots;
-    if (ended[cover] == MG_LCP_SOLVED) {
+    if (ended[covering] == MG_LCP_SOLVED) {
       mg_lemke_candidate(&t, S, c, column, candidate, t.T + n * t.width, iwork + n);
       if (mg_lcp_certify(n, A, b, candidate, z, report)) return report->outcome;
     }
   }
-  for (int cover = 0; cover < MG_LEMKE_COVERS; ++cover)
-    if (ended[cover] != MG_LCP_RAY) outcome = MG_LCP_ITERATIONS;
+  for (int covering = 0; covering < MG_LEMKE_COVERS; ++covering)
+    if (ended[covering] != MG_LCP_RAY) outcome = MG_LCP_ITERATIONS;
   return mg_lcp_report_failure(n, A, b, z, outcome, report);
 }
