@@ -12,7 +12,6 @@ static int mg_start_normal(const mg_shape_pair *p, const mg_real *eta, int is_wa
   return 0;
 }
 
-/* Convex shapes: the separation function; the extremality system after it where the maximum is not sharp. */
 MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                                   mg_real *placed) {
   mg_real rounding, next[MG_MAX_ETA];

@@ -117,8 +117,6 @@ static int mg_direction_away_from(const mg_real *peaks, int n, mg_real *directio
   return 0;
 }
 
-/* Climbs from v->normal, and where that ends below `floor`, from other sides too. v then is the first maximum
-   above it; else the highest one, or the first if `keep`. Returns 0 where rounding left it blunt. */
 MG_INTERNAL int mg_maximise_separation(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v) {
   mg_real peaks[3 * MG_ASCENT_RESTARTS];
   mg_separation_view best = *v;

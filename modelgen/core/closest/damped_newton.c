@@ -7,7 +7,6 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
                             placed + 5, placed + 8, placed + 11);
 }
 
-/* The residual is as small as is asked for, or as rounding of the positions lets it be. */
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
   mg_real size = 0;
   for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
@@ -45,8 +44,6 @@ static int mg_damped_step(const mg_shape_pair *p, const mg_newton_goal *goal, mg
   return 0;
 }
 
-/* From eta until the residual is small. Returns the number of steps, or -1; `placed` holds what the place kernel
-   gives at eta, in the order of place.c. */
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed) {
   mg_real next[MG_MAX_ETA] = {0};
   mg_place_pair(p, eta, next, placed);
@@ -58,14 +55,13 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
   return -1;
 }
 
-/* The distance is least there, not only stationary: the sign of the margin. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
 /* How far each entry of eta on a feature pair may go in one step. */
 static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
   mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
-    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_carried[parametrisation];
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
     const int signs = parametrisation == MG_SIGN ? 1 : parametrisation == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < n; k++, reach++)
       *reach = k >= n - signs ? MG_MAX
@@ -84,8 +80,6 @@ static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
   return shape_pair;
 }
 
-/* As mg_newton_on_feature_pair, from anywhere; convex shapes from nothing. c->search.placement says whether it is a
- * minimum. */
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
   const mg_shape_pair p = mg_shape_pair_of(c, mg_use_spare_contact(c, feature_pair));
   mg_real reach[MG_MAX_ETA];

@@ -4,13 +4,11 @@
 #include "base/base.h"
 #include "model/model.h"
 
-/* Puts the spare contact, behind the last one, on a feature pair. */
 MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair) {
   mg_place_on_feature_pair(c, c->system->n_contact, feature_pair);
   return c->system->n_contact;
 }
 
-/* Turns the normal of two curves round. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta) {
   if (mg_parametrisation(c, feature_pair, 0) == MG_SIGN) eta[0] = -eta[0];
   else eta[2] = -eta[2], eta[3] = -eta[3];
@@ -29,8 +27,6 @@ static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
          fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
 
-/* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
-   the two the feature pair takes first. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   const int turned = mg_feature_body(c, found->feature_pair, 0) > mg_feature_body(c, found->feature_pair, 1);
   found->d = c->search.placement[0];
@@ -40,8 +36,6 @@ MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   }
 }
 
-/* The same point and the same normal: one contact, be it on two feature pairs where charts overlap. Two curves without
-   an outside have one contact at a point, whichever way its normal is turned. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
@@ -55,7 +49,6 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
          (!sided || sqrt(turned) < c->settings->search_merge_distance);
 }
 
-/* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the feature pair's own. */
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
   const int spare = mg_use_spare_contact(c, feature_pair), has_no_outside = mg_has_no_outside(c, feature_pair);
   int which;
@@ -77,7 +70,6 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   return fabs(found->d) <= MG_MAX;
 }
 
-/* Keeps the found in order of |d|, each once. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_is_same_minimum(c, kept->list + i, found)) return;
@@ -87,8 +79,6 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
   if (at < MG_MINIMA) kept->list[at] = *found;
 }
 
-/* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
-   the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
   mg_real eta[6] = {0}, next[6], separation = -MG_MAX;
@@ -116,7 +106,6 @@ static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
   return 0;
 }
 
-/* Adds to what is kept the extrema of a feature pair that are above `least`. */
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
                                         mg_minima *kept) {
   const int n_eta = c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].n_eta;

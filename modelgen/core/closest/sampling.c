@@ -51,7 +51,6 @@ static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg
   return bound;
 }
 
-/* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
 MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_real reach, mg_real *window) {
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
@@ -77,7 +76,6 @@ static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const
   return c->search.table + (long)MG_SAMPLE_SIZE * s->sample_table_first[table];
 }
 
-/* A grid of n by n samples over the window, as many along a curve, one of a point. */
 MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
                                   mg_sample *out) {
   const int dimension = mg_feature_dimension(c, feature_pair, side), along = dimension == 2 ? n : dimension ? n * n : 1;

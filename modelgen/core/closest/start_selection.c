@@ -211,7 +211,6 @@ static int mg_is_known_start(mg_context *c, int feature_pair, int row, int i, in
   return 0;
 }
 
-/* Likely starts on a feature pair from n by n samples a side, `zooms` times again around the best. */
 MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept) {
   const int row = mg_has_nearest_point(c, feature_pair, 0),
             has_nearest_point = row || mg_has_nearest_point(c, feature_pair, 1);

@@ -24,8 +24,6 @@ static int mg_is_closed_without_force(const mg_context *c, int contact) {
   return c->run->closed[contact] && !c->run->active[contact];
 }
 
-/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
-   border, else 0; stores the condition that is broken. */
 MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
   const int feature_pair = c->run->feature_pair[contact];
   if (feature_pair < 0 || c->run->rolling_start[contact] || mg_is_unconditional_feature_pair(c, feature_pair) ||
@@ -60,8 +58,6 @@ static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
   return then > now;
 }
 
-/* Mark the closed or nearly closed contacts that are within their watched borders; a contact beyond one has its
-   pair searched. Needs the poses at the run's state. */
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   int which;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -80,8 +76,6 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   }
 }
 
-/* Mark all events that have triggered at the state x: feature pair exits, closing gaps, tensile forces, unforced gaps
-   that accelerate, patches, friction; returns their number. Needs the right-hand side and gap velocities at x. */
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   const mg_real deep = -c->settings->contact_gap * c->system->length,
                 rest = -c->settings->rest_speed * mg_speed_scale(c);
@@ -103,7 +97,6 @@ MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   return c->system->n_friction ? count + mg_mark_friction_events(c) : count;
 }
 
-/* Evaluate the interpolant at theta and mark the events that have triggered there; returns their number. */
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->step.stage);
   mg_normalise_quaternions(c, c->step.stage);
@@ -311,9 +304,6 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
   return 1;
 }
 
-/* Locate the first event within the step h just tried; returns the step to it with its end state and its marks, 0
-   if there is none. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
-   interpolant and the marked gap minima. */
 MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan_step_for_events(c, h, &low) : mg_first_gap_minimum_event(c, h, 0, 1);
   if (high == 0) return 0;

@@ -281,8 +281,6 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   return crossed;
 }
 
-/* Cross the singular places of closed contacts, then merge or split contacts and choose the modes; returns
-   MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_events *events) {
   int singular = 0;
   while (singular < c->system->n_contact && !mg_is_contact_singular(c, singular)) singular++;

@@ -22,7 +22,6 @@ static void mg_raise(mg_real *largest, mg_real value) {
   if (value > *largest) *largest = value;
 }
 
-/* Needs the rows at run->x. */
 MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   const mg_system *s = c->system;
   mg_run *run = c->run;

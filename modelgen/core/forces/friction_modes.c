@@ -201,7 +201,6 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
   return count;
 }
 
-/* Give the row groups that slip their kinetic coefficients; returns how many bounds that changes. */
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->system->n_friction; g++) {
@@ -316,8 +315,6 @@ static void mg_record_friction_report(mg_context *c, const mg_friction_report *r
   if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
 
-/* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
-   Needs the rows at the run's state. */
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int yielding_count, redundant, dependent_joint_rows = 0;
@@ -352,7 +349,6 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   return MG_DONE;
 }
 
-/* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
@@ -376,16 +372,12 @@ static mg_real mg_friction_force_margin(const mg_context *c, int contact, int co
   return c->solution.force[contact] - sqrt(a * a + b * b);
 }
 
-/* Event function of a row group, which falls through zero: force margin while it sticks, slip along its direction
-   while it slips. */
 MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
   return c->run->friction_mode[constraint] == MG_STICKING ? mg_friction_force_margin(c, contact, constraint)
                                                           : mg_slip_along_direction(c, contact, constraint, slip);
 }
 
-/* Margin before the event of a row group; MG_MAX where it has none. Slip that has reached slip_speed ends below
-   it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint) {
   const int mode = c->run->friction_mode[constraint];
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
@@ -400,8 +392,6 @@ static int mg_has_friction_event(const mg_context *c, int contact, int constrain
   return mg_friction_event_margin(c, contact, constraint) < 0;
 }
 
-/* Mark the row groups whose event has triggered; returns their number. Needs the right-hand side and the gap
-   velocities. */
 MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -410,7 +400,6 @@ MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   return count;
 }
 
-/* True if the event of any row group has triggered; sets no marks. */
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -418,15 +407,12 @@ MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
   return 0;
 }
 
-/* First row group whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->friction.triggered[g]) return g;
   return -1;
 }
 
-/* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the
-   run's state. */
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)

@@ -30,7 +30,6 @@ static void mg_eliminate_joints(mg_context *c, int n, int size) {
   for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_joint_elimination_term(c, i, n, size);
 }
 
-/* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;
@@ -51,9 +50,6 @@ static void mg_drop_redundant_contact_rows(mg_context *c, int n, int size) {
   }
 }
 
-/* Solve 0 <= z, 0 <= A z + value, complementary, over the n listed contacts with supports and joints held. Starts
-   from the given active set, leaves that of the solution, appends supports and joints to the list; returns the
-   solver's outcome. */
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
   c->run->lcp_solves++;
@@ -73,9 +69,6 @@ MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value,
   return report->outcome;
 }
 
-/* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and
-   the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
   int total = 0;
@@ -168,7 +161,6 @@ static int mg_faintest(mg_context *c, mg_real *least) {
   return least_independent;
 }
 
-/* Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;

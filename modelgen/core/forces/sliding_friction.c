@@ -11,19 +11,16 @@
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-/* Contact that a friction row group belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint) {
   int contact = 0;
   while (c->system->contact_friction[contact + 1] <= constraint) contact++;
   return contact;
 }
 
-/* Number of rows of a friction row group: 1 for spin, 2 for slip and rolling. */
 MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
   return c->system->friction_kind[constraint] == MG_FRICTION_SPIN ? 1 : 2;
 }
 
-/* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -33,17 +30,14 @@ MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   return mg_append_sticking_patch_rows(c, list, n);
 }
 
-/* Characteristic slip velocity of a row group: m/s; rad/s for spin and rolling. */
 MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint) {
   return (c->system->friction_kind[constraint] == MG_FRICTION_SLIP ? c->system->length : 1) / c->system->time;
 }
 
-/* Slip velocity below which a row group counts as sticking. */
 MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint) {
   return c->settings->slip_speed * mg_slip_velocity_scale(c, constraint);
 }
 
-/* Slip components s of a row group, and as value s . e along its stored slip direction e. */
 MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip) {
   const int row = mg_first_friction_row(c, contact, constraint);
   const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
@@ -53,9 +47,6 @@ MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, in
   return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction);
 }
 
-/* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
-   points against its stored direction, so that the force stays smooth through zero slip, and is that direction
-   where rounding would turn it. */
 MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint,
@@ -81,7 +72,6 @@ static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
   return c->run->active[contact] && c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
 }
 
-/* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   const mg_system *s = c->system;
   mg_update_slip_velocities(c);
@@ -96,7 +86,6 @@ MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   mg_set_patch_force_ratios(c);
 }
 
-/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
@@ -108,13 +97,10 @@ MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row) {
   return row < c->layout.support_begin ? c->kernels->contact_kinds[c->contacts.kind[row]].rows - 1 : 0;
 }
 
-/* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
-   carries both; the matrix is then not symmetric. */
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int first = c->layout.friction_row_begin +
@@ -137,8 +123,6 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
   return 0;
 }
 
-/* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
-   forces. */
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
   const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
   if (unsymmetric) mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
@@ -153,8 +137,6 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
 }
 
-/* Compute the friction forces of slipping contacts and patches from their normal forces and add them to the
-   accelerations. */
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
@@ -167,7 +149,6 @@ MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   mg_apply_patch_slip_forces(c);
 }
 
-/* Power in W that friction puts into the moving bodies; residual slip of sticking friction does no work. */
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) {
@@ -179,7 +160,6 @@ MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   return power;
 }
 
-/* Direction at an angle from the stored slip direction, in the components of its rows. */
 MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
                                             mg_real *along) {
   const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;

@@ -162,8 +162,6 @@ static int mg_integrate_impact_phase(mg_impact_path *b, const mg_real *start, in
   return 0;
 }
 
-/* Integrate the whole impact, compression and restitution, from the given velocities; returns 0 where it does not
-   end. */
 MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e) {
   const mg_real start[3] = {b->velocity[0], b->velocity[1], b->velocity[2]};
   b->initial_speed = sqrt(start[0] * start[0] + start[1] * start[1] + start[2] * start[2]);

@@ -7,8 +7,6 @@
 
 enum { MG_SINGLE_IMPACTS_MAX = 1000 };
 
-/* True if contacts are struck one after another: by setting, or because one follows a single-contact law
-   (Poisson, Stronge). */
 MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;
   for (int i = 0; i < c->layout.support_begin; i++)
@@ -134,8 +132,6 @@ static void mg_open_pushed_contacts(mg_context *c, mg_events *events) {
   }
 }
 
-/* Strike the fastest approaching contact until none approaches fast enough to rebound; returns 0 where an impact
-   has no end. */
 MG_INTERNAL int mg_resolve_impacts_in_sequence(mg_context *c, mg_events *events) {
   for (int turn = 0; turn < MG_SINGLE_IMPACTS_MAX; turn++) {
     const int contact = mg_fastest_approaching_contact(c);

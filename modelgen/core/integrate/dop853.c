@@ -49,7 +49,6 @@ static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h)
   return fabs(h) * fifth / sqrt((fifth + third / 100) * c->layout.n_live_states);
 }
 
-/* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
     mg_dop853_stage(c, stage, t, x, h);
@@ -59,7 +58,6 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
   return mg_dop853_error(c, x, h);
 }
 
-/* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
   for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, stage, t, x, h);

@@ -6,10 +6,16 @@
 #include "model/context.h"
 
 /* rk4.c */
+
+/* K[0] holds the slope at (t, x); writes c->step.end. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* dop853.c */
+
+/* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* radau_collocation.c */
@@ -17,65 +23,159 @@ MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage);
 MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage);
 MG_INTERNAL mg_real mg_stage_time(int stage);
 MG_INTERNAL mg_real mg_collocation_weight(int row, int column);
+
+/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by.
+ */
 MG_INTERNAL mg_real mg_double_integral_weight(int row, int column);
+
+/* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage);
+
+/* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to);
+
+/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at
+   the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
 MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The end of the step and the interpolant of the polynomial through x and the stages. */
 MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x);
+
+/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
+   polynomial. */
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share);
+
+/* Ends the step that was collocated at a share of it. */
 MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share);
+
+/* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
+
+/* True if the tilt is so small that rounding of the poses hides its direction. */
 MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt);
+
+/* Initialise the tilt state of all contacts that start from flat; returns 0 where neither body is free. */
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h);
+
+/* Tilt of a contact and its frame at an azimuth, at the present poses. */
 MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth);
+
+/* Store the rate of the tilt at a stage, from the present poses and velocities. */
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage);
+
+/* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
 MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+
+/* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                    mg_real *x);
+
+/* Deviation of the tilt from `tilt` along the azimuth, relative to it. */
 MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real tilt);
+
+/* Change the angular velocity of a body in x so that the azimuth of its tilt has the given rate; the tilt of a
+   body that spins about N turns with it. */
 MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                      mg_real rate, mg_real *x);
+
+/* Angular acceleration of f relative to o about a world direction. */
 MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int contact, const mg_real *slope,
                                                      const mg_real *direction);
+
+/* Find the point of f on which it rolls while rounding hides its tilt, by tilting it more; returns 0 where it
+   fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
 /* rolling_start.c */
+
+/* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c);
+
+/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
+
+/* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
+   step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
+
+/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
+   to the tolerance. */
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half);
+
+/* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
+   tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
 /* slip_start.c */
+
+/* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c);
+
+/* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c);
+
+/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
+   to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* step.c */
+
+/* Steps from this state are by collocation, whatever the method. */
 MG_INTERNAL int mg_is_collocated(const mg_context *c);
+
+/* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The same, watching for events. */
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
+
+/* The cubic through both ends of the step and their slopes. */
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h);
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The state at t + theta h. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
+
+/* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
 MG_INTERNAL void mg_watch_event_signs(mg_context *c);
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* samples.c */
+
+/* One sample of the state x; needs its poses, twists and forces fresh. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
+
+/* Samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
+
+/* Samples that are due at run->t itself; needs its rows fresh. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_dependence.c */
+
+/* Number of functions of time, including those of loads that depend on the state. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s);
+
+/* Number of loads that depend on the state; `timed`: of those that depend on time as well. */
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed);
+
+/* Memory of the samples of functions of time, in mg_real. */
 MG_INTERNAL long mg_time_sample_size(const mg_system *s);
+
+/* Halve the step h until its samples resolve the functions of time, not below look * time. Needs the poses at the
+   run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h);
+
+/* True if a load that depends on the state rises and falls between the samples of the step just tried; leaves the
+   end of the step as it was. The cubic interpolant knows only the ends; the better one is tried as well because
+   it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h);
 
 #endif

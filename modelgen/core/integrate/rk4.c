@@ -3,7 +3,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* K[0] holds the slope at (t, x); writes c->step.end. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   static const mg_real node[3] = {(mg_real)0.5, (mg_real)0.5, 1};
   const int n = c->layout.n_states;

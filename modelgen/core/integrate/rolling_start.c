@@ -30,7 +30,6 @@ enum {
   MG_WITH_STIFFNESS = 2
 }; /* how stages are looked at: with the lean as before; for the stiffness as well */
 
-/* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->rolling_start[i] == MG_START_FLAT) return 1;
@@ -47,7 +46,6 @@ static int mg_is_rolling_start_over(mg_context *c, int contact) {
          mg_most_violated_condition(c, c->run->feature_pair[contact], eta, &which) >= 0;
 }
 
-/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta) {
   if (!c->contacts.n_eta[contact]) return 1;
   if (mg_newton_on_feature_pair(c, contact, eta) < 0) return 0;
@@ -73,8 +71,6 @@ static mg_real mg_rolling_step_limit(const mg_context *c, int contact) {
   return sqrt(mg_dot3(at.along, at.tilt) / fabs(start->stiffness[MG_RADAU_STAGES - 1]));
 }
 
-/* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
-   step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
   int any_start = 0;
   for (int i = 0; i < c->layout.support_begin; i++) any_start |= c->run->rolling_start[i];
@@ -322,8 +318,6 @@ static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
   return 0;
 }
 
-/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
-   to the tolerance. */
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
@@ -357,8 +351,6 @@ static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
     }
 }
 
-/* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
-   tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
   const mg_real full_change = mg_solve_full_rolling_step(c, t, x, h);

@@ -91,7 +91,6 @@ static mg_real mg_energy_at(mg_context *c, mg_real *x) {
   return energy;
 }
 
-/* One sample of the state x; needs its poses, twists and forces fresh. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) {
   const mg_system *s = c->system;
   const long row = record->count++;
@@ -111,7 +110,6 @@ MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
-/* Samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
   if (!mg_is_sample_due(record, t + h)) return;
@@ -126,7 +124,6 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   }
 }
 
-/* Samples that are due at run->t itself; needs its rows fresh. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
   while (mg_is_sample_due(record, c->run->t)) mg_record_sample(c, record, c->run->x);
 }

@@ -27,7 +27,6 @@ typedef struct {
                    [MG_SLIP_ONSET_UNKNOWNS]; /* of the first's acceleration across by the second's angle */
 } mg_slip_onset;
 
-/* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) return 1;
@@ -36,7 +35,6 @@ MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   return 0;
 }
 
-/* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) c->run->friction_mode[g] = MG_SLIP_STARTING;
@@ -194,8 +192,6 @@ static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
   return 1;
 }
 
-/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
-   to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
   for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];

@@ -10,7 +10,6 @@ static void mg_world_to_local_direction(const mg_real *pose, const mg_real *worl
   for (int k = 0; k < 3; k++) local[k] = mg_dot3(pose + 3 + 3 * k, world);
 }
 
-/* True if the tilt is so small that rounding of the poses hides its direction. */
 MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt) {
   return tilt < c->settings->flat_angle * c->settings->flat_angle;
 }
@@ -34,7 +33,6 @@ static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_st
   }
 }
 
-/* Initialise the tilt state of all contacts that start from flat; returns 0 where neither body is free. */
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_update_poses(c, t, x);
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -56,7 +54,6 @@ MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *
   return 1;
 }
 
-/* Tilt of a contact and its frame at an azimuth, at the present poses. */
 MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth) {
   const mg_rolling_start *start = c->step.rolling_starts + contact;
   const mg_real *o = c->bodies.pose + 12 * c->contacts.o[contact], *f = c->bodies.pose + 12 * c->contacts.f[contact];
@@ -82,7 +79,6 @@ static void mg_relative_angular_velocity(const mg_context *c, int contact, mg_re
   for (int k = 0; k < 3; k++) out[k] = f[k] - o[k];
 }
 
-/* Store the rate of the tilt at a stage, from the present poses and velocities. */
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage) {
   mg_rolling_start *start = c->step.rolling_starts + contact;
   mg_real turning[3], axis[3], rate[3];
@@ -92,7 +88,6 @@ MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage) {
   mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], rate, start->tilt_rate[stage]);
 }
 
-/* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
 MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *tilt) {
   const mg_rolling_start *start = c->step.rolling_starts + contact;
   mg_real local[3] = {start->tilt_start[0], start->tilt_start[1], start->tilt_start[2]};
@@ -103,7 +98,6 @@ MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, m
   mg_to_world(c->bodies.pose + 12 * c->contacts.o[contact], local, 0, tilt);
 }
 
-/* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                    mg_real *x) {
   const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
@@ -115,15 +109,12 @@ MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_co
   mg_rotate_quaternion(x + c->system->body_q[body] + 3, angle);
 }
 
-/* Deviation of the tilt from `tilt` along the azimuth, relative to it. */
 MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real tilt) {
   mg_real sum = 0;
   for (int k = 0; k < 3; k++) sum += (at->tilt[k] - tilt * at->along[k]) * (at->tilt[k] - tilt * at->along[k]);
   return sqrt(sum) / tilt;
 }
 
-/* Change the angular velocity of a body in x so that the azimuth of its tilt has the given rate; the tilt of a
-   body that spins about N turns with it. */
 MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                      mg_real rate, mg_real *x) {
   const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
@@ -137,7 +128,6 @@ MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_
   for (int k = 0; k < 3; k++) w[k] += change * along[k];
 }
 
-/* Angular acceleration of f relative to o about a world direction. */
 MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int contact, const mg_real *slope,
                                                      const mg_real *direction) {
   mg_real sum = 0, turn[3];
@@ -150,8 +140,6 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
   return sum;
 }
 
-/* Find the point of f on which it rolls while rounding hides its tilt, by tilting it more; returns 0 where it
-   fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x) {
   const int body = mg_is_free_body(c, c->contacts.f[contact]) ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real kept[4], *turn = x + c->system->body_q[body] + 3;

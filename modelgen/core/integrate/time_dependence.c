@@ -33,7 +33,6 @@ static int mg_is_load_variable(const mg_system *s, int load) {
   return kind->depends_on_time || kind->depends_on_state;
 }
 
-/* Number of functions of time, including those of loads that depend on the state. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s) {
   int count = 0;
   for (int b = 0; b < s->n_body; b++) count += 12 * mg_is_driven_body(s, b);
@@ -45,7 +44,6 @@ MG_INTERNAL int mg_time_function_count(const mg_system *s) {
   return count;
 }
 
-/* Number of loads that depend on the state; `timed`: of those that depend on time as well. */
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) {
@@ -55,7 +53,6 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   return count;
 }
 
-/* Memory of the samples of functions of time, in mg_real. */
 MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_TIME_ROWS * mg_time_function_count(s); }
 
 /* Row of the sample memory: first value, last value, least, largest and so on. */
@@ -165,8 +162,6 @@ static mg_real mg_unchecked_step_length(const mg_context *c) {
   return c->settings->time_resolution * c->system->time / MG_SAMPLE_SPACING;
 }
 
-/* Halve the step h until its samples resolve the functions of time, not below look * time. Needs the poses at the
-   run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
   const mg_real least = mg_unchecked_step_length(c);
   if (c->layout.n_timed <= 12 * c->layout.n_steady_loads || h <= least) return h;
@@ -176,9 +171,6 @@ MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
   return h;
 }
 
-/* True if a load that depends on the state rises and falls between the samples of the step just tried; leaves the
-   end of the step as it was. The cubic interpolant knows only the ends; the better one is tried as well because
-   it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h) {
   if (!c->layout.n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
   mg_make_cubic_interpolant(c, c->run->x, h);

@@ -3,12 +3,10 @@
 
 MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
 
-/* True for a body that contact forces accelerate. */
 MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) {
   return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion >= MG_POINT;
 }
 
-/* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to) {
   const int motion = c->kernels->body_kinds[mg_body_kind_of(c, body)].motion;
   if (motion < MG_POINT) return;
@@ -32,7 +30,6 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   }
 }
 
-/* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
@@ -56,7 +53,6 @@ static void mg_add_load(mg_context *c, mg_real t, int load, mg_real *power) {
   }
 }
 
-/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->bodies.acceleration. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_real power = 0;
@@ -72,7 +68,6 @@ MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *
   x_dot[c->layout.work_state] = power;
 }
 
-/* Brings every quaternion back to unit length. */
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
   for (int b = 0; b < c->system->n_body; b++) {
     if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion != MG_FREE) continue;
@@ -87,12 +82,10 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
   return mg_is_moved_by_forces(c, o) ? o : c->contacts.f[contact];
 }
 
-/* True if the body moves freely in six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) {
   return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_FREE;
 }
 
-/* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {
   return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;
 }

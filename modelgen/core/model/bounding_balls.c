@@ -27,7 +27,6 @@ MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
   return mg_feature_pair_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
 }
 
-/* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   const mg_real *ball = c->system->pair_ball + 8 * pair;
   const int first = c->system->pair_feature_pair[pair];
@@ -65,8 +64,6 @@ static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, i
   return motion;
 }
 
-/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
-   end the parts no farther than the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair) {
   const int first = c->system->pair_feature_pair[pair], o = mg_feature_body(c, first, 0),
             f = mg_feature_body(c, first, 1);

@@ -1,7 +1,6 @@
 /* Keeping eta on the extremum: Newton's step for one contact, and for all. */
 #include "model/model.h"
 
-/* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const int kind = c->contacts.kind[contact];
   mg_real *p = c->search.placement;
@@ -16,8 +15,6 @@ MG_INTERNAL mg_real mg_placement_margin(const mg_context *c) {
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
-/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would
-   move; writes d and the margin. Returns 0 if not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
@@ -53,7 +50,6 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
   return -1;
 }
 
-/* True for a contact starting from flat whose tilt is still below the angle `flat`. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact) {
   return c->run->rolling_start[contact] == MG_START_FLAT &&
          mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle) >= 0;

@@ -103,7 +103,6 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   }
 }
 
-/* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   const mg_real *J = c->rows.J + 12 * contact;
@@ -125,7 +124,6 @@ static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, 
   for (int k = 0; k < 3; k++) MJ[3 + k] = w[1 + k] * x + w[4 + k] * y + w[7 + k] * z;
 }
 
-/* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
@@ -136,7 +134,6 @@ MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
   return sum;
 }
 
-/* per_body += M^-1 J_i^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   const mg_real *MJ = c->rows.MJ + 12 * contact;
@@ -150,7 +147,6 @@ static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows,
   return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }
 
-/* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
@@ -168,7 +164,6 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
 }
 
-/* The part of d_dot that driven bodies and given motions make. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
@@ -186,12 +181,10 @@ MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
   if (c->system->n_friction) mg_update_slip_velocities(c);
 }
 
-/* First row of a friction row group of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint) {
   return c->layout.friction_row_begin + c->system->contact_friction_row[contact] + c->system->friction_row[constraint];
 }
 
-/* Attach the tangential rows of a contact to the bodies of its feature pair and clear them. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
   const int *row_range = c->system->contact_friction_row + contact, first = c->layout.friction_row_begin + row_range[0];
   for (int i = 0; i < row_range[1] - row_range[0]; i++) {
@@ -202,13 +195,11 @@ MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
   }
 }
 
-/* Rotate a pair of components by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;
 }
 
-/* Compute slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++)
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);

@@ -14,7 +14,6 @@ MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact
   return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
 }
 
-/* The parameters of a contact's kind; the point of a support point is the run's. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
   const mg_real *held = c->system->parameters + c->contacts.parameters[contact];
   if (!mg_is_support_contact(c, contact)) return held;
@@ -24,7 +23,6 @@ MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
   return c->contacts.point_parameters;
 }
 
-/* Makes a contact, or the spare one behind the last, stand on a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair) {
   const mg_system *s = c->system;
   c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
@@ -32,22 +30,19 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
 }
 
-/* No condition ends or watches a contact on the feature pair. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
 
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
 
-/* Each contact of the pair has a feature pair for good; else they share the pair's feature pairs. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
   return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
-/* What each entry of eta on a feature pair is measured against. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale) {
   for (int side = 0; side < 2; side++) {
-    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_carried[parametrisation];
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
     const int coordinate_count =
         parametrisation == MG_CHART ? 2 : parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
@@ -57,7 +52,6 @@ MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *sc
   }
 }
 
-/* A contact on no feature pair is infinitely far away, so that no loop over contacts needs to ask. */
 MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int held = c->run->feature_pair[contact],
@@ -74,7 +68,6 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
 }
 
-/* Puts the contact on a feature pair with this eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
   mg_real *kept = mg_contact_eta(c, c->run->x, contact);
   c->run->feature_pair[contact] = feature_pair;
@@ -102,7 +95,6 @@ static void mg_direction_in_shape_axes(const mg_context *c, int feature_pair, in
   mg_rotate_back(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT + 3, local, local);
 }
 
-/* A point of the world in the axes of the shape on one side of a feature pair. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local) {
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side),
@@ -136,7 +128,7 @@ static int mg_has_coordinates_in_eta(const mg_context *c, int feature_pair, int 
    of a rounded corner needs no ends on a plane, for its circle lies within the corner. */
 static void mg_feature_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta,
                                    const mg_real *point, mg_real *uv) {
-  const mg_real *own = eta + (side ? mg_carried[mg_parametrisation(c, feature_pair, 0)] : 0);
+  const mg_real *own = eta + (side ? mg_parametrisation_size[mg_parametrisation(c, feature_pair, 0)] : 0);
   uv[0] = mg_has_coordinates_in_eta(c, feature_pair, side) ? own[0] : point[0];
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
@@ -189,8 +181,6 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   }
 }
 
-/* The least of the conditions of a feature pair at eta, and which it is, among those that are watched only or among the
-   others; needs mg_place_contact there. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which) {
   mg_real least = MG_MAX;
@@ -212,7 +202,6 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {
   return mg_parametrisation(c, feature_pair, 0) == MG_SIGN || mg_parametrisation(c, feature_pair, 1) == MG_SIGNED_CURVE;
 }
 
-/* No condition on the normal tells the outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)

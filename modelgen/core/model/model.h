@@ -5,7 +5,7 @@
 
 #include "model/context.h"
 
-static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
+static const int mg_parametrisation_size[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
 
 enum {
   MG_IMPACT_INELASTIC,
@@ -29,108 +29,245 @@ enum {
 
 /* bodies.c */
 MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body);
+
+/* True for a body that contact forces accelerate. */
 MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
+
+/* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
+
+/* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+
+/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->bodies.acceleration. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+
+/* Brings every quaternion back to unit length. */
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
 MG_INTERNAL int mg_moving_body(const mg_context *c, int contact);
+
+/* True if the body moves freely in six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
+
+/* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
 /* feature_pairs.c */
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
+
+/* The parameters of a contact's kind; the point of a support point is the run's. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
+
+/* Makes a contact, or the spare one behind the last, stand on a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
+
+/* No condition ends or watches a contact on the feature pair. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
+
+/* Each contact of the pair has a feature pair for good; else they share the pair's feature pairs. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
+
+/* What each entry of eta on a feature pair is measured against. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
+
+/* A contact on no feature pair is infinitely far away, so that no loop over contacts needs to ask. */
 MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
+
+/* Puts the contact on a feature pair with this eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
+
+/* A point of the world in the axes of the shape on one side of a feature pair. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
+
+/* The least of the conditions of a feature pair at eta, and which it is, among those that are watched only or among the
+   others; needs mg_place_contact there. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which);
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
 MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
+
+/* No condition on the normal tells the outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contact_rows.c */
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
+
+/* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
+
+/* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
+
+/* per_body += M^-1 J_i^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
+
+/* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
+
+/* The part of d_dot that driven bodies and given motions make. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 MG_INTERNAL void mg_update_gap_rates(mg_context *c);
+
+/* First row of a friction row group of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
+
+/* Attach the tangential rows of a contact to the bodies of its feature pair and clear them. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
+
+/* Rotate a pair of components by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
+
+/* Compute slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* joint_rows.c */
+
+/* Who takes part in each row; contacts come first, then a spare. */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c);
 MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t);
+
+/* Appends the rows of all joints to a list of n; returns its length. */
 MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n);
 MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
+
+/* The joint with the largest |value| among the rows, and its size. */
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 
 /* contact_points.c */
+
+/* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
+
+/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would
+   move; writes d and the margin. Returns 0 if not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
 MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta);
+
+/* True for a contact starting from flat whose tilt is still below the angle `flat`. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
+
+/* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
+
+/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
+   end the parts no farther than the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
 
 /* planar_contacts.c */
+
+/* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);
+
+/* First of the three support contacts of a slot. */
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot);
+
+/* Patch that a slot holds, or -1. */
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot);
+
+/* Slot that holds a patch, or -1. */
 MG_INTERNAL int mg_slot_of_patch(const mg_context *c, int patch);
+
+/* An empty slot for a patch, or -1. */
 MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch);
+
+/* True if the feature pair lies in the patch. */
 MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int feature_pair);
+
+/* Patch in which the contact's feature pair lies and whose faces are opposed within an angle, or -1. */
 MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
+
+/* True if the feature pair exists only while the faces lie flat. */
 MG_INTERNAL int mg_is_feature_pair_of_flat_faces(const mg_context *c, int feature_pair);
+
+/* True if the feature pair exists only while the bodies are tilted. */
 MG_INTERNAL int mg_is_feature_pair_of_tilted_faces(const mg_context *c, int feature_pair);
+
+/* True if the contact's feature pair is for flat faces and its gap is out of reach, so that leaving it is no event. */
 MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact);
+
+/* True if a rim of the patch has just started to roll. */
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
+
+/* True if a patch of the pair is opening from flat. */
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);
+
+/* Longest step in s after which the faces of opening patches tilt no more than a search finds at once. */
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c);
+
+/* True if the contact is on a rim whose faces have just opened, and its gap and velocity are those of a fall from
+   rest since then: it was pressed without having equations, and does not bounce. */
 MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact);
+
+/* True if the feature pair lies in a patch that is held, or in one that starts to roll over a rim. */
 MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair);
+
+/* True if faces of the pair's shapes may lie in the patch. */
 MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair);
+
+/* True if a patch of the pair is held. */
 MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair);
+
+/* Request a search of all pairs of a patch at the end of the step. */
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch);
+
+/* Body of one side of a patch: 0 for o, 1 for f. */
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
+
+/* Point of f, in its body's axes, of the feature pair of a support contact. */
 MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c, int feature_pair);
+
+/* Put a patch into a slot: its three support contacts are placed, closed and active. */
 MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch);
+
+/* Empty a slot: its support contacts leave their feature pairs. */
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot);
+
+/* Pose of one face of a patch in world axes: origin and rotation, 12 numbers. */
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
+
+/* True if the contact is a support that an impact has moved to the edge of its hull. */
 MG_INTERNAL int mg_is_support_on_edge(const mg_context *c, int contact);
+
+/* True if the slot holds an edge in place of a patch. */
 MG_INTERNAL int mg_is_edge_pivot(const mg_context *c, int slot);
+
+/* True if the edge held is a straight side of the hull. */
 MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot);
+
+/* Cause for which the held edge ends, or 0: enough tilt, flat again, or one end unloaded. */
 MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+
+/* Event function of a held edge, for the given cause. */
 MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int cause);
 
 /* transitions.c */
+
+/* Append one event to the event list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed);
+
+/* Apply one row of the transition table to a contact: set it closed or open and report the event of the
+   transition. */
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed);
+
+/* Clear the event marks of all contacts. */
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c);
+
+/* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h);
 
 #endif

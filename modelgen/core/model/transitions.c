@@ -23,7 +23,6 @@ static const struct {
     [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
-/* Append one event to the event list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed) {
   if (events->count >= events->capacity) return;
@@ -32,8 +31,6 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   events->feature_pair[k] = c->run->feature_pair[contact];
 }
 
-/* Apply one row of the transition table to a contact: set it closed or open and report the event of the
-   transition. */
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
@@ -42,12 +39,10 @@ MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, i
   if (event != MG_NO_EVENT) mg_append_event(c, events, t, event, contact, speed);
 }
 
-/* Clear the event marks of all contacts. */
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.triggered[i] = 0;
 }
 
-/* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h) {
   const mg_real t = run->t, step = h + run->t_roundoff;
   run->t = t + step;

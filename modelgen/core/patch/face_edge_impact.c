@@ -71,8 +71,6 @@ static int mg_place_support_on_edge(mg_context *c, int slot, const mg_support_po
   return 1;
 }
 
-/* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
-   returns 0 where the hull is polygonal, the face already rolls, or the approach is too slow to tilt it. */
 MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
   const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real before[3];
@@ -113,8 +111,6 @@ static mg_real mg_worst_restitution_violation(mg_context *c, int slot, mg_suppor
   return rebound_least;
 }
 
-/* One step of the exchange: free the supports that do not push and put one at the worst violation; returns how
-   many moved. */
 MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
   const mg_real missed = -c->settings->feature_border * c->system->length / c->system->time;
   int count = 0;
@@ -130,7 +126,6 @@ MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
   return count;
 }
 
-/* Append the supports on hull edges to a list of unilateral rows; returns its length. */
 MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_support_on_edge(c, i)) list[n++] = i;
@@ -169,7 +164,6 @@ static void mg_open_covered_contacts(mg_context *c, int slot) {
       c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
 }
 
-/* Finish the impacts on hull edges: the faces separate, or tip over the edge where they stay. */
 MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
@@ -196,7 +190,6 @@ MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
   }
 }
 
-/* True if the gap closes faster than the drift tolerance; also an approach too slow to bounce is stopped. */
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact) {
   return c->rows.d_dot[contact] < -c->settings->drift_tolerance * c->system->length / c->system->time;
 }

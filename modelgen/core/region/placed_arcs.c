@@ -71,8 +71,6 @@ static mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_rea
   return sought == MG_ZERO_SUPPORT ? mg_dot2(v, T) : mg_dot2(arm, T);
 }
 
-/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
- * (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
   mg_real fa = mg_zero_function(k, sought, v, a), fb = mg_zero_function(k, sought, v, b), t = b;
   if (sought == MG_ZERO_NEAREST && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;

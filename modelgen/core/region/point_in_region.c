@@ -23,7 +23,6 @@ static int mg_is_between_chord_and_curve(const mg_hull *h, const mg_arc_span *s,
 /* Arc i bounds another part of a region than the one before it. */
 static int mg_begins_new_part(const mg_region_pair *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
 
-/* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
 MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {
   const mg_region_pair *r = h->regions;
   const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;

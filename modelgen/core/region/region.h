@@ -200,6 +200,9 @@ static const mg_real mg_node_weight[MG_NODES] = {
 /* placed_arcs.c */
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);
 MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
+
+/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
+ * (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
 MG_INTERNAL void mg_divide_arcs(mg_hull *h);
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose);
@@ -208,6 +211,8 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose);
 MG_INTERNAL void mg_find_intersections(mg_hull *h);
 
 /* point_in_region.c */
+
+/* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
 MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p);
 
 /* overlay.c */
@@ -230,9 +235,18 @@ MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 /* winkler_pressure.c */
 MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips);
+
+/* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
 MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients);
+
+/* All of the region pressed alike, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
+
+/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
+   it had to. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
+
+/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);
 
 /* friction_wrench.c */

@@ -159,7 +159,6 @@ static void mg_compute_moments(mg_winkler_pressure_field *p) {
   m[1] += shift[0] * m[0], m[2] += shift[1] * m[0];
 }
 
-/* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
 MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients) {
   const mg_real *m = p->moments, r = p->reach;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
@@ -170,7 +169,6 @@ MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_re
   return 1;
 }
 
-/* All of the region pressed alike, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about) {
   for (int k = 0; k < 2; k++) p->centre[k] = p->zero_line_point[k] = about[k];
   p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
@@ -205,8 +203,6 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   return reach;
 }
 
-/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
-   it had to. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary nearest;
   mg_real middle[2];
@@ -275,7 +271,6 @@ static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, con
   return 0;
 }
 
-/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
   mg_real coefficients[3];

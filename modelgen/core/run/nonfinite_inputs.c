@@ -94,7 +94,6 @@ static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
   return -1;
 }
 
-/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome) {
   const mg_real ahead = c->settings->time_resolution * c->system->time;
   return mg_is_fallback_outcome(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;

@@ -11,6 +11,8 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
                                  mg_real *work, int *iwork);
 
 /* nonfinite_inputs.c */
+
+/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
 #endif

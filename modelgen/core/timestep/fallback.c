@@ -15,7 +15,6 @@ MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;
 }
 
-/* The length of the next step: given, that of a fall, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
   return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
@@ -32,8 +31,6 @@ static int mg_has_sticking_friction(const mg_context *c) {
   return 0;
 }
 
-/* Whether of the last MG_PROGRESS_TRIES steps that were tried a third was refused and the others hardly got on; or, as
-   where slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
@@ -62,8 +59,6 @@ static void mg_release_patches(mg_context *c) {
   }
 }
 
-/* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once
-   on another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome)) return 0;
@@ -95,7 +90,6 @@ static int mg_resume_event_driven(mg_context *c) {
   return MG_DONE;
 }
 
-/* Counts a step of a fall; after the last one events are told again. */
 MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
   if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;

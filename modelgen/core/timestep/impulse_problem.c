@@ -166,8 +166,6 @@ static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   return count;
 }
 
-/* Needs the geometry of the step. Leaves impulses in c->solution.force, the changes of velocity that they make in
- * c->bodies.wrench. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = 0; i < c->system->n_contact; i++)

@@ -32,7 +32,6 @@ static void mg_report_friction_modes(mg_context *c, mg_events *events) {
   mg_report_friction_events(c, events);
 }
 
-/* Needs the impulses of the step in c->solution.force, not yet made forces. */
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_on_feature_pair(c, i)) mg_report_contact_mode(c, events, i, h);

@@ -28,7 +28,6 @@ static void mg_add_impulse_work(mg_context *c, mg_real h) {
   }
 }
 
-/* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_add_impulse_work(c, h);
@@ -39,7 +38,6 @@ MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
-/* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
@@ -72,7 +70,6 @@ static int mg_converge_contact(mg_context *c, int contact) {
   return steps >= 0;
 }
 
-/* Puts all contacts on their extrema at run->x; those that have none there are left. Returns how many. */
 MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
   int count = 0;
   mg_update_poses(c, c->run->t, c->run->x);
@@ -113,8 +110,6 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
   return 1;
 }
 
-/* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change;
-   what that does to the energy is booked as work. Leaves the rows fresh. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0;
   int moved = 0;

@@ -49,7 +49,6 @@ static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_re
   return mg_post_stabilise(c, events);
 }
 
-/* One step of h, or of less where a pair could move past what the next search sees. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real search_limit = mg_search_step_limit(c);
@@ -79,7 +78,6 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   return mg_check_margins(c, events);
 }
 
-/* The forces of the step to come, where a sample is due at its start. */
 MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {
   if (!mg_is_time_stepping(c) || !mg_is_sample_due(record, c->run->t)) return;
   const mg_real h = mg_next_step(c);

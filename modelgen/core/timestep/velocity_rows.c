@@ -4,7 +4,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Rows, gaps and their rates; no forces. */
 MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x) {
   mg_update_poses(c, t, x);
   mg_update_contact_rows(c, x);
@@ -37,8 +36,6 @@ static void mg_add_joint_accelerations(mg_context *c) {
     mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.acceleration);
 }
 
-/* Leaves in c->bodies.acceleration the accelerations without contacts, in K[1] the power of the loads, both of the
-   middle of the step, and in c->step.settled the positions at which the rows are taken; makes the rows. */
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
@@ -54,25 +51,21 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   mg_add_joint_accelerations(c);
 }
 
-/* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
   const mg_real turning =
       row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
   return c->rows.d_dot[row] + h * (mg_row_times(c, row, c->bodies.acceleration) + turning);
 }
 
-/* What a step may make of the rate of a gap that rests. */
 MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   return rest + 2 * h * (fabs(mg_row_times(c, contact, c->bodies.acceleration)) + fabs(c->rows.gamma[contact]));
 }
 
-/* The approach is one that Newton's law sends back. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
   return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate_bound(c, contact, h);
 }
 
-/* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
   if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->rows.d_dot[contact];
   if (c->settings->stepping_scheme != MG_STEWART_TRINKLE || c->rows.d[contact] <= 0) return 0;

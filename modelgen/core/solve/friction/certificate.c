@@ -1,5 +1,5 @@
-/* The certificate, on the scaled form and on the problem as it was given. */
-/* What can be proved: that there is no solution, that there is one only, that there are more. */
+/* Residual of a friction problem, in the scaled form and for the problem as given (mg_friction_residual), and what
+   can be proved of a problem: that there is no solution, that the solution is unique, that it is not. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -13,7 +13,7 @@ MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
   return (mg_real)sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
-/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k axes. */
+/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
 static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius) {
   mg_real q[2] = {0, 0}, size, error[2] = {0, 0};
   for (int i = 0; i < k; ++i) q[i] = f[i] - w[i] / rho;
@@ -30,7 +30,6 @@ MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact) 
   return slack;
 }
 
-/* Of y and v as they stand. */
 MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
   mg_real worst = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -48,7 +47,6 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
   return worst;
 }
 
-/* v = S y + c */
 MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
@@ -57,13 +55,11 @@ MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
   }
 }
 
-/* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
   const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
-/* Keeps y as the best if it is; returns whether it is good enough. */
 MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
@@ -73,19 +69,21 @@ MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   return s->residual <= mg_friction_tolerance(s, s->best);
 }
 
+/* w of one row of the given problem. */
 static mg_real mg_friction_row_motion(const mg_friction_problem *p, const mg_real *z, int row) {
   mg_real w = p->b[row];
   for (int j = 0; j < p->n; ++j) w += p->A[row + j * p->n] * z[j];
   return w;
 }
 
+/* Raises the maxima of error, right-hand side and force. */
 static void mg_friction_update_measure(mg_friction_measure *at, mg_real error, mg_real size, mg_real force) {
   if (!(error <= at->error)) at->error = error;
   if (size > at->size) at->size = size;
   if (force > at->force) at->force = force;
 }
 
-/* One part of a contact; returns |mu w|, by which the relaxed law lowers w_n. */
+/* Measures one part of a contact; returns |mu w|, by which the relaxed law lowers w_n. */
 static mg_real mg_measure_friction_part(const mg_friction_problem *p, const mg_real *z, int row, int count,
                                         const mg_real *mu, mg_real normal, mg_friction_measure *at) {
   mg_real f[2] = {0, 0}, w[2] = {0, 0}, b[2] = {0, 0}, rho = 0, root;
@@ -109,6 +107,7 @@ static mg_real mg_measure_friction_part(const mg_friction_problem *p, const mg_r
   return mg_friction_norm(k, w);
 }
 
+/* Measures all rows of a contact. */
 static void mg_measure_friction_contact(const mg_friction_problem *p, const mg_real *z, int contact,
                                         mg_friction_measure *at) {
   const int row = p->first[contact], rows = p->rows[contact];
@@ -122,6 +121,7 @@ static void mg_measure_friction_contact(const mg_friction_problem *p, const mg_r
   mg_friction_update_measure(at, (mg_real)fabs(force < w ? force : w), (mg_real)fabs(p->b[row]) / d, force);
 }
 
+/* True if the row belongs to no contact. */
 static int mg_friction_is_bilateral(const mg_friction_problem *p, int row) {
   for (int c = 0; c < p->n_contact; ++c)
     if (row >= p->first[c] && row < p->first[c] + p->rows[c]) return 0;
@@ -147,6 +147,7 @@ MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg
   return mg_friction_certify(problem, z, &growth);
 }
 
+/* True if S is symmetric up to rounding. */
 static int mg_friction_is_symmetric(const mg_scaled_friction *s) {
   const int m = s->m;
   mg_real largest = mg_max_abs(m * m, s->S), odd = 0;
@@ -158,8 +159,9 @@ static int mg_friction_is_symmetric(const mg_scaled_friction *s) {
   return odd <= MG_LCP_RANK(m) * largest;
 }
 
-/* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
-   program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
+/* True if the convex program of the relaxed law is proved to be unbounded: a direction u of forces within the
+   cones with S u = 0, u'c < 0, found by the interior-point method. Any solution has 0 <= u'v = (S u)'y + u'c, so
+   that |y|_1 >= -u'c / max|S u|; here this bound exceeds 1 / sqrt(eps). */
 static int mg_friction_is_unbounded(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *shift = s->spare, size, work = 0, bound = 0;
@@ -175,9 +177,6 @@ static int mg_friction_is_unbounded(mg_scaled_friction *s) {
   return -work > bound / (mg_real)sqrt(MG_EPS) && -work > mg_lcp_tolerance(m, 1) * (mg_real)m;
 }
 
-/* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
-   then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
-   only where it has no other rows. */
 MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s) {
   const int n = s->n;
   mg_real *N = s->work, *b = N + n * n, *z = b + n;
@@ -195,7 +194,7 @@ MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s) {
   return symmetric && s->theta >= 1 && mg_friction_is_unbounded(s);
 }
 
-/* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */
+/* Largest row sum of a symmetric k by k matrix, a bound of its eigenvalues. */
 static mg_real mg_row_sum_bound(int k, const mg_real *M) {
   mg_real largest = 0;
   for (int j = 0; j < k; ++j) {
@@ -206,7 +205,7 @@ static mg_real mg_row_sum_bound(int k, const mg_real *M) {
   return largest;
 }
 
-/* Bound of (S^-1)_nn, or of nothing (MG_MAX) where S is not clearly definite. */
+/* Bound of the norm of (S^-1)_nn, or MG_MAX if S is not clearly definite. */
 static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L, mg_real *x, mg_real *inverse) {
   const int m = s->m;
   for (int i = 0; i < m * m; ++i) L[i] = s->S[i];
@@ -219,6 +218,7 @@ static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L
   return mg_row_sum_bound(s->n, inverse);
 }
 
+/* Bound of the norm of S_tt. */
 static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int p = 0; p < s->n_part; ++p)
@@ -231,9 +231,9 @@ static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s) {
   return largest;
 }
 
-/* v_t as a function of the shift s = sum |v_t| of the convex problem (Acary, Cadoux, Lemarechal, Malick, ZAMM 91
-   (2011), 155-175) has the Lipschitz constant sqrt(parts |S_tt| |(S^-1)_nn|): below 1 there is one solution for every
-   b. */
+/* True if the solution is unique for every b: v_t as a function of the shift sum |v_t| of the convex problem
+   (Acary, Cadoux, Lemarechal and Malick, ZAMM 91 (2011), 155-175) has the Lipschitz constant sqrt(parts |S_tt|
+   |(S^-1)_nn|), and this is below 1. */
 static int mg_friction_is_unique(const mg_scaled_friction *s) {
   mg_real *L = s->work, *x = L + s->m * s->m, inverse = mg_friction_inverse_bound(s, L, x, x + s->m);
   int parts = 0;
@@ -243,7 +243,6 @@ static int mg_friction_is_unique(const mg_scaled_friction *s) {
   return s->theta >= 1 || (mg_real)parts * mg_friction_tangential_bound(s) * inverse < 1;
 }
 
-/* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
 MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict, mg_friction_report *report) {
   if (!mg_friction_is_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;

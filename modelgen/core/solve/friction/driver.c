@@ -1,5 +1,5 @@
-/* The solver of contacts with friction: sweeps and Newton steps in turn, along paths from easier problems where these
-   fail, then the certificate. */
+/* The solver of friction problems: Gauss-Seidel sweeps and semismooth Newton steps in turn; where these fail,
+   other starting points; then the certificate. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
@@ -11,7 +11,8 @@ enum {
   MG_FRICTION_REFINEMENT_STEPS = 3
 };
 
-/* Sweeps, then Newton; more sweeps from where the first ended where Newton failed. */
+/* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. Returns whether a solution
+   was found. */
 static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
   const int m = s->m;
   mg_real *swept = s->spare;
@@ -26,7 +27,7 @@ static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
   return 0;
 }
 
-/* A guess may be the solution, or near it; leaves y there. */
+/* Tries the guess z, and Newton steps from it. Returns whether a solution was found; else y is the guess. */
 static int mg_friction_warm_start(mg_scaled_friction *s, const mg_real *z) {
   const int guessed = mg_max_abs(s->given->n, z) > 0;
   mg_friction_scale_guess(s, z);
@@ -37,10 +38,12 @@ static int mg_friction_warm_start(mg_scaled_friction *s, const mg_real *z) {
   return 0;
 }
 
+/* |v_t| of a part in the units of the residual. */
 static mg_real mg_friction_part_speed(const mg_scaled_friction *s, int part) {
   return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
 }
 
+/* Marks MG_MARK_FORCE .. of a contact at y, v. */
 static int mg_friction_contact_marks(const mg_scaled_friction *s, int contact) {
   const mg_real radius = s->y[s->normal[contact]];
   int mark = MG_MARK_FORCE;
@@ -55,7 +58,8 @@ static int mg_friction_contact_marks(const mg_scaled_friction *s, int contact) {
   return mark;
 }
 
-/* The best candidate in the units of the problem, and what the certificate says of it. */
+/* Returns the best candidate in the units of the problem, with marks and residual. Returns whether it is a
+   solution. */
 static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   mg_real growth;
   for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
@@ -67,7 +71,7 @@ static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *mark
   return report->outcome == MG_FRICTION_SOLVED;
 }
 
-/* Newton steps from a solution for its last digits, as long as they gain: the tolerance is a thousand roundings. */
+/* Newton steps from a solution as long as they reduce the residual, because the tolerance is a thousand roundings. */
 static void mg_friction_refine(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->spare;
@@ -86,6 +90,7 @@ static void mg_friction_refine(mg_scaled_friction *s) {
   }
 }
 
+/* Solves the scaled problem; z is the guess on entry. */
 static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   report->starts = 1;
   if (!mg_friction_warm_start(s, z)) mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);

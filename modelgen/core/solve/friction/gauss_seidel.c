@@ -1,5 +1,6 @@
-/* One contact while the others stay: exact for N and slip, then spin and rolling with N given. */
-/* Projected block Gauss-Seidel over the contacts. */
+/* Projected block Gauss-Seidel over the contacts (Jourdan, Alart and Jean, Comput. Methods Appl. Mech. Eng. 155
+   (1998), 31-47). The problem of one contact, with the others fixed, is solved exactly for N and slip, then for
+   spin and rolling with N given. For the relaxed law a projected gradient step of the contact takes its place. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
@@ -12,7 +13,7 @@ typedef struct { /* T f + c = -alpha f on a disc; N = base + slope.f */
 
 enum { MG_CONTACT_ROWS_MAX = 6 };
 
-/* f = -(T + alpha I)^-1 c. Returns 0 where that is singular. */
+/* f = -(T + alpha I)^-1 c. Returns 0 if that is singular. */
 static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
   mg_real a = d->T[0] + alpha, b = d->T[3] + alpha, determinant;
   if (d->k == 1) {
@@ -27,19 +28,21 @@ static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
   return 1;
 }
 
+/* N = base + slope.f. */
 static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f) {
   mg_real radius = d->base;
   for (int i = 0; i < d->k; ++i) radius += d->slope[i] * f[i];
   return radius;
 }
 
-/* N - |f|; far below 0 where the force is not defined. */
+/* N - |f| at alpha; -MG_MAX where the force is not defined. */
 static mg_real mg_disc_slack(const mg_disc *d, mg_real alpha, mg_real *f) {
   if (!mg_disc_force(d, alpha, f)) return -MG_MAX;
   return mg_disc_radius(d, f) - mg_friction_norm(d->k, f);
 }
 
-/* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
+/* Root of the slack in alpha between a negative and a positive end, by false position that is halved where it
+   stalls. */
 static void mg_disc_root(const mg_disc *d, mg_real low, mg_real slack_low, mg_real high, mg_real slack_high,
                          mg_real *f) {
   int side = 0;
@@ -61,7 +64,8 @@ static void mg_disc_root(const mg_disc *d, mg_real low, mg_real slack_low, mg_re
   }
 }
 
-/* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
+/* Force of one disc: that of sticking if the cone contains it, else that of sliding. base > 0, so that a root
+   exists. */
 static void mg_disc_solve(const mg_disc *d, mg_real *f) {
   mg_real slack = mg_disc_slack(d, 0, f), low = 0, high, slack_high = 0;
   if (slack >= 0) return;
@@ -77,14 +81,14 @@ static void mg_disc_solve(const mg_disc *d, mg_real *f) {
   if (slack_high > 0) mg_disc_root(d, low, slack, high, slack_high, f);
 }
 
-/* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */
+/* v of a row if the forces of rows from..to were y: motion with the contact's own forces replaced. */
 static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y) {
   mg_real b = s->v[row];
   for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
   return b;
 }
 
-/* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
+/* Sets up the disc of a part of a contact whose rows are from..to, with N = y[0] given (held) or in balance. */
 static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
   const int m = s->m, row = s->part_row[part];
   const mg_real a = s->S[from + from * m];
@@ -109,7 +113,7 @@ static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to,
   if (d->k == 1) d->T[3] = d->T[0];
 }
 
-/* y: the contact's rows, from s->y on entry, solved on return. */
+/* Solves one contact with the others fixed. y: its rows, the solution on return. */
 static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   int part = s->part[contact];
@@ -136,7 +140,7 @@ static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, 
   }
 }
 
-/* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
+/* Replaces the contact's rows y by the nearest point of the cone |f_p| <= N, for every part p. */
 static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
   mg_real N = y[0], size[3];
@@ -154,7 +158,7 @@ static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real
       y[s->part_row[first + p] - from + i] *= y[0] / size[p];
 }
 
-/* A projected gradient step of one contact: the convex program's own sweep. */
+/* One projected gradient step of the convex program in the rows of a contact. */
 static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   mg_real trace = 0;
@@ -163,6 +167,7 @@ static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact,
   mg_project_on_cone(s, contact, y);
 }
 
+/* Replaces the forces of one contact and updates v. */
 static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
   const int m = s->m, from = s->normal[contact], to = mg_friction_row_end(s, contact);
   mg_real y[MG_CONTACT_ROWS_MAX];
@@ -177,7 +182,6 @@ static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
   }
 }
 
-/* Sweeps forth and back from y. Returns whether that is a solution. */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {

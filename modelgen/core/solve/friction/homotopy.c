@@ -1,4 +1,5 @@
-/* Where to start when direct attempts fail. */
+/* Starting points for friction problems on which direct attempts fail: fixed points of the convex program, and
+   continuation from regularised problems. */
 #include "solve/friction/solvers.h"
 
 enum {
@@ -23,17 +24,18 @@ typedef struct {
   mg_real *last;
 } mg_path;
 
-/* A fixed sequence in 0..1, so that answers repeat. */
+/* Number i of a fixed sequence in 0..1, so that results are reproducible. */
 static mg_real mg_path_pseudorandom(int i) {
   const mg_real x = (mg_real)(i + 1) * (mg_real)0.6180339887498949;
   return x - (mg_real)(int)x;
 }
 
+/* y = from. */
 static void mg_path_set_candidate(mg_scaled_friction *s, const mg_real *from) {
   for (int i = 0; i < s->m; ++i) s->y[i] = from[i];
 }
 
-/* Newton of both kinds from the point `from`; returns whether that gave a solution. */
+/* Newton steps of both kinds from the point `from`; returns whether that gave a solution. */
 static int mg_path_newton(mg_scaled_friction *s, const mg_real *from, int limit) {
   for (int augmented = 0; augmented <= 1; ++augmented) {
     mg_path_set_candidate(s, from);
@@ -42,8 +44,9 @@ static int mg_path_newton(mg_scaled_friction *s, const mg_real *from, int limit)
   return 0;
 }
 
-/* Coulomb's law is the convex program with w_n shifted by |mu w_t|, if that is the |mu w_t| that comes out: a
-   fixed point, iterated with damping from shifts that are all `from` (Acary, Cadoux, Lemarechal, Malick). */
+/* Coulomb's law is the convex program with w_n shifted by |mu w_t|, if that equals the |mu w_t| of its solution: a
+   fixed point, iterated with damping from shifts that are all `from`, or scattered (Acary, Cadoux, Lemarechal and
+   Malick, ZAMM 91 (2011), 155-175). Returns whether a solution was found. */
 static int mg_friction_fixed_point(mg_scaled_friction *s, mg_real from, int scatter) {
   const int relaxed = s->given->law == MG_RELAXED;
   mg_real *shift = s->spare, *start = shift + s->m;
@@ -67,6 +70,7 @@ static int mg_friction_fixed_point(mg_scaled_friction *s, mg_real from, int scat
   return 0;
 }
 
+/* Saves the problem and chooses path number `which`. */
 static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which) {
   const int m = s->m;
   p->s = s;
@@ -84,7 +88,7 @@ static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which) {
   for (int c = 0; c < s->n && which > 0; ++c) p->anchor[s->normal[c]] = 2 * mg_path_pseudorandom(c + 11 * which);
 }
 
-/* The problem at `along`, 0..1: at 1 the given one. */
+/* Sets the problem at `along` of the path, 0..1; at 1 it is the given one. */
 static void mg_path_set_problem(mg_path *p, mg_real along) {
   mg_scaled_friction *s = p->s;
   const mg_real delta = along >= 1 ? 0 : (mg_real)pow(MG_PATH_REGULARISATION_MIN, along);
@@ -95,6 +99,7 @@ static void mg_path_set_problem(mg_path *p, mg_real along) {
   }
 }
 
+/* Solves the problem at `along` from the last solution. Returns whether that succeeded. */
 static int mg_path_advance(mg_path *p, mg_real along) {
   mg_path_set_problem(p, along);
   if (!mg_path_newton(p->s, p->last, MG_PATH_NEWTON)) return 0;
@@ -102,7 +107,8 @@ static int mg_path_advance(mg_path *p, mg_real along) {
   return 1;
 }
 
-/* From S + delta I, delta = 1 (which = 0), or from another definite matrix and offset, to S. */
+/* Continuation from S + delta I, delta = 1 (which = 0), or from another definite matrix and offset, to S. Returns
+   whether a solution was found. */
 static int mg_friction_regularisation_path(mg_scaled_friction *s, int which) {
   mg_path p;
   mg_real along = 0, step = (mg_real)0.1;
@@ -122,7 +128,6 @@ static int mg_friction_regularisation_path(mg_scaled_friction *s, int which) {
   return mg_friction_update_best(s) || mg_path_newton(s, p.last, 2 * MG_PATH_NEWTON);
 }
 
-/* Start number `which`, from the likeliest to the rest. */
 MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which) {
   if (which < 2) return mg_friction_fixed_point(s, (mg_real)(1 - which), 0);
   if (which % 2) return mg_friction_fixed_point(s, 1, which);

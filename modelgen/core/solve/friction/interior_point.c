@@ -1,6 +1,6 @@
-/* The convex program min y'S y/2 + (c + shift)'y over the cones by an interior-point method with Nesterov and Todd's
-   scaling and Mehrotra's corrector (Vandenberghe, The CVXOPT linear and quadratic cone program solvers, 2010). It finds
-   where to start where the Newton method does not; it is not asked for the last digits. */
+/* The convex program min y'S y/2 + (c + shift)'y over the cones by an interior-point method with Nesterov and
+   Todd's scaling and Mehrotra's corrector (Vandenberghe, The CVXOPT linear and quadratic cone program solvers,
+   2010). It gives starting points where the Newton method fails; its accuracy is moderate. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
@@ -20,23 +20,26 @@ typedef struct {
   mg_real gap;
 } mg_interior;
 
+/* Number of second-order cones of a contact: one for each part, at least one. */
 static int mg_interior_cones(const mg_scaled_friction *s, int contact) {
   const int parts = s->part[contact + 1] - s->part[contact];
   return parts > 0 ? parts : 1;
 }
 
+/* Scalar product of the tangential components. */
 static mg_real mg_lorentz_tail(int k, const mg_real *a, const mg_real *b) {
   mg_real sum = 0;
   for (int i = 1; i <= k; ++i) sum += a[i] * b[i];
   return sum;
 }
 
-/* sqrt(x_0^2 - |x_1|^2), a little above 0 */
+/* sqrt(x_0^2 - |x_1|^2), at least a little above 0. */
 static mg_real mg_lorentz_norm(int k, const mg_real *x) {
   const mg_real tail = (mg_real)sqrt(mg_lorentz_tail(k, x, x)), square = (x[0] - tail) * (x[0] + tail);
   return square > MG_EPS * MG_EPS * x[0] * x[0] ? (mg_real)sqrt(square) : MG_EPS * (mg_real)fabs(x[0]);
 }
 
+/* Reads the components x of a cone of a contact from y. */
 static void mg_lorentz_read(const mg_scaled_friction *s, int contact, int cone, const mg_real *y, mg_lorentz *q,
                             mg_real *x) {
   const int part = s->part[contact] + cone;
@@ -46,7 +49,7 @@ static void mg_lorentz_read(const mg_scaled_friction *s, int contact, int cone, 
   for (int i = 0; i < q->k; ++i) x[i + 1] = y[q->row + i];
 }
 
-/* x of a cone of a contact and the scaling point between x and u. */
+/* Sets x of a cone of a contact and the Nesterov-Todd scaling point of x and its dual u. */
 static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, const mg_real *u, mg_lorentz *q) {
   mg_real size_x, size_u, g = 1;
   mg_lorentz_read(s, contact, cone, s->y, q, q->x);
@@ -59,7 +62,7 @@ static void mg_lorentz_set(const mg_scaled_friction *s, int contact, int cone, c
   q->eta = (mg_real)sqrt(size_x / size_u);
 }
 
-/* out = W a (sign 1) or W^-1 a (sign -1) */
+/* out = W a (sign 1) or W^-1 a (sign -1). */
 static void mg_lorentz_scale(const mg_lorentz *q, int sign, const mg_real *a, mg_real *out) {
   const mg_real tail = mg_lorentz_tail(q->k, q->w, a), factor = sign > 0 ? q->eta : 1 / q->eta, head = a[0];
   const mg_real along = (mg_real)sign * head + tail / (1 + q->w[0]);
@@ -67,7 +70,7 @@ static void mg_lorentz_scale(const mg_lorentz *q, int sign, const mg_real *a, mg
   for (int i = 1; i <= q->k; ++i) out[i] = factor * (a[i] + along * q->w[i]);
 }
 
-/* The longest step from x along d within the cone. */
+/* Longest step from x along d within the cone. */
 static mg_real mg_lorentz_step_length(int k, const mg_real *x, const mg_real *d) {
   const mg_real size = mg_lorentz_norm(k, x);
   const mg_real t = (x[0] * d[0] - mg_lorentz_tail(k, x, d)) / (size * size);
@@ -81,7 +84,7 @@ static mg_real mg_lorentz_step_length(int k, const mg_real *x, const mg_real *d)
   return sum > 0 ? 1 / sum : MG_MAX;
 }
 
-/* residual = sum of u over the cones - v - shift, and the mean of x.u */
+/* residual = sum of the duals u over the cones - v - shift; gap = mean of x.u. */
 static void mg_interior_measure(mg_interior *n) {
   mg_scaled_friction *s = n->s;
   const mg_real *u = n->u;
@@ -102,7 +105,7 @@ static void mg_interior_measure(mg_interior *n) {
   n->gap /= (mg_real)(count > 0 ? count : 1);
 }
 
-/* K = S + sum of W^-2 = (2 (J w)(J w)' - J) / eta^2, J = diag(1, -1, ..) */
+/* K = S + sum of W^-2, with W^-2 = (2 (J w)(J w)' - J) / eta^2, J = diag(1, -1, ..). Returns 0 if it is singular. */
 static int mg_interior_factor(mg_interior *n) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
@@ -123,7 +126,7 @@ static int mg_interior_factor(mg_interior *n) {
   return mg_lu(m, n->K, n->swap) > 0;
 }
 
-/* out = W^-1 (lambda \ (centre e - lambda o lambda - guess)) of one cone, lambda = W^-1 x */
+/* out = W^-1 (lambda \ (centre e - lambda o lambda - correction)) of one cone, lambda = W^-1 x. */
 static void mg_interior_complementarity_step(const mg_lorentz *q, mg_real centre, const mg_real *guess, mg_real *out) {
   mg_real lambda[MG_LORENTZ_SIZE], r[MG_LORENTZ_SIZE], p[MG_LORENTZ_SIZE], size;
   mg_lorentz_scale(q, -1, q->x, lambda);
@@ -135,7 +138,7 @@ static void mg_interior_complementarity_step(const mg_lorentz *q, mg_real centre
   mg_lorentz_scale(q, -1, p, out);
 }
 
-/* du = pull - W^-2 dx of one cone; dx comes scaled out as W^-1 dx. */
+/* du = complementarity - W^-2 dx of one cone; `scaled` receives W^-1 dx. */
 static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *complementarity, const mg_real *dx,
                                   mg_real *scaled, mg_real *du) {
   mg_lorentz_scale(q, -1, dx, scaled);
@@ -143,7 +146,8 @@ static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *complement
   for (int i = 0; i <= q->k; ++i) du[i] = complementarity[i] - du[i];
 }
 
-/* Steps dy, du towards the centre, and how far they may go. `guess` takes part if `corrected`, else is set. */
+/* Directions dy, du towards the central path, and the longest step along them. n->correction enters if
+   `corrected`, and is set for the corrector. */
 static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int corrected) {
   const mg_scaled_friction *s = n->s;
   mg_real reach = MG_MAX;
@@ -177,6 +181,7 @@ static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int correct
   return reach;
 }
 
+/* Divides the memory and starts at N = 1, f = 0. */
 static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_real *shift) {
   const int m = s->m;
   n->s = s;
@@ -193,7 +198,6 @@ static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_rea
   for (int c = 0; c < s->n; ++c) s->y[s->normal[c]] = 1;
 }
 
-/* y of the program's optimum, roughly: complementary to `gap` per cone, or the last point that can be told. */
 MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap) {
   mg_interior n;
   mg_interior_open(&n, s, shift);

@@ -1,10 +1,10 @@
-/* Forces that rank deficiency leaves free are shared evenly: of all that give the same w the ones of least norm. */
+/* Forces that rank deficiency leaves free: of all forces with the same w those of least norm. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
 enum { MG_LEAST_NORM_HALVINGS = 8 };
 
-/* Adds the entry of row i, in the units of N, to column k; e_i / e_n is the coefficient of friction. */
+/* Adds the entry of row i, in units of N, to a direction; e_i / e_n is the coefficient of friction. */
 static void mg_add_direction_entry(const mg_scaled_friction *s, int contact, int i, mg_real value, mg_real *column,
                                    mg_real *square) {
   const mg_real mu = s->e[i] / s->e[s->normal[contact]];
@@ -12,11 +12,13 @@ static void mg_add_direction_entry(const mg_scaled_friction *s, int contact, int
   *square += value * mu * value * mu;
 }
 
+/* Scales a direction to unit length. */
 static void mg_normalise_direction(int m, mg_real square, mg_real *column) {
   for (int i = 0; i < m; ++i) column[i] /= (mg_real)sqrt(square);
 }
 
-/* Columns of D: how the forces may change at the same w. A force of slip grows with N, one that sticks on its own. */
+/* Columns of D: directions in which forces may change at the same w. The force of a part that slips is
+   proportional to N, that of a part that sticks is free. Returns their number. */
 static int mg_free_force_directions(const mg_scaled_friction *s, const int *marks, mg_real *D) {
   const int m = s->m;
   int k = 0;
@@ -44,7 +46,7 @@ static int mg_free_force_directions(const mg_scaled_friction *s, const int *mark
   return k;
 }
 
-/* No force at the edge of its cone, but for those that slip. */
+/* True if no force is on the boundary of its cone, but for those of parts that slip. */
 static int mg_is_strictly_inside_cones(const mg_scaled_friction *s, const int *marks) {
   const mg_real small = (mg_real)sqrt(MG_EPS);
   for (int c = 0; c < s->n; ++c) {
@@ -59,7 +61,7 @@ static int mg_is_strictly_inside_cones(const mg_scaled_friction *s, const int *m
   return 1;
 }
 
-/* G = D'S D and g = D'(c - v), k by k; the diagonal past the end is 0, so that k >= 3. */
+/* G = D'S D and g = D'(c - v), of size at least 3; rows beyond k are 0. */
 static void mg_assemble_least_norm(const mg_scaled_friction *s, int k, int size, const mg_real *D, mg_real *G,
                                    mg_real *g, mg_real *image) {
   const int m = s->m;
@@ -75,7 +77,7 @@ static void mg_assemble_least_norm(const mg_scaled_friction *s, int k, int size,
   }
 }
 
-/* Goes from y towards the least norm as far as the cones allow. */
+/* Moves best towards the forces of least norm as far as the cones permit. */
 static void mg_move_to_least_norm(mg_scaled_friction *s, int k, const mg_real *D, const mg_real *a, mg_real *target) {
   const mg_real limit =
       s->residual > mg_friction_tolerance(s, s->best) ? s->residual : mg_friction_tolerance(s, s->best);
@@ -94,8 +96,6 @@ static void mg_move_to_least_norm(mg_scaled_friction *s, int k, const mg_real *D
   }
 }
 
-/* Reports rank and active, and evens `best` out. Returns whether no force was at the edge of what its contact allows.
- */
 MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, mg_friction_report *report) {
   const int m = s->m, room = m + 3;
   mg_real *D = s->work, *G = D + m * m, *g = G + room * room, *image = g + room, *a = image + room, *rest = a + room;

@@ -1,5 +1,5 @@
-/* Which rows carry force, and where everything lies in the scratch. */
-/* From the problem to its scaled form without bilateral rows, and back. */
+/* The scaled form of a friction problem: rows that may carry force, bilateral rows eliminated by the Schur
+   complement S_cc - S_cb S_bb^-1 S_bc, S_nn = 1; and the way back to the given problem. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -14,6 +14,7 @@ MG_API int mg_friction_iwork_size(int n, int n_contact) {
   return MG_FRICTION_INTS * (n + n_contact + 1) + mg_lcp_iwork_size(n);
 }
 
+/* Divides the memory. */
 static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwork) {
   const int n = s->given->n, k = s->given->n_contact, square = n * n;
   mg_real **vectors[] = {&s->e, &s->c, &s->y, &s->v, &s->best, &s->e_b};
@@ -39,7 +40,8 @@ MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact) {
   return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
 }
 
-/* A disc over the rows row.. of the problem with a positive coefficient; e holds the coefficients for now. */
+/* Adds the disc of the given rows that have a positive coefficient; e holds the coefficients until
+   mg_friction_scale. */
 static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, const mg_real *mu, int mark) {
   const int part = s->n_part;
   s->part_row[part] = s->m;
@@ -53,6 +55,7 @@ static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, cons
   s->n_part += s->part_dim[part] > 0;
 }
 
+/* Adds the rows and parts of a contact. */
 static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   const int row = s->given->first[contact], rows = s->given->rows[contact];
   const mg_real *cone = s->given->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
@@ -65,7 +68,6 @@ static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   s->part[contact + 1] = s->n_part;
 }
 
-/* Returns 0 if the data are not finite, or a coefficient is negative. */
 MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
                                    int *iwork) {
   const int n = problem->n;
@@ -91,13 +93,15 @@ MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_prob
   return 1;
 }
 
+/* Entry of A. */
 static mg_real mg_friction_entry(const mg_scaled_friction *s, int i, int j) { return s->given->A[i + j * s->given->n]; }
 
+/* sqrt|A_ii|, or 1 where it is 0. */
 static mg_real mg_friction_diagonal(const mg_scaled_friction *s, int i) {
   return mg_diagonal_scale((mg_real)fabs(mg_friction_entry(s, i, i)));
 }
 
-/* x becomes (L L')^-1 x on the pivoted rows. */
+/* Replaces x by (L L')^-1 x on the pivoted bilateral rows. */
 static void mg_friction_solve_bilateral(const mg_scaled_friction *s, mg_real *x) {
   const int k = s->n_bilateral, r = s->rank;
   for (int j = 0; j < r; ++j) {
@@ -110,7 +114,7 @@ static void mg_friction_solve_bilateral(const mg_scaled_friction *s, mg_real *x)
   }
 }
 
-/* Of dependent bilateral rows those pivoted first stand for all. */
+/* Pivoted Cholesky factor of the bilateral rows; of dependent rows those pivoted first represent all. */
 static void mg_friction_factor_bilateral(mg_scaled_friction *s) {
   const int k = s->n_bilateral;
   for (int i = 0; i < k; ++i) s->e_b[i] = 1 / mg_friction_diagonal(s, s->bilateral[i]);
@@ -120,12 +124,12 @@ static void mg_friction_factor_bilateral(mg_scaled_friction *s) {
   s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k));
 }
 
-/* What is left of row and column i is rounding: the bilateral rows hold it. */
+/* Clears row and column i, of which only rounding is left because bilateral rows determine them. */
 static void mg_friction_clear_row(mg_scaled_friction *s, int i) {
   for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
 }
 
-/* S and c less what the bilateral rows take: S_cc - S_cb S_bb^-1 S_bc. */
+/* Eliminates the bilateral rows from S and c. */
 static void mg_friction_eliminate(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->y;
@@ -148,6 +152,7 @@ static void mg_friction_eliminate(mg_scaled_friction *s) {
     if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear_row(s, i);
 }
 
+/* Means of S_tt of all parts. */
 static void mg_friction_set_rho(mg_scaled_friction *s) {
   for (int p = 0; p < s->n_part; ++p) {
     mg_real sum = 0;
@@ -156,7 +161,7 @@ static void mg_friction_set_rho(mg_scaled_friction *s) {
   }
 }
 
-/* The largest motion without contact forces, in the units of the certificate. */
+/* Largest motion without contact forces, in the units of the residual. */
 static mg_real mg_friction_size(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int c = 0; c < s->n; ++c)
@@ -168,7 +173,7 @@ static mg_real mg_friction_size(const mg_scaled_friction *s) {
   return largest;
 }
 
-/* Brings S_nn to 1: before the bilateral rows are eliminated, and after. */
+/* Scales S_nn to 1 after bilateral rows have been eliminated. */
 static void mg_friction_normalise(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *factor = s->y;
@@ -185,7 +190,6 @@ static void mg_friction_normalise(mg_scaled_friction *s) {
   }
 }
 
-/* Returns 0 when the scaled data leave the range of the reals. */
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   const int m = s->m;
   for (int c = 0; c < s->n; ++c) {
@@ -212,7 +216,6 @@ MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z
   for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
-/* z of the whole problem; the bilateral forces are of minimum norm. */
 MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;

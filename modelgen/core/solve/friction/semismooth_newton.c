@@ -1,6 +1,7 @@
-/* Semismooth Newton steps on the natural map of the contacts that press; those that do not are set to zero force.
-   The matrix is that of S + shift I, which leaves the forces that rank deficiency frees near where they are; the
-   residual is that of S. A step that the line search refuses is replaced by one of regularised least squares. */
+/* Semismooth Newton method on the natural map of the contacts that carry force (Alart and Curnier, Comput. Methods
+   Appl. Mech. Eng. 92 (1991), 353-375); the forces of the others are set to zero. The matrix is that of S +
+   tikhonov I, which keeps forces that rank deficiency leaves free near where they are; the residual is that of S.
+   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
@@ -17,6 +18,7 @@ typedef struct {
   mg_real before[MG_LINE_SEARCH_MEMORY];
 } mg_semismooth;
 
+/* Divides the memory. */
 static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
   const int m = s->m;
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
@@ -29,7 +31,7 @@ static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
   n->place = n->swap + m;
 }
 
-/* phi of one part that presses, and its rows of gy and gv. */
+/* phi of one part of a contact with force, and its rows of the derivatives gy and gv. */
 static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius) {
   const mg_scaled_friction *s = n->s;
   const int k = s->part_dim[part], row = s->part_row[part], at = row - s->normal[contact];
@@ -58,7 +60,7 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
   }
 }
 
-/* phi of a contact; gy and gv if it presses (returns 1), else nothing. Row 0 of gv is the change of the slack. */
+/* phi of a contact; gy and gv if it carries force (returns 1). Row 0 of gv is the derivative of the slack. */
 static int mg_semismooth_contact(mg_semismooth *n, int contact) {
   const mg_scaled_friction *s = n->s;
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
@@ -82,6 +84,7 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
   return 1;
 }
 
+/* Sum of the squares of phi. */
 static mg_real mg_semismooth_merit(mg_semismooth *n) {
   mg_real sum = 0;
   for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
@@ -89,7 +92,7 @@ static mg_real mg_semismooth_merit(mg_semismooth *n) {
   return sum;
 }
 
-/* The contact's rows of J, and of the right-hand side what the rows out of play add by going to zero. */
+/* Rows of J of a contact, and on the right-hand side the effect of the forces that are set to zero. */
 static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m, from = s->normal[contact], width = mg_friction_row_end(s, contact) - from;
@@ -108,6 +111,7 @@ static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   }
 }
 
+/* Chooses the rows of the contacts with force, and assembles J and the right-hand side. */
 static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   n->k = 0;
@@ -122,7 +126,7 @@ static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift) {
     if (mg_semismooth_contact(n, c)) mg_semismooth_rows(n, c, shift);
 }
 
-/* The step of all rows from that of the rows in play. */
+/* Step of all rows, and its image S step, from that of the chosen rows. */
 static void mg_semismooth_expand_step(mg_semismooth *n, const mg_real *x) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
@@ -134,7 +138,7 @@ static void mg_semismooth_expand_step(mg_semismooth *n, const mg_real *x) {
     for (int i = 0; i < m; ++i) n->image[i] += s->S[i + j * m] * n->step[j];
 }
 
-/* Least squares: (J'J + damping) x = J' right. */
+/* Regularised least squares: (J'J + damping I) x = J' right. */
 static void mg_semismooth_damped_step(mg_semismooth *n, mg_real damping, mg_real *x) {
   const int k = n->k;
   for (int j = 0; j < k; ++j) {
@@ -150,6 +154,7 @@ static void mg_semismooth_damped_step(mg_semismooth *n, mg_real damping, mg_real
   mg_cholesky_solve(k, n->normal, x);
 }
 
+/* J x = right; returns 0 if J is singular. */
 static int mg_semismooth_lu_step(mg_semismooth *n, mg_real *x) {
   const int k = n->k;
   for (int i = 0; i < k * k; ++i) n->normal[i] = n->J[i];
@@ -159,7 +164,7 @@ static int mg_semismooth_lu_step(mg_semismooth *n, mg_real *x) {
   return 1;
 }
 
-/* Goes along the step until the merit falls below the worst of the last few. Returns 0 if it does not. */
+/* Shortens the step until the merit falls below the largest of the last few. Returns 0 if it does not. */
 static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvings) {
   mg_scaled_friction *s = n->s;
   mg_real worst = 0, length = 1;
@@ -181,6 +186,7 @@ static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvin
   return 0;
 }
 
+/* One step; returns 0 if all are rejected. */
 static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   mg_real *x = n->y;
   mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
@@ -198,7 +204,6 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   return 0;
 }
 
-/* From s->y for at most `limit` steps. Returns whether a solution was found. */
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
   mg_semismooth_open(&n, s);

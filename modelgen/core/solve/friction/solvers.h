@@ -43,37 +43,83 @@ typedef struct {
 enum { MG_FRICTION_STARTS = 20 }; /* starting points that mg_friction_try_start knows */
 
 /* certificate.c */
+
+/* Euclidean norm of k = 1 or 2 components. */
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
+
+/* v_n of a contact; of the relaxed law less theta sum |v_t|. */
 MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
+
+/* Residual of y and v. */
 MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s);
+
+/* v = S y + c. */
 MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s);
+
+/* Largest residual of a solution y, which rounding determines: that of S y grows with y. A quarter of MG_LCP_CAP
+   is kept in reserve for the return to the given problem. */
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y);
+
+/* Copies y to best if its residual is the least so far. Returns whether best is a solution. */
 MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s);
+
+/* Residual of z for the given problem; *growth = largest force over largest right-hand side. */
 MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
+
+/* True if no solution exists, proved on the normal rows alone: if u >= 0 on them has u'S u = 0 and u'c < 0, then S
+   u = 0 on all rows, and forces along t1, t2 change nothing. An S that is not symmetric (contacts that slide in a
+   given direction) is decided only if there are no other rows. */
 MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s);
+
+/* Sets report->unique. `strict`: every force is strictly inside its cone, so that a rank deficiency means that
+   there are other forces. */
 MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict, mg_friction_report *report);
 
 /* scaled_problem.c */
+
+/* Kept row after the last of a contact. */
 MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact);
+
+/* Divides the memory and chooses the rows. Returns 0 if the data are not finite or a coefficient is negative. */
 MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
                                    int *iwork);
+
+/* Computes S and c. Returns 0 if the scaled data are not finite. */
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
+
+/* y from the forces z of the given problem. */
 MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z);
+
+/* z of the given problem from y; the bilateral forces are of least norm. */
 MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z);
 
 /* gauss_seidel.c */
+
+/* Sweeps over the contacts forwards and backwards from y, at most `sweeps`. Returns whether y is a solution. */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps);
 
 /* semismooth_newton.c */
+
+/* At most `limit` Newton steps from y; `augmented`: the radius of a disc is y_n - slack instead of y_n. Returns
+   whether a solution was found. */
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented);
 
 /* interior_point.c */
+
+/* Sets y near the optimum of the program, with complementarity `gap` per cone, or to the last point that rounding
+   permits. */
 MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap);
 
 /* homotopy.c */
+
+/* Tries starting point number `which`, 0 .. MG_FRICTION_STARTS - 1, the likeliest first. Returns whether a
+   solution was found. */
 MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which);
 
 /* least_norm.c */
+
+/* Reports rank and active, and replaces best by the solution of least norm. Returns whether all forces were
+   strictly inside their cones. */
 MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, mg_friction_report *report);
 
 #endif

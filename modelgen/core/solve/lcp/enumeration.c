@@ -1,9 +1,11 @@
-/* Every complementary cone in turn: is -b a nonnegative combination of the columns A_j (j in B), -e_j (else)?
-   A regular basis answers by its one solution. A singular one answers by the nearest point of its cone, a
-   convex QP whose remainder r either is 0 or separates -b from the cone: r'b > 0 and C'r >= 0. INFEASIBLE
-   is returned only when each of the 2^n cones was excluded so, beyond rounding; RAY when one was left in
-   doubt. It is a proof in this arithmetic: a problem that a change of the data by rounding would make
-   solvable can be called infeasible. */
+/* Enumeration of all complementary cones of a general matrix (Cottle, Pang and Stone, section 1.3): is -b a
+   nonnegative combination of the columns A_j (j in B) and -e_j (j not in B)? A regular basis has one solution, whose
+   signs decide. For a singular one the nearest point of its cone to -b is found by a convex QP: its remainder r is
+   0, or separates -b from the cone, r'b > 0 and C'r >= 0.
+
+   INFEASIBLE is returned only if each of the 2^n cones was excluded beyond rounding; RAY if one could be neither
+   excluded nor used. This proof is one of floating-point arithmetic: a problem that becomes solvable by a change of
+   the data within rounding may be called infeasible. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
@@ -18,11 +20,13 @@ typedef struct {
   mg_real distance; /* a cone is out when -c is farther from it than this */
 } mg_cones;
 
+/* Entry i of generator j of the cone. */
 static mg_real mg_cone_entry(const mg_cones *e, int i, int j) {
   if (e->active[j]) return e->S[i + j * e->n];
   return i == j ? (mg_real)-1 : (mg_real)0;
 }
 
+/* G = C'C and h = C'c for the generators C of the cone. */
 static void mg_cone_normal_equations(mg_cones *e) {
   int n = e->n;
   for (int j = 0; j < n; ++j) {
@@ -36,6 +40,8 @@ static void mg_cone_normal_equations(mg_cones *e) {
   }
 }
 
+/* Nearest point of the cone to -c; leaves it in x. Returns MG_CONE_EXCLUDED, MG_CONE_CANDIDATE or
+   MG_CONE_UNDECIDED. */
 static int mg_test_singular_cone(mg_cones *e) {
   int n = e->n;
   mg_lcp_report nearest;
@@ -54,7 +60,8 @@ static int mg_test_singular_cone(mg_cones *e) {
   return distance > e->distance ? MG_CONE_EXCLUDED : MG_CONE_CANDIDATE;
 }
 
-/* Leaves the candidate in x, z scaled, nonnegative. */
+/* Tests the cone of the active set; leaves the candidate in x, nonnegative and scaled. Returns MG_CONE_EXCLUDED,
+   MG_CONE_CANDIDATE or MG_CONE_UNDECIDED. */
 static int mg_test_cone(mg_cones *e) {
   int n = e->n;
   mg_real pivot = mg_basis_solve(n, e->S, e->c, e->active, e->x, e->work, e->iwork), y;
@@ -69,6 +76,7 @@ static int mg_test_cone(mg_cones *e) {
   return MG_CONE_CANDIDATE;
 }
 
+/* Divides the memory and scales the problem. */
 static void mg_open_cones(mg_cones *e, int n, const mg_real *A, const mg_real *b, mg_real *work, int *iwork) {
   e->n = n;
   e->S = work;

@@ -1,6 +1,6 @@
-/* Lemke's complementary pivoting on w - A z - h z0 = b with lexicographic ties (Cottle, Pang, Stone, The
-   Linear Complementarity Problem, algorithm 4.4.5 and section 4.9). A ray, or a long path, under one covering
-   vector h is followed by another h; the last basis is solved anew from the data and certified. */
+/* Lemke's complementary pivoting on w - A z - h z0 = b with lexicographic ties (Cottle, Pang and Stone, algorithm
+   4.4.5 and section 4.9). If the path of one covering vector h ends on a ray or becomes long, another h is tried.
+   The last basis is solved anew from the data, and certified. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
@@ -12,12 +12,14 @@ typedef struct {
   int *basis;   /* the column that is basic in each row */
 } mg_tableau;
 
+/* Entry i of covering vector number `cover`. */
 static mg_real mg_covering_vector(int covering, int n, int i) {
   mg_real place = (mg_real)(i + 1) / (mg_real)n;
   if (covering == 0) return 1;
   return covering == 1 ? 1 + place : 2 - place * place;
 }
 
+/* Fills the tableau of the problem with a covering vector; w is basic. */
 static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, int covering) {
   int n = t->n;
   for (int i = 0; i < n; ++i) {
@@ -32,6 +34,7 @@ static void mg_tableau_fill(mg_tableau *t, const mg_real *A, const mg_real *b, i
   }
 }
 
+/* Exchanges the basic variable of row `leaving` for column `entering`. */
 static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering) {
   mg_real *pivot_row = t->T + leaving * t->width, reciprocal = 1 / pivot_row[entering];
   for (int j = 0; j < t->width; ++j) pivot_row[j] *= reciprocal;
@@ -44,7 +47,7 @@ static void mg_tableau_pivot(mg_tableau *t, int leaving, int entering) {
   t->basis[leaving] = entering;
 }
 
-/* The row of least b_i / h_i, the last of equals: every other row is then lexicographically positive. */
+/* Row of least b_i / h_i, the last of equals: every other row is then lexicographically positive. */
 static int mg_first_pivot_row(const mg_tableau *t) {
   int n = t->n, best = 0;
   for (int i = 1; i < n; ++i) {
@@ -63,6 +66,7 @@ static int mg_compare_ratios(const mg_tableau *t, int a, int b, int entering, in
   return x < y ? -1 : 1;
 }
 
+/* Compares rows a and b in the lexicographic ratio test; z0 leaves before others. */
 static int mg_compare_lexicographic(const mg_tableau *t, int a, int b, int entering) {
   int order = mg_compare_ratios(t, a, b, entering, 2 * t->n + 1);
   if (order == 0 && t->basis[a] == 2 * t->n) return -1;
@@ -71,7 +75,7 @@ static int mg_compare_lexicographic(const mg_tableau *t, int a, int b, int enter
   return order;
 }
 
-/* The leaving row; -1: a ray. */
+/* Row that leaves the basis, or -1 on a ray. */
 static int mg_ratio_test(const mg_tableau *t, int entering) {
   int best = -1;
   for (int i = 0; i < t->n; ++i) {
@@ -81,6 +85,7 @@ static int mg_ratio_test(const mg_tableau *t, int entering) {
   return best;
 }
 
+/* Follows one path for at most `limit` pivots. Returns MG_LCP_SOLVED, MG_LCP_RAY or MG_LCP_ITERATIONS. */
 static int mg_lemke_path(mg_tableau *t, int limit, int *pivots) {
   int n = t->n, row = mg_first_pivot_row(t), entering, leaving = t->basis[row];
   mg_tableau_pivot(t, row, 2 * n);
@@ -95,7 +100,7 @@ static int mg_lemke_path(mg_tableau *t, int limit, int *pivots) {
   return MG_LCP_SOLVED;
 }
 
-/* The candidate of the last basis: from the data where that is regular, else from the tableau. */
+/* Candidate of the last basis: from the data if the basis is regular, else from the tableau. */
 static void mg_lemke_candidate(const mg_tableau *t, const mg_real *A, const mg_real *b, const mg_real *column,
                                mg_real *candidate, mg_real *work, int *iwork) {
   int n = t->n, *active = iwork;

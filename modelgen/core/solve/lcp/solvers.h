@@ -25,15 +25,29 @@ typedef struct {
 } mg_qp_state;
 
 /* certificate.c */
+
+/* sqrt(a), or 1 where a is not positive. */
 MG_INTERNAL mg_real mg_diagonal_scale(mg_real a);
+
+/* Largest residual of a solution: min(MG_LCP_CAP, 1e3 n eps max(1, growth)) with growth = max|D z| / max|D^-1 b|,
+   because A z cannot be computed to better than eps * growth. */
 MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth);
+
+/* Clears the report and z. Returns nonzero if the result is known: z = 0 is the solution, or the data are not
+   finite. */
 MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report);
+
+/* Copies the candidate to z if its residual is the least so far. Returns whether it is a solution. */
 MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
                                mg_lcp_report *report);
+
+/* Reports an outcome other than SOLVED; z is the best candidate found, with its residual. Returns the outcome. */
 MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
                                       mg_lcp_report *report);
 
 /* active_set.c */
+
+/* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding. */
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
                                 mg_real *work, int *iwork);
 

@@ -57,7 +57,6 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   return mg_most_violated_condition(c, to, eta, which);
 }
 
-/* True if another contact of the pair is at this minimum, or converges to it. */
 MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
   mg_minimum other;
@@ -90,7 +89,6 @@ static int mg_is_feature_pair_unreported(const mg_context *c, int feature_pair, 
   return mg_is_feature_pair_of_flat_faces(c, feature_pair) || mg_is_guiding_contact_only(c, feature_pair, d);
 }
 
-/* Take a contact off its feature pair, remember its point for the search, and report that it vanishes. */
 MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
@@ -175,8 +173,6 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
-/* Change the feature of all contacts marked to leave theirs, and request a search for those that pass a border;
-   returns how many changed. */
 MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -207,8 +203,6 @@ static void mg_release_distant_rim_points(mg_context *c) {
   }
 }
 
-/* Contact of the pair to use for a minimum: its own, an empty one or the open one farthest away; -1 if there is
-   none. */
 MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found) {
   int slot = -1;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -219,8 +213,6 @@ MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const
   return slot;
 }
 
-/* True if a search during a run takes up the minimum: within reach unless it limits the step, not too deep, not
-   about to end. */
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
@@ -267,7 +259,6 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
 }
 
-/* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
@@ -306,7 +297,6 @@ static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   return c->settings->search_gap * length - (moved < most ? moved : most);
 }
 
-/* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
@@ -323,8 +313,6 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   return longest_step;
 }
 
-/* After an accepted step of length h, release contacts that end and search the pairs for new ones; returns how
-   many changed. */
 MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->system;
   int count = mg_release_folded_contacts(c, events);
