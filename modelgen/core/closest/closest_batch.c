@@ -1,8 +1,10 @@
-/* Closest points of many pairs of poses. */
+/* Closest points of one pair of shapes at given poses: of convex shapes by the separation function, of others by
+   Newton's method. Public queries of many pairs of poses (mg_closest). */
 #include "closest/closest.h"
 #include "base/base.h"
 
-/* Where to begin: the normal that continues eta, else the line between the bodies. Returns 1 in the first case. */
+/* Normal to start from: that which continues eta, else the direction between the bodies. Returns 1 in the first
+   case. */
 static int mg_start_normal(const mg_shape_pair *p, const mg_real *eta, int is_warm_start, mg_real *normal,
                            mg_real *rounding) {
   p->kernels->contact_aim(p->kind, p->pose_o, p->pose_f, eta, p->parameters, normal, rounding);
@@ -31,6 +33,7 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
   return mg_is_minimum(placed) ? MG_CLOSEST_LOCAL : MG_CLOSEST_STATIONARY;
 }
 
+/* Closest points of any contact kind; returns MG_CLOSEST_NOT_FOUND .. */
 static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                            mg_real *placed) {
   if (p->kernels->contact_kinds[p->kind].is_convex) return mg_closest_convex(p, goal, is_warm_start, eta, placed);

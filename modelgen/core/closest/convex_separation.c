@@ -1,5 +1,6 @@
-/* Closest points of two convex shapes: the maximum of their separation function over the sphere of normals, by
-   Newton's method in a trust region (Nocedal and Wright, Numerical Optimization, 2006, algorithm 4.1). */
+/* Closest points of two convex shapes by the maximum of their separation s(n) = min over f of n.x - max over o of
+   n.x over the sphere of normals n, by Newton's method in a trust region (Nocedal and Wright, Numerical
+   Optimization, 2006, algorithm 4.1). Where s is positive, its maximum is unique and is the distance. */
 #include "closest/closest.h"
 #include "base/base.h"
 
@@ -7,18 +8,20 @@
 
 #define MG_ASCENT_RESTARTS 6
 
+/* Separation, slope and second derivative at v->normal. */
 static void mg_evaluate_separation(const mg_shape_pair *p, mg_separation_view *v) {
   p->kernels->contact_seek(p->kind, p->pose_o, p->pose_f, v->normal, p->parameters, &v->d, v->slope, v->hessian,
                            v->tangents, v->eta);
 }
 
+/* Normal after a step delta in the tangents of the sphere. */
 static void mg_move_normal(const mg_separation_view *from, const mg_real *delta, mg_separation_view *to) {
   const mg_real *t = from->tangents;
   for (int k = 0; k < 3; k++) to->normal[k] = from->normal[k] + delta[0] * t[k] + delta[1] * t[3 + k];
   mg_normalise3(to->normal);
 }
 
-/* Newton's step, where it leads to a maximum within the radius; returns its gain, or -1. */
+/* Newton step, if it leads to a maximum within the radius. Returns the predicted gain, or -1. */
 static mg_real mg_newton_normal_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
   const mg_real a = v->hessian[0], b = v->hessian[1], c = v->hessian[2], g = v->slope[0], h = v->slope[1];
   const mg_real scale = 1 / (a * c - b * b);
@@ -27,20 +30,20 @@ static mg_real mg_newton_normal_step(const mg_separation_view *v, mg_real radius
   return inside && a > 0 && scale > 0 ? (delta[0] * g + delta[1] * h) / 2 : -1;
 }
 
-/* Straight uphill, where bend is not finite. */
+/* Step along the slope, for a second derivative that is not finite. Returns the predicted gain. */
 static mg_real mg_steepest_ascent_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
   const mg_real g = v->slope[0], h = v->slope[1], slope_norm = sqrt(g * g + h * h);
   delta[0] = radius * g / slope_norm, delta[1] = radius * h / slope_norm;
   return radius * slope_norm / 2;
 }
 
-/* Best step along one axis of the model, of curvature w: no longer than the radius, uphill where w <= 0. */
+/* Best step along one principal axis of curvature w, no longer than the radius; uphill where w <= 0. */
 static mg_real mg_axis_step(mg_real slope, mg_real w, mg_real radius) {
   if (fabs(slope) <= w * radius) return w > 0 ? slope / w : 0;
   return slope > 0 ? radius : -radius;
 }
 
-/* The step that is best in the quadratic model, within the radius along each axis of bend; returns its gain. */
+/* Best step of the quadratic model within the radius along each of its principal axes. Returns the predicted gain. */
 static mg_real mg_principal_axes_step(const mg_separation_view *v, mg_real radius, mg_real *delta) {
   const mg_real a = v->hessian[0], b = v->hessian[1], c = v->hessian[2], half = (a - c) / 2, mean = (a + c) / 2;
   const mg_real root = mean < 0 ? -sqrt(half * half + b * b) : sqrt(half * half + b * b), large = mean + root;
@@ -56,20 +59,21 @@ static mg_real mg_principal_axes_step(const mg_separation_view *v, mg_real radiu
   return s * (g - large * s / 2) + t * (h - small * t / 2);
 }
 
-/* What rounding may make of d: the size of the numbers that it is the difference of. */
+/* Rounding error of the separation: from the size of the numbers of which it is the difference. */
 static mg_real mg_separation_noise(const mg_shape_pair *p, const mg_separation_view *v) {
   mg_real size = 0;
   for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]) + fabs(v->eta[k]) + fabs(v->eta[3 + k]);
   return 4 * MG_EPS * size;
 }
 
-/* Quadratic convergence makes the step after these two, of lengths `before` and `length`, smaller than rounding. */
+/* True if quadratic convergence makes the step after two of lengths `before` and `length` smaller than rounding. */
 static int mg_is_last_step(mg_real before, mg_real length) {
   return length <= sqrt(MG_EPS) / 20 || length * length * length <= before * before * (MG_EPS / 16);
 }
 
-/* Climbs from v->normal until rounding stops it; returns 1 if v then is a maximum. Below the noise of d what
-   is gained cannot be seen: there every step of Newton's counts, as long as the next is much smaller. */
+/* Ascends from v->normal until rounding stops it. Returns 1 if v then is a maximum. Gains below the rounding error
+   of the separation cannot be observed: Newton steps are then accepted as long as each is much smaller than the
+   one before. */
 static int mg_ascend(const mg_shape_pair *p, mg_separation_view *v) {
   mg_separation_view other, *at = v, *next = &other;
   mg_real radius = (mg_real)0.5, last = MG_MAX, before = 0, noise, delta[2];
@@ -98,8 +102,8 @@ static int mg_ascend(const mg_shape_pair *p, mg_separation_view *v) {
   return found;
 }
 
-/* A direction well away from all n of `peaks`; returns 0 when none is found. The maximum of a concave function
-   that is positive somewhere lies on the far side of every peak at which it is negative. */
+/* Direction away from all n of `peaks`; returns 0 if none is found. The maximum of a concave function that is
+   positive somewhere lies in the half space opposite to every point at which it is negative. */
 static int mg_direction_away_from(const mg_real *peaks, int n, mg_real *direction) {
   for (int k = 0; k < 3; k++) direction[k] = 0;
   for (int turn = -n; turn < 100; turn++) {

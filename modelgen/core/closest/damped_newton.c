@@ -1,4 +1,5 @@
-/* Newton's method on the extremality system of any contact kind, damped so that it does not run away. */
+/* Damped Newton's method on the extremality equations of any contact kind (section 2 of Anitescu, Cremer and
+   Potra, 1995), with bounded steps and step halving, for starts that are not near. */
 #include "closest/closest.h"
 #include "model/model.h"
 
@@ -13,11 +14,12 @@ MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goa
   return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * size && placed[2] <= goal->tolerance;
 }
 
+/* Residual as one dimensionless number. */
 static mg_real mg_newton_merit(const mg_newton_goal *goal, const mg_real *placed) {
   return placed[1] / goal->length + placed[2];
 }
 
-/* The part of the way to `next` that keeps each entry within its reach; 0 if the step is not finite. */
+/* Part of the step from eta to `next` that keeps each entry within its limit; 0 if the step is not finite. */
 static mg_real mg_bounded_step_part(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
   mg_real part = 1;
   for (int k = 0; k < n; k++) {
@@ -28,7 +30,8 @@ static mg_real mg_bounded_step_part(const mg_newton_goal *goal, const mg_real *e
   return part;
 }
 
-/* Halves the step until the merit falls; returns 0 if it does not. Entries without bounds are signs: they jump. */
+/* Halves the step until the merit falls; returns 0 if it does not. Entries without limit are signs and are taken
+   whole. */
 static int mg_damped_step(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *next,
                           mg_real *placed) {
   const int n = p->kernels->contact_kinds[p->kind].n_eta;
@@ -57,7 +60,7 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
 
 MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
-/* How far each entry of eta on a feature pair may go in one step. */
+/* Limits of the change of each entry of eta in one step. */
 static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
   mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
@@ -73,6 +76,7 @@ static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *re
   }
 }
 
+/* Shapes and poses of a contact. */
 static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
   const mg_shape_pair shape_pair = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
                                     c->bodies.pose + 12 * c->contacts.f[contact],

@@ -1,5 +1,6 @@
-/* All local minima of the distance of a pair: every feature pair sampled, refined by Newton's method, kept where its
-   conditions hold. */
+/* All local minima of the distance of a pair of shapes: every feature pair is sampled, the samples are refined by
+   Newton's method, and results are kept if the conditions of the feature pair hold. Writes c->search; at the start
+   also feature pairs and eta of the contacts. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -14,13 +15,15 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
 
-/* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
+/* Two curves by themselves have no outside: True if N disagrees with the normal given for the pair, or, if none is
+   given, if the second curve is not on the positive side. */
 static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
   const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   const mg_real along = mg_dot3(given_normal, c->search.placement + 5);
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
+/* True if two curves touch and no normal is given. */
 static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
   const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   return mg_dot3(given_normal, given_normal) == 0 &&
@@ -95,7 +98,8 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
-/* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
+/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may
+   be accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
 static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
@@ -125,12 +129,12 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, 
   }
 }
 
-/* ---- the start ---- */
+/* True if the gap is not below -start_gap. */
 static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
   return d >= -c->settings->start_gap * c->system->length;
 }
 
-/* Each contact of the pair has a feature pair of its own. */
+/* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -145,7 +149,8 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   return MG_DONE;
 }
 
-/* The contacts of the pair share its feature pairs: the nearest first, others only within reach. */
+/* Start of a pair whose contacts share its feature pairs: the nearest minimum is followed, others only within
+   search_gap. Returns an outcome. */
 static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);

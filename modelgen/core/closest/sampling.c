@@ -1,4 +1,5 @@
-/* Both sides of a feature pair sampled over their domains. */
+/* Samples of a feature over its domain, in the axes of its body; those of bounded features are kept between
+   searches. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -7,8 +8,8 @@ MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int 
   return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].dimension;
 }
 
-/* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
-   length 0 where the shape has none. */
+/* Sample of a feature at uv (MG_SAMPLE_SIZE numbers): point in the axes of the shape, point in the axes of the
+   body, direction in the axes of the body, of length 0 where there is none. */
 static void mg_sample_in_body(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->system;
   const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT;
@@ -20,6 +21,7 @@ static void mg_sample_in_body(mg_context *c, int feature_pair, int side, const m
   mg_to_world(place, in, 1, in + 3), mg_to_world(place, direction, 0, in + 6);
 }
 
+/* Transforms a stored sample to world axes. */
 static void mg_sample_to_world(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
   for (int k = 0; k < 3; k++) at->local[k] = in[k];
   mg_to_world(pose, in + 3, 1, at->point), mg_to_world(pose, in + 6, 0, at->direction);
@@ -32,7 +34,7 @@ MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const m
   mg_sample_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
 }
 
-/* The parameter at which a curve without ends is farther than `reach` on both sides. */
+/* Parameter at which both ends of an unbounded curve are farther than `reach` from its origin. */
 static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg_real reach) {
   const mg_system *s = c->system;
   const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side], zero[2] = {0, 0};
@@ -62,8 +64,8 @@ MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
 }
 
-/* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
-   taken; 0 where none are kept of so many within this window. */
+/* Memory of the samples of a whole feature; *is_unfilled: they must still be computed. 0 if none are kept for this
+   window and count. */
 static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const mg_real *window, int count,
                                 int *is_unfilled) {
   const mg_system *s = c->system;

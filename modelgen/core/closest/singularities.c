@@ -1,5 +1,6 @@
-/* Singular contacts: crossings of curved edges, the margin at which a contact ends, and minima that are about to leave
-   their features. Reads the poses and margins of the run; `mg_extrapolate_poses` writes the poses of a moment ahead. */
+/* Singular contacts (sections 4.1.1, 4.2.2 and 4.3 of Anitescu, Cremer and Potra, 1995): crossings of curved
+   edges, the margin at which a contact ends, and minima that are about to leave their feature pairs. Reads the
+   poses and margins of the run; mg_extrapolate_poses writes poses a short time ahead. */
 #include "closest/closest.h"
 #include "model/model.h"
 

@@ -1,4 +1,5 @@
-/* Where to start the search of closest points on a feature pair: the likeliest pairs of samples. */
+/* Starts of Newton's method on a feature pair: pairs of samples with small merit |P_f - P_o| + size * mismatch of
+   the directions, at local minima over the grid of samples. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -8,30 +9,33 @@ typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the cen
   mg_real centre[3], radius;
 } mg_nearest_point_shape;
 
-/* How far the directions are from opposed normals, or from tangent and normal at right angles; 0..2. */
+/* Deviation of two directions from opposite normals, or of a tangent and a normal from perpendicular; 0..2. */
 static inline mg_real mg_direction_mismatch(const mg_sample *o, const mg_sample *f, int curves) {
   if (curves == 2) return 0;
   const mg_real cosine = mg_dot3(o->direction, f->direction);
   return curves == 0 ? 1 + cosine : fabs(cosine);
 }
 
+/* Distance of two samples. */
 static inline mg_real mg_sample_distance(const mg_sample *a, const mg_sample *b) {
   const mg_real span[3] = {b->point[0] - a->point[0], b->point[1] - a->point[1], b->point[2] - a->point[2]};
   return sqrt(mg_dot3(span, span));
 }
 
-/* |P_f - P_o| + size skew. */
+/* |P_f - P_o| + size * mismatch. */
 static inline mg_real mg_sample_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
   return mg_sample_distance(o, f) + size * mg_direction_mismatch(o, f, curves);
 }
 
-/* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
+/* True if the nearest point of the feature to any point is known in closed form (plane, sphere), so that it needs
+   no samples. */
 static int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
   const int parametrisation = mg_parametrisation(c, feature_pair, side);
   return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point &&
          (parametrisation == MG_NONE || parametrisation == MG_LOCAL);
 }
 
+/* Sets the plane or sphere of a feature at its present pose. */
 static void mg_set_nearest_point_shape(mg_context *c, int feature_pair, int side, mg_nearest_point_shape *shape) {
   const mg_real zero[2] = {0, 0};
   mg_real arm[3], turned[3];
@@ -45,7 +49,7 @@ static void mg_set_nearest_point_shape(mg_context *c, int feature_pair, int side
   for (int k = 0; k < 3; k++) shape->centre[k] = shape->base.point[k] - turned[k];
 }
 
-/* The foot of a point; its coordinates in the shape's axes are left out. */
+/* Point of a plane or sphere nearest to a point, without its coordinates in the axes of the shape. */
 static void mg_find_nearest_point(const mg_nearest_point_shape *shape, const mg_real *point, mg_sample *nearest) {
   const mg_sample *base = &shape->base;
   mg_real span[3];
@@ -65,9 +69,9 @@ static void mg_find_nearest_point(const mg_nearest_point_shape *shape, const mg_
   }
 }
 
-/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is
-   tried first; as many of the others are passed over as lie too far away, no two in a row being farther apart than
-   `widest`. */
+/* Finds for each of n samples of the first feature the best of the samples of the other: merit and index. The
+   partner of the sample before is tried first; samples are skipped that must be too far away, because neighbours
+   are no farther apart than spacing_max. */
 static void mg_match_nearest(mg_context *c, int n, int others, int curves, mg_real size) {
   const mg_sample *other = c->search.samples + MG_SAMPLES;
   mg_real spacing_max = 0;
@@ -92,7 +96,7 @@ static void mg_match_nearest(mg_context *c, int n, int others, int curves, mg_re
   }
 }
 
-/* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
+/* The same if the nearest point of the other feature is known in closed form; size: extent of the samples. */
 static void mg_match_nearest_points(mg_context *c, int feature_pair, int side, int n, int curves, mg_real size) {
   mg_nearest_point_shape shape;
   mg_set_nearest_point_shape(c, feature_pair, side, &shape);
@@ -106,7 +110,7 @@ static void mg_match_nearest_points(mg_context *c, int feature_pair, int side, i
   }
 }
 
-/* True if no neighbour of sample i on the grid of rows has a smaller merit. */
+/* True if no neighbour of sample i on the grid has a smaller merit. */
 static int mg_is_local_minimum(const mg_context *c, int i, int n, int across) {
   const int row = i / across, column = i % across, rows = n / across;
   for (int a = -1; a <= 1; a++)
@@ -144,6 +148,7 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
   }
 }
 
+/* Largest side of the box around n samples. */
 static mg_real mg_sample_extent(const mg_context *c, int from, int n) {
   mg_real low[3], high[3], extent = 0;
   for (int k = 0; k < 3; k++) low[k] = MG_MAX, high[k] = -MG_MAX;
@@ -158,7 +163,7 @@ static mg_real mg_sample_extent(const mg_context *c, int from, int n) {
   return extent;
 }
 
-/* Inserts into the MG_STARTS starts kept in order of merit. */
+/* Inserts a start in order of merit. */
 static void mg_insert_start(mg_newton_starts *kept, mg_real merit, const mg_real *eta) {
   int at = kept->count < MG_STARTS ? kept->count++ : MG_STARTS;
   for (; at > 0 && kept->merit[at - 1] > merit; at--)
@@ -171,7 +176,8 @@ static void mg_insert_start(mg_newton_starts *kept, mg_real merit, const mg_real
   for (int k = 0; k < 6; k++) kept->eta[at][k] = eta[k];
 }
 
-/* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
+/* Samples both features within their windows and matches them. Returns the number of samples of the first feature,
+   numbered `row`. */
 static int mg_match_in_windows(mg_context *c, int feature_pair, int row, int has_nearest_point, int n,
                                mg_real window[2][4]) {
   const int curves = (mg_feature_dimension(c, feature_pair, 0) < 2) + (mg_feature_dimension(c, feature_pair, 1) < 2);
@@ -187,13 +193,14 @@ static int mg_match_in_windows(mg_context *c, int feature_pair, int row, int has
   return rows;
 }
 
-/* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
+/* True if samples are as dense as after one refinement: along curves, or if the nearest point of the other feature
+   is known. */
 static int mg_are_samples_dense(const mg_context *c, int feature_pair, int has_nearest_point) {
   return has_nearest_point ||
          (mg_feature_dimension(c, feature_pair, 0) < 2 && mg_feature_dimension(c, feature_pair, 1) < 2);
 }
 
-/* A contact of the pair is on the feature pair already, with its points next to sample i of the rows and its mate. */
+/* True if a contact of the pair is on the feature pair already, with its points next to sample i and its partner. */
 static int mg_is_known_start(mg_context *c, int feature_pair, int row, int i, int rows, int across) {
   const int pair = c->system->feature_pair_owner[feature_pair], beside = i + across < rows ? i + across : i - across;
   const mg_sample *own = c->search.samples + i, *partner = c->search.samples + MG_SAMPLES + c->search.partner[i];

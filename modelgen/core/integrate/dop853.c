@@ -1,10 +1,13 @@
-/* Dormand and Prince's method of order 8(5,3) with dense output of order 7. */
+/* Dormand and Prince's method of order 8(5,3) with dense output of order 7 (Hairer, Norsett and Wanner, Solving
+   Ordinary Differential Equations I, second edition, section II.10). Reads c->step.slopes row 0, the slope at the
+   start; writes slopes, c->step.end and c->step.interpolant. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/dop853_coefficients.h"
 
-/* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, sums in registers. */
+/* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, with sums in
+   registers. */
 static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
   const int n = c->layout.n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
   int i = 0;
@@ -24,6 +27,7 @@ static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg
   }
 }
 
+/* Evaluates the right-hand side of a stage. */
 static void mg_dop853_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
   const mg_real time = t + mg_dop_time[stage] * h;
   mg_dop853_combine(c, stage, x, h, c->step.stage);
@@ -31,7 +35,8 @@ static void mg_dop853_stage(mg_context *c, int stage, mg_real t, const mg_real *
   mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
-/* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
+/* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
+   and 3. */
 static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
   mg_real fifth = 0, third = 0;

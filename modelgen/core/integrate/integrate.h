@@ -7,48 +7,57 @@
 
 /* rk4.c */
 
-/* K[0] holds the slope at (t, x); writes c->step.end. */
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* dop853.c */
 
-/* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
+   error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
+/* Makes the interpolant of the step. Needs the slope at its end in row 12 of c->step.slopes. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* radau_collocation.c */
+
+/* State at a stage. */
 MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage);
+
+/* Slope at a stage. */
 MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage);
+
+/* Time of a stage in the step, 0..1. */
 MG_INTERNAL mg_real mg_stage_time(int stage);
+
+/* Integral of the Lagrange polynomial of stage `column` up to stage `row`. */
 MG_INTERNAL mg_real mg_collocation_weight(int row, int column);
 
-/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by.
- */
+/* Weight of an acceleration at stage `column` in the displacement at stage `row`: the product of the collocation
+   matrix with itself. */
 MG_INTERNAL mg_real mg_double_integral_weight(int row, int column);
 
-/* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
+/* Derivative by theta at a stage of the polynomial of degree 6 through values at all stages. */
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage);
 
-/* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
+/* Integrates states from .. to - 1 at all stages from their slopes. Returns the largest relative change. */
 MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to);
 
-/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at
-   the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
+/* Error by loads that change before the first stage, where no stage sees them: velocity lost there if the loads
+   differ as much as, at the start, they differ from the polynomial through them at the stages; root mean square
+   relative to the tolerance. */
 MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The end of the step and the interpolant of the polynomial through x and the stages. */
+/* Writes the end of the step and the interpolant, the polynomial through x and the stages. */
 MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x);
 
-/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
-   polynomial. */
+/* Moves stages, azimuths and stiffnesses to the stages of the first `share` of the step, on its interpolant. */
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share);
 
-/* Ends the step that was collocated at a share of it. */
+/* Ends the collocated step at a share of it. */
 MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share);
 
-/* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
+/* Replaces b by the solution of A z = b, by Gaussian elimination with row exchanges. Returns 0 if A is singular. */
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
@@ -122,60 +131,70 @@ MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_r
 
 /* step.c */
 
-/* Steps from this state are by collocation, whatever the method. */
+/* True if steps from this state are by collocation, whatever the method. */
 MG_INTERNAL int mg_is_collocated(const mg_context *c);
 
-/* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
+   error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The same, watching for events. */
+/* The same, noting in c->step.sign_changed whether an event function changes sign at a stage. */
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
+/* Evaluates slope, forces and gap rates at the end of the step, after normalising quaternions. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
 
-/* The cubic through both ends of the step and their slopes. */
+/* Makes the cubic Hermite interpolant of the step; a collocated step has an interpolant already. */
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h);
+
+/* Makes the interpolant of the method. */
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The state at t + theta h. */
+/* State at t + theta h on the interpolant. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
 
-/* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
+/* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
+   searched for events. */
 MG_INTERNAL void mg_watch_event_signs(mg_context *c);
+
+/* Factor of the next step for an error of order 8 relative to the tolerance, 0.2 .. most. */
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
+
+/* Length of the first step, s. */
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* samples.c */
 
-/* One sample of the state x; needs its poses, twists and forces fresh. */
+/* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
+
+/* True if the next sample is due at t or before. */
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
 
-/* Samples within the step h from run->x to c->step.end. */
+/* Appends the samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
 
-/* Samples that are due at run->t itself; needs its rows fresh. */
+/* Appends the samples that are due at run->t. Needs the rows there. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_dependence.c */
 
-/* Number of functions of time, including those of loads that depend on the state. */
+/* Number of functions of time, components of loads that depend on the state included. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s);
 
 /* Number of loads that depend on the state; `timed`: of those that depend on time as well. */
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed);
 
-/* Memory of the samples of functions of time, in mg_real. */
+/* Memory of the samples, in mg_real. */
 MG_INTERNAL long mg_time_sample_size(const mg_system *s);
 
-/* Halve the step h until its samples resolve the functions of time, not below look * time. Needs the poses at the
-   run's state. */
+/* Halves the step h until its stages resolve the functions of time, but not below time_resolution * time. Needs
+   the poses at the run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h);
 
-/* True if a load that depends on the state rises and falls between the samples of the step just tried; leaves the
-   end of the step as it was. The cubic interpolant knows only the ends; the better one is tried as well because
-   it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
+/* True if a load that depends on the state rises and falls between the stages of the step just tried. Both
+   interpolants are used: the cubic one knows only the ends, the better one may show what the stages have missed.
+   Leaves the end of the step as it was. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h);
 
 #endif

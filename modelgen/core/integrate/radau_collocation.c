@@ -1,5 +1,6 @@
-/* Collocation at Radau's points over one step: the state is a polynomial of degree 7 whose slope is the right-hand
-   side's at the seven stages. States and slopes of the stages stand in K, from its second row on. */
+/* Collocation at the seven Radau points (Radau IIA, Hairer and Wanner, Solving Ordinary Differential Equations II,
+   section IV.5) over one step: the state is a polynomial of degree 7 whose slope at the stages is the right-hand
+   side. States and slopes of the stages are in c->step.slopes, from its second row on. Writes c->step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "integrate/radau_coefficients.h"
@@ -28,7 +29,7 @@ MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage) {
   return sum;
 }
 
-/* The stages' Lagrange polynomials at theta. */
+/* Lagrange polynomials of the stages at theta. */
 static void mg_lagrange(mg_real theta, mg_real *value) {
   const mg_real *time = mg_radau_time;
   for (int k = 0; k < MG_RADAU_STAGES; k++) {
@@ -39,8 +40,8 @@ static void mg_lagrange(mg_real theta, mg_real *value) {
   }
 }
 
-/* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
-   step. */
+/* Replaces values at the stages by those of the polynomial of degree 6 through them at the stages of the first
+   `share` of the step. */
 static void mg_resample_stages(mg_real *value, mg_real share) {
   mg_real old[MG_RADAU_STAGES], part[MG_RADAU_STAGES];
   for (int k = 0; k < MG_RADAU_STAGES; k++) old[k] = value[k], value[k] = 0;

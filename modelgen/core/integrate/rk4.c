@@ -1,4 +1,4 @@
-/* Runge and Kutta's method of order 4 with a fixed step. */
+/* Classical Runge-Kutta method of order 4 with a fixed step. Reads and writes c->step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"

@@ -1,18 +1,20 @@
-/* Contacts that start to roll from flat, and their return to ordinary contacts when the tilt is large enough.
-   Writes the start marks, outward directions, contact points and the next step length of the run.
+/* Contacts that start to roll from flat, and their return to ordinary contacts when the tilt is large enough. Writes
+   run->rolling_start, tilt_direction, contact points and the next step length of the run, and c->step.
 
-   First step of a contact that starts from flat: a face leaves a plane and its body rolls on one point of its
-   rim. At the time tau the tilt is of the order of A tau^3; a tilt across its azimuth moves the contact point by
-   a factor 1/(A tau^3), so the equations are irregular singular at tau = 0. One solution is smooth there; the
-   others oscillate about it with unbounded velocity. Radau collocation selects the smooth one. Unknowns are the
-   states and the azimuths at the stages: for given azimuths the right-hand side is evaluated on bodies rotated to
-   that tilt and azimuth rate, which is smooth and converges by substitution; the condition that the bodies do
-   tilt that way is a well-conditioned linear system of seven rows a contact, h^2 A^2 k - tilt, solved by Newton's
-   method.  To start a contact: put it on its feature pair, with eta (if it has any) at the point where the centre of
-   pressure leaves the hull; mark it closed, active and MG_START_FLAT; write the outward direction along the plane
-   (world, unit) into run->tilt_direction; let run->h be no shorter than the characteristic time. The row of such a
-   contact has no meaning until its first step, so no complementarity problem may contain it. When the tilt
-   exceeds rounding the mark is MG_START_SETTLING, and the contact is excused from bounds on its margin until the
+   First step of a contact that starts from flat: a face leaves a plane and its body rolls on one point of its rim.
+   At the time tau the tilt is of the order of A tau^3. A tilt across its azimuth moves the contact point by a factor
+   1/(A tau^3), so that the equations are irregular singular at tau = 0. One solution is smooth there; the others
+   oscillate about it with unbounded velocity. Radau collocation selects the smooth one. Unknowns are the states and
+   the azimuths at the stages: for given azimuths the right-hand side is evaluated with bodies rotated to that tilt
+   and azimuth rate, which is smooth and converges by substitution; the condition that the bodies do tilt in that
+   direction is a well-conditioned linear system of seven rows per contact, h^2 A^2 k - tilt, with the matrix A of
+   the collocation and the stiffness k, solved by Newton's method.
+
+   To start a contact: put it on its feature pair, with eta (if it has any) at the point where the centre of pressure
+   leaves the hull; mark it closed, active and MG_START_FLAT; write the outward direction along the plane (world
+   axes, unit vector) into run->tilt_direction; let run->h be no shorter than the characteristic time. The row of
+   such a contact has no meaning until its first step, so that no complementarity problem may contain it. When the
+   tilt exceeds rounding the mark becomes MG_START_SETTLING, and the contact has no bounds on its margin until the
    margin exceeds them. */
 #include "integrate/integrate.h"
 #include "base/base.h"

@@ -1,13 +1,16 @@
-/* Samples of a run at the times that the caller asked for. */
+/* Samples of a run at the times that the caller asked for. Reads the present poses, rows and forces, or those on
+   the interpolant; writes mg_record. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* Copies n numbers. */
 static void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }
 
+/* Force, gap, normal and points of a contact. */
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->system->n_contact + contact;
   record->feature_pair[k] = c->run->feature_pair[contact];
@@ -21,7 +24,7 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
   mg_copy_reals(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
-/* What the rows below make of c->solution.force or c->rows.d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
+/* Vector in world axes of values on the friction rows of a contact: along t1, t2, or (about) about N, t1, t2. */
 static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
   const mg_real *t = c->rows.tangents + 6 * contact, *N = c->rows.normal + 3 * contact;
   const mg_real *rows = value + c->layout.friction_row_begin + c->system->contact_friction_row[contact];
@@ -29,6 +32,7 @@ static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_r
     out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
 }
 
+/* Friction, torque and slip of a contact. */
 static void mg_record_contact_friction(mg_context *c, mg_record *record, int row, int contact) {
   const long k = 3 * ((long)row * c->system->n_contact + contact);
   const int rows = mg_is_on_feature_pair(c, contact) ? c->kernels->contact_kinds[c->contacts.kind[contact]].rows : 1;
@@ -38,7 +42,7 @@ static void mg_record_contact_friction(mg_context *c, mg_record *record, int row
   if (rows > 1 && c->run->closed[contact]) mg_friction_rows_vector(c, contact, c->rows.d_dot, 0, record->slip + k);
 }
 
-/* What a joint does to its second body, and where it stands. */
+/* Wrench of a joint on its second body, and its coordinates. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->system;
   const long k = (long)row * s->n_joint + joint;
@@ -53,7 +57,7 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
                                 s->parameters + s->joint_parameters[joint], coordinate);
 }
 
-/* The friction of a slot's patch at a place of the world, and how f slips past o there. */
+/* Friction of the patch in a slot at a world point, and the slip there (8 numbers). */
 static void mg_record_patch_friction(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
   const int support = mg_first_support(c, slot);
   const mg_real *t = c->rows.tangents + 6 * support, *N = c->rows.normal + 3 * support;
@@ -73,7 +77,7 @@ static void mg_record_patch_friction(const mg_context *c, int slot, const mg_rea
   for (int k = 0; k < 3; k++) out[4 + k] += moment[k];
 }
 
-/* What presses the faces of a slot's patch together, and where. */
+/* Resultant and centre of the pressure of the patch in a slot, and its friction. */
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
   const long k = (long)row * c->system->n_patch_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
@@ -83,6 +87,7 @@ static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot)
   mg_record_patch_friction(c, slot, pressure + 1, record->patch_friction + 8 * k);
 }
 
+/* Energy of the state x. */
 static mg_real mg_energy_at(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
   c->run->x = x;

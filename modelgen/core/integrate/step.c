@@ -1,8 +1,9 @@
-/* One step of the chosen method, its interpolant, and the watch on event functions at the stages. */
+/* One step of the chosen method, its interpolant, and the watch on event functions at the stages. Writes c->step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* Row of c->step.slopes that holds the slope at the end of the step. */
 static int mg_end_slope_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
 
 MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_has_rolling_start(c) || mg_has_slip_onset(c); }

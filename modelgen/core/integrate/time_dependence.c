@@ -1,6 +1,7 @@
-/* Time dependence: prescribed paths, prescribed joint motions and loads are sampled between the samples that a
-   step takes, so that none rises and falls unseen within a step; loads that depend on the state are sampled along
-   the interpolant. Limits the step; leaves driven bodies and prescribed rows at the time of the last sample. */
+/* Functions of time: prescribed paths, prescribed joint motions and loads are sampled between the stages of a
+   step, so that none rises and falls unseen; loads that depend on the state are sampled along the interpolant.
+   Limits the step. Writes c->step.time_samples; leaves driven bodies and prescribed rows at the time of the last
+   sample. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 
@@ -55,13 +56,13 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
 
 MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_TIME_ROWS * mg_time_function_count(s); }
 
-/* Row of the sample memory: first value, last value, least, largest and so on. */
+/* Row of the samples: MG_TIME_FIRST .. */
 static mg_real *mg_time_sample_row(const mg_context *c, int which) {
   return c->step.time_samples + (long)which * c->layout.n_timed;
 }
 
-/* Evaluate all functions of time at t; bodies that move by forces are where they are, or, for `way` > 0, on the
-   interpolant of a step of that length. Leaves driven bodies and prescribed joint rows at t. */
+/* Evaluates all functions of time at t. Bodies that forces move keep their poses, or, for step_length > 0, follow
+   the interpolant of a step of that length. */
 static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_length, mg_real *value) {
   const mg_system *s = c->system;
   if (step_length > 0) {
@@ -135,7 +136,7 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
   }
 }
 
-/* True if the samples that a step h takes show all that the functions of time do in it. */
+/* True if the stages of a step h show all that the functions of time do in it. */
 static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_length) {
   const mg_real sample_count = h / (c->settings->time_resolution * c->system->time);
   if (sample_count > MG_TIME_SAMPLES_MAX) return 0;
@@ -157,7 +158,7 @@ static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_le
   return 1;
 }
 
-/* Step in s below which functions of time are not checked. */
+/* Step below which functions of time are not checked, s. */
 static mg_real mg_unchecked_step_length(const mg_context *c) {
   return c->settings->time_resolution * c->system->time / MG_SAMPLE_SPACING;
 }

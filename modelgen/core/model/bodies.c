@@ -1,4 +1,6 @@
-/* Poses, twists and accelerations of the bodies, before any contact force. */
+/* Motion of the bodies: poses and twists at a state, loads, and accelerations without constraint forces (the free
+   part of equation (2.6) of Anitescu, Cremer and Potra, 1995). Writes c->bodies, and for the loads
+   c->bodies.wrench. */
 #include "model/model.h"
 
 MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
@@ -38,6 +40,7 @@ MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_rea
                           wrench, wrench + 6);
 }
 
+/* Adds the wrenches of a load to those of its bodies, and its power to *power. */
 static void mg_add_load(mg_context *c, mg_real t, int load, mg_real *power) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load];

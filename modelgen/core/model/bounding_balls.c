@@ -1,8 +1,8 @@
-/* How far apart shapes are at least, and how fast they come near each other at most, by balls around them. */
+/* Bounds from balls around the shapes: distances from below, and relative motion from above. Reads c->bodies. */
 #include "model/model.h"
 #include "base/base.h"
 
-/* Between two balls, their centres in the axes of their bodies. */
+/* Distance of two balls with centres in the axes of their bodies. */
 static mg_real mg_ball_distance(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
                                 const mg_real *centre_f, mg_real radius_f) {
   mg_real a[3], b[3];
@@ -12,7 +12,7 @@ static mg_real mg_ball_distance(const mg_context *c, int o, const mg_real *centr
   return sqrt(mg_dot3(span, span)) - radius_o - radius_f;
 }
 
-/* Between the shapes of a feature pair; 0 where one has no bound. */
+/* Lower bound of the distance of the features of a pair; 0 if one is unbounded. */
 static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) {
   const mg_real *o = mg_feature_numbers(c, feature_pair, 0), *f = mg_feature_numbers(c, feature_pair, 1);
   mg_real centre_o[3], centre_f[3];
@@ -39,13 +39,14 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   return fmax(fmax(clear, whole), 0);
 }
 
-/* How far the shape of a body of a pair (0: o, 1: f) extends from the centre of mass; < 0: without end. */
+/* Largest distance of a shape of a pair from the centre of mass of its body (0: o, 1: f); < 0: unbounded. */
 static mg_real mg_shape_extent(const mg_context *c, int pair, int body) {
   const mg_real *ball = c->system->pair_ball + 8 * pair + 4 * body;
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
-/* Of a body that extends so far from its centre of mass, as another body sees it. */
+/* Bound of the motion of the points of body `seen`, within `extent` of its centre of mass, in the axes of body
+   `from`. */
 static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, int from, mg_real extent) {
   const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
   const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,

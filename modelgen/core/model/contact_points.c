@@ -1,4 +1,6 @@
-/* Keeping eta on the extremum: Newton's step for one contact, and for all. */
+/* Contact points: Newton's method for eta on the extremality equations (section 2 of the paper: the line between
+   the points is normal to both surfaces), for one contact and for all. Writes c->search.placement, c->rows.d and
+   the margins of the run. */
 #include "model/model.h"
 
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
@@ -32,6 +34,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   return 1;
 }
 
+/* True if the residual of the placement is below extremality_residual. */
 static int mg_is_placement_converged(const mg_context *c) {
   return c->search.placement[1] <= c->settings->extremality_residual * c->system->length &&
          c->search.placement[2] <= c->settings->extremality_residual;

@@ -1,8 +1,10 @@
-/* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
+/* Rows of the contacts: J (Lemma 3.1, equation (3.3) of Anitescu, Cremer and Potra, 1995), Gamma2 (Corollary 3.2,
+   (3.11) with corrected signs), tangents and friction rows; M^-1 J^T of any row, and the Delassus matrix J M^-1
+   J^T. Writes c->rows and c->lcp.A. */
 #include "model/model.h"
 #include "base/base.h"
 
-/* Rotate t1, t2 and their rows to the principal axes of anisotropic friction; they stay where the axis is along
+/* Rotates t1, t2 and their rows to the principal axes of anisotropic friction; leaves them if that axis is along
    N. */
 static void mg_align_tangents_to_friction(mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint);
@@ -17,8 +19,8 @@ static void mg_align_tangents_to_friction(mg_context *c, int contact, int constr
   mg_rotate_pair(x / size, y / size, c->rows.gamma + row, c->rows.gamma + row + 1);
 }
 
-/* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N
-   and t2 turn round, and slip along t1 and rolling about t2 change sign. */
+/* Copies rows of a point of the rim to a contact. The feature pair of the point may have o and f exchanged
+   (`turned`): then N and t2 are reversed, and slip along t1 and rolling about t2 change sign. */
 static void mg_set_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
                             const mg_real *block) {
   mg_real *normal = c->rows.normal + 3 * contact;
@@ -38,7 +40,7 @@ static void mg_set_rim_rows(mg_context *c, int contact, const mg_contact_kind *p
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-/* The feature pair of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
+/* Feature pair of a support point of the patch that has as many rows as the contact's feature pair, or -1. */
 static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_feature_pair) {
   const mg_system *s = c->system;
   for (int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + 1;
@@ -49,8 +51,8 @@ static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_featu
   return -1;
 }
 
-/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the
-   point where it begins to roll, which its own equations do not tell. */
+/* True if the contact starts from flat and its tilt is still within rounding; then its rows are set to those of
+   the point at which it begins to roll, because its own equations are singular. */
 static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const mg_real lost = c->settings->flat_angle * c->settings->flat_angle;
@@ -73,7 +75,7 @@ static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   return 1;
 }
 
-/* Copy the rows that the kernel of a contact gave into the row arrays of all contacts. */
+/* Copies the rows that the kernel of a contact gave to the rows of all contacts. */
 static void mg_scatter_contact_rows(mg_context *c, int contact) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   for (int i = 0; i < kind->rows; i++) {
@@ -114,6 +116,7 @@ MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real
   return sum;
 }
 
+/* MJ = M^-1 J^T of one body, w its mass_inverse. */
 static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {
   const mg_real x = J[3], y = J[4], z = J[5];
   for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
@@ -143,6 +146,7 @@ MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount,
     for (int k = 0; k < 6; k++) per_body[6 * f + k] += MJ[6 + k] * amount;
 }
 
+/* The six columns of a row that belong to a body. */
 static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows, int contact, int body) {
   return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }

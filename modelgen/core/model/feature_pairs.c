@@ -1,10 +1,11 @@
-/* Which feature pair each contact is on, copied to where the loops over contacts look. */
-/* How far a contact is from leaving its feature pair: inequalities of its points, its normal and its eta. */
+/* Feature pairs of the contacts: which one each contact is on (c->contacts), and the conditions under which it
+   stays there, inequalities in the contact point, the normal and eta (MG_CONDITION_QUADRIC ..). */
 #include "model/model.h"
 #include "base/base.h"
 
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact) { return c->run->feature_pair[contact] >= 0; }
 
+/* Entries of eta for which a contact has room. */
 static int mg_eta_capacity(const mg_context *c, int contact) {
   const mg_system *s = c->system;
   return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
@@ -89,6 +90,7 @@ MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int si
   return side ? kind->parametrisation_f : kind->parametrisation_o;
 }
 
+/* Transforms a direction from world axes to the axes of a feature's shape. */
 static void mg_direction_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                        mg_real *local) {
   mg_rotate_back(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side) + 3, world, local);
@@ -106,8 +108,8 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
   mg_rotate_back(place + 3, arm, local);
 }
 
-/* The parameter of a curve at a point of it that eta does not tell: on a straight edge its first axis, on a circle or
-   an ellipse the angle. */
+/* Parameter of a curve at one of its points, if eta does not hold it: of a straight edge the first coordinate, of
+   a circle or ellipse the angle. */
 static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
   const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
   const int shape = c->system->feature_shape[2 * feature_pair + side];
@@ -119,13 +121,14 @@ static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int 
   return atan2(point[1] / y[1], point[0] / x[0]);
 }
 
+/* True if eta holds coordinates of the feature. */
 static int mg_has_coordinates_in_eta(const mg_context *c, int feature_pair, int side) {
   const int parametrisation = mg_parametrisation(c, feature_pair, side);
   return parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
-/* The chart coordinates of one side; those of a plane or of a curve that eta does not tell are its first axes: an arc
-   of a rounded corner needs no ends on a plane, for its circle lies within the corner. */
+/* Chart coordinates of a contact point on a feature. Where eta does not hold them, as for planes, they are the
+   first coordinates of the point. */
 static void mg_feature_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta,
                                    const mg_real *point, mg_real *uv) {
   const mg_real *own = eta + (side ? mg_parametrisation_size[mg_parametrisation(c, feature_pair, 0)] : 0);
@@ -133,12 +136,13 @@ static void mg_feature_coordinates(const mg_context *c, int feature_pair, int si
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
+/* Value of an MG_CONDITION_QUADRIC. */
 static mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] + a[7] * x[0] * x[1] +
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }
 
-/* -N.w, w = a T x z + b z the direction from an edge into a face beside it, at a point of it with coordinates uv. */
+/* Value of an MG_CONDITION_WING at a point x with coordinates uv. */
 static mg_real mg_wing_condition(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
                                  const mg_real *uv, const mg_real *N) {
   const mg_system *s = c->system;

@@ -1,4 +1,5 @@
-/* The rows of the joints (2.3): value, J, Gamma1, and what a given motion makes of their rates. */
+/* Rows of the joints: values, J, Gamma1 (equation (2.3) of Anitescu, Cremer and Potra, 1995) and the rates of
+   prescribed motions. Writes c->rows. */
 #include "model/model.h"
 
 MG_INTERNAL void mg_init_joint_rows(mg_context *c) {

@@ -28,142 +28,187 @@ enum {
 }; /* marks in c->patches.trial: the slot's support points stand on points of the edge; and had rested flat */
 
 /* bodies.c */
+
+/* Body kind of a body. */
 MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body);
 
-/* True for a body that contact forces accelerate. */
+/* True if forces move the body (MG_POINT, MG_FREE). */
 MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
 
-/* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
+/* Copies the velocity coordinates of a body: 6 of a free body, 3 of a point mass, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
+
+/* Writes poses and twists of all bodies at time t and state x; of driven bodies also their accelerations. */
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 
-/* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
+/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 
-/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->bodies.acceleration. */
+/* Writes q_dot and the power of the loads into x_dot, and the accelerations without constraint forces into
+   c->bodies.acceleration. Needs the poses at x. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 
-/* Brings every quaternion back to unit length. */
+/* Scales all quaternions in x to unit length. */
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
+
+/* Body of a contact that forces move; o if both do. */
 MG_INTERNAL int mg_moving_body(const mg_context *c, int contact);
 
-/* True if the body moves freely in six degrees of freedom. */
+/* True if the body has six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
 
 /* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
 /* feature_pairs.c */
+
+/* True if the contact is on a feature pair. */
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
+
+/* Eta of a contact in x. */
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
 
-/* The parameters of a contact's kind; the point of a support point is the run's. */
+/* Parameters of the contact kind of a contact; of a support point with the point that the run holds. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
 
-/* Makes a contact, or the spare one behind the last, stand on a feature pair. */
+/* Sets kind, parameters and bodies of a contact (n_contact: the spare one) to those of a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
 
-/* No condition ends or watches a contact on the feature pair. */
+/* True if the feature pair has no conditions. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
+
+/* First contact of a pair of shapes. */
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
 
-/* Each contact of the pair has a feature pair for good; else they share the pair's feature pairs. */
+/* True if each contact of the pair has a feature pair of its own; else the contacts share all feature pairs of the
+   pair. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
 
-/* What each entry of eta on a feature pair is measured against. */
+/* Scales of the entries of eta on a feature pair. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
 
-/* A contact on no feature pair is infinitely far away, so that no loop over contacts needs to ask. */
+/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair
+   gets an infinite gap, so that no loop over contacts need ask. */
 MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
 
-/* Puts the contact on a feature pair with this eta, or on none (-1). */
+/* Puts a contact on a feature pair with the given eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
+
+/* Numbers of a feature (side 0: o, 1: f) of a feature pair, see MG_FEATURE_PLACEMENT. */
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
+
+/* Body of a feature of a feature pair. */
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
+
+/* Parametrisation of a feature, MG_NONE .. */
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
 
-/* A point of the world in the axes of the shape on one side of a feature pair. */
+/* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);
+
+/* Sine of the angle between two unit vectors. */
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
+
+/* Value of condition k at eta; it holds if >= 0. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
 
-/* The least of the conditions of a feature pair at eta, and which it is, among those that are watched only or among the
-   others; needs mg_place_contact there. */
+/* Least value of the conditions of a feature pair at eta, of the watched ones or of the others, and its number in
+ *which (-1: there are none). Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which);
+
+/* Least value of the conditions that are not only watched. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
+
+/* True if eta holds signs that select the direction of N (two curves). */
 MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
 
-/* No condition on the normal tells the outside. */
+/* True if no condition on the normal determines which side of the curves is outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contact_rows.c */
+
+/* Evaluates d, J, Gamma2, eta_dot, N and tangents of all contacts at x. Needs the poses at x. */
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
 
-/* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
+/* J of a row times velocities or accelerations, 6 per body. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
 
-/* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
+/* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
 
-/* per_body += M^-1 J_i^T amount. */
+/* per_body += M^-1 J^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
 
-/* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
+/* c->lcp.A = J M^-1 J^T over n listed rows; uses that rows without a common moving body have zero entries. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 
-/* The part of d_dot that driven bodies and given motions make. */
+/* Part of d_dot that prescribed motions of bodies and joints cause. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
+
+/* Writes d_dot of all rows at the present twists. */
 MG_INTERNAL void mg_update_gap_rates(mg_context *c);
 
-/* First row of a friction row group of a contact. */
+/* First row of a friction constraint of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
 
-/* Attach the tangential rows of a contact to the bodies of its feature pair and clear them. */
+/* Assigns the friction rows of a contact to the bodies of its feature pair and sets them to zero. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
 
-/* Rotate a pair of components by an angle given as cosine and sine. */
+/* Rotates the components (a, b) of a vector by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
 
-/* Compute slip, spin and rolling velocity of all friction rows. */
+/* Writes slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* joint_rows.c */
 
-/* Who takes part in each row; contacts come first, then a spare. */
+/* Assigns bodies to the joint rows. */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c);
+
+/* Evaluates the rows of all joints at t. Needs the poses and twists. */
 MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t);
 
-/* Appends the rows of all joints to a list of n; returns its length. */
+/* Appends all joint rows to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n);
+
+/* Joint of a joint row. */
 MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
 
-/* The joint with the largest |value| among the rows, and its size. */
+/* Joint of the row with the largest |value|, and that size. */
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 
 /* contact_points.c */
 
-/* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
+/* Evaluates contact_place for a contact at eta into c->search.placement; eta_next receives one Newton step.
+   Returns the length of eta. */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
+
+/* Margin of the placement evaluated last, dimensionless. */
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
 
-/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would
-   move; writes d and the margin. Returns 0 if not finite. */
+/* Takes one Newton step of eta in x for every contact at time t, except for those that are still flat, whose
+   points rounding would move; writes d and margins. Returns 0 if eta is not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
+
+/* Newton's method on eta of a contact at the present poses. Returns the number of steps, or -1 after 50. */
 MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta);
 
-/* True for a contact starting from flat whose tilt is still below the angle `flat`. */
+/* True for a contact that starts from flat and whose tilt is still below flat_angle. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
+
+/* True if the features of a pair are farther apart than search_gap. */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
 
-/* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
+/* Lower bound of the distance of a pair of shapes, m: the larger of that of their own balls and the least of those
+   of their features. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 
-/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
-   end the parts no farther than the characteristic length count. */
+/* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
+   smaller one; of unbounded shapes the parts within the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
 
 /* planar_contacts.c */
@@ -255,19 +300,18 @@ MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int caus
 
 /* transitions.c */
 
-/* Append one event to the event list, if there is room. */
+/* Appends an event to the list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed);
 
-/* Apply one row of the transition table to a contact: set it closed or open and report the event of the
-   transition. */
+/* Applies a transition to a contact: sets it closed or open and appends its event. `cause`: MG_IMPACT_INELASTIC .. */
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed);
 
-/* Clear the event marks of all contacts. */
+/* Clears the event marks of all contacts. */
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c);
 
-/* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
+/* Advances t by h with compensated summation (Kahan), so that many short steps lose nothing. */
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h);
 
 #endif

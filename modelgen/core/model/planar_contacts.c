@@ -1,6 +1,7 @@
-/* Planar contact patches: which patches are held, in which slots, which feature pairs they cover, and how far faces
-   have opened. A slot holds a patch by three support contacts. Writes feature pairs, points and modes of support
-   contacts, patch friction modes and search requests. */
+/* Planar contacts (section 5 of Anitescu, Cremer and Potra, 1995): which patches are held, in which slots, which
+   feature pairs they cover, and how far faces have opened. A slot holds a patch by three support points, by which
+   J and Gamma2 of all points of the faces are determined (Lemma 5.1). Writes feature pairs, points and modes of
+   support points, patch friction modes and search requests of the run. */
 #include "model/model.h"
 #include "base/base.h"
 
@@ -45,8 +46,7 @@ MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, 
   return -1;
 }
 
-/* 1 if the feature pair exists only while its bodies are tilted, -1 only while their faces lie flat, 0 in both cases.
- */
+/* 1 if the feature pair exists only while the faces are tilted, -1 only while they lie flat, 0 in both cases. */
 static int mg_feature_pair_tilt_condition(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
@@ -73,15 +73,15 @@ MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch) {
   return 0;
 }
 
-/* True if the patch has feature pairs that exist only while its faces are tilted, such as rims. */
+/* True if the patch covers feature pairs that exist only while its faces are tilted, such as rims. */
 static int mg_has_tilted_feature_pairs(const mg_context *c, int patch) {
   for (int k = c->system->patch_covered[patch]; k < c->system->patch_covered[patch + 1]; k++)
     if (mg_is_feature_pair_of_tilted_faces(c, c->system->covered_feature_pair[k])) return 1;
   return 0;
 }
 
-/* True if the faces of a patch lie on each other but no slot holds them, and their rim has no equations until
-   they tilt more. */
+/* True if the faces of a patch lie on each other but no slot holds them, and their rim has no equations until they
+   tilt more. */
 static int mg_is_patch_opening(const mg_context *c, int patch) {
   mg_real o[12], f[12];
   if (mg_slot_of_patch(c, patch) >= 0 || mg_is_patch_rolling_start(c, patch)) return 0;
@@ -99,7 +99,7 @@ MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair) {
   return 0;
 }
 
-/* Angular velocity in rad/s at which the faces of a patch tilt against each other. */
+/* Angular velocity at which the faces of a patch tilt relative to each other, rad/s. */
 static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
   mg_real o[12], w[3] = {0}, angular_velocity[3];
   mg_face_pose(c, patch, 0, o);
@@ -175,7 +175,7 @@ MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c,
          c->kernels->contact_kinds[s->feature_pair_kind[feature_pair]].n_parameters - 3;
 }
 
-/* Put a support contact on its feature pair, closed and active. */
+/* Puts a support point on its feature pair, closed and active. */
 static void mg_place_support(mg_context *c, int support, int feature_pair) {
   mg_set_feature_pair(c, support, feature_pair, 0);
   for (int k = 0; k < 3; k++) c->run->point[3 * support + k] = mg_support_point_of_feature_pair(c, feature_pair)[k];
@@ -213,12 +213,12 @@ MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot) {
   return c->run->rolling_start[mg_first_support(c, slot)] == MG_ON_STRAIGHT_EDGE;
 }
 
-/* Tilt about the held edge in rad; negative where the face would penetrate. */
+/* Tilt about the held edge, rad; negative where the face would penetrate. */
 static mg_real mg_pivot_tilt(const mg_context *c, int slot) {
   return asin(2 * c->rows.d[mg_first_support(c, slot) + 2] / c->system->length);
 }
 
-/* Tilt in rad up to which the edge is held. */
+/* Tilt up to which the edge is held, rad. */
 static mg_real mg_pivot_tilt_limit(const mg_context *c, int slot) {
   return mg_is_hull_side_pivot(c, slot) ? c->settings->margin_warn : c->settings->imaginary_edge;
 }

@@ -1,10 +1,13 @@
-/* The convex hull of the kept pieces: of points on them first; then points are added where a curve passes over a
-   straight side, until none does, which also brings the ends of straight sides to their points of tangency. */
+/* Convex hull of the overlap of two regions, with straight and curved edges: first of points on its boundary, by
+   Andrew's monotone chain (Inf. Proc. Letters 9, 1979); then points are added where a curve lies outside a
+   straight edge, until none does, and the ends of straight edges are moved to their points of tangency. Writes
+   vertices and edges of the hull. */
 #include "region/region.h"
 #include "base/base.h"
 
 #define MG_HULL_PASSES 60
 
+/* Adds a point of an arc at parameter t; returns its number, or -1 if there is no room. */
 static int mg_add_vertex(mg_hull *h, int arc, int crossing, mg_real t) {
   if (h->n_vertex == h->vertex_capacity) {
     h->overflow = 1;
@@ -16,7 +19,7 @@ static int mg_add_vertex(mg_hull *h, int arc, int crossing, mg_real t) {
   return h->n_vertex++;
 }
 
-/* The ends of a piece and, of a curve, the ends of the spans between. */
+/* Adds the ends of a piece and, of a curve, the ends of its spans. */
 static void mg_add_piece_vertices(mg_hull *h, const mg_boundary_piece *piece) {
   const mg_placed_arc *k = h->arcs + piece->arc;
   int last = mg_add_vertex(h, piece->arc, piece->intersection[0], piece->t[0]);
@@ -29,6 +32,7 @@ static void mg_add_piece_vertices(mg_hull *h, const mg_boundary_piece *piece) {
   }
 }
 
+/* Adds the points of all pieces and all intersections. */
 static void mg_add_all_vertices(mg_hull *h) {
   h->n_vertex = 0;
   for (int i = 0; i < h->n_piece; i++) mg_add_piece_vertices(h, h->pieces + i);
@@ -40,12 +44,13 @@ static void mg_add_all_vertices(mg_hull *h) {
   }
 }
 
+/* True if vertex a comes before vertex b in the order from left to right. */
 static int mg_is_left_of(const mg_hull *h, int a, int b) {
   const mg_real *p = h->vertices[a].point, *q = h->vertices[b].point;
   return p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]);
 }
 
-/* Shell's sort: the spots from left to right. */
+/* Sorts n vertices from left to right (Shell's sort). */
 static void mg_sort_vertices(mg_hull *h, int n) {
   int gap = 1;
   while (gap < n / 3) gap = 3 * gap + 1;
@@ -58,7 +63,8 @@ static void mg_sort_vertices(mg_hull *h, int n) {
     }
 }
 
-/* Spots that are one with one further left are left out and noted as its twins, in a ring. */
+/* Removes vertices that coincide with one further left from the order, and links them as its twins. Returns the
+   number of vertices left. */
 static int mg_merge_coincident_vertices(mg_hull *h, int n) {
   const mg_real near = 2 * MG_COINCIDENCE_FACTOR * h->regions->coincidence;
   int kept = 0;
@@ -80,14 +86,14 @@ static int mg_merge_coincident_vertices(mg_hull *h, int n) {
   return kept;
 }
 
-/* Whether p, q, r do not turn left at q. */
+/* True if the path p, q, r does not turn left at q. */
 static int mg_turns_right(const mg_hull *h, int p, int q, int r) {
   const mg_real *a = h->vertices[p].point, *b = h->vertices[q].point, *c = h->vertices[r].point;
   const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, whole[2] = {c[0] - a[0], c[1] - a[1]};
   return mg_cross2(part, whole) <= 0;
 }
 
-/* Whether q is a point of a straight side from p to r. */
+/* True if q is a point of a straight edge from p to r. */
 static int mg_is_collinear(const mg_hull *h, int p, int q, int r) {
   const mg_real *a = h->vertices[p].point, *b = h->vertices[q].point, *c = h->vertices[r].point;
   const mg_real part[2] = {b[0] - a[0], b[1] - a[1]}, rest[2] = {c[0] - b[0], c[1] - b[1]};
@@ -96,7 +102,8 @@ static int mg_is_collinear(const mg_hull *h, int p, int q, int r) {
   return mg_cross2(part, whole) <= h->regions->coincidence * length;
 }
 
-/* Andrew's monotone chain (Inf. Proc. Letters 9, 1979); returns the number of corners, left behind the order. */
+/* Corners of the convex hull of n sorted vertices, counterclockwise (Andrew's monotone chain); returns their
+   number. */
 static int mg_hull_chain(const mg_hull *h, int n, int *corner) {
   int count = 0;
   for (int way = 0; way < 2; way++) {
@@ -110,6 +117,7 @@ static int mg_hull_chain(const mg_hull *h, int n, int *corner) {
   return count > 1 ? count - 1 : count;
 }
 
+/* Removes corners inside straight edges; returns the number left. */
 static int mg_drop_collinear(const mg_hull *h, int count, int *corner) {
   int i = 0;
   while (i < count && count > 2) {
@@ -123,7 +131,8 @@ static int mg_drop_collinear(const mg_hull *h, int count, int *corner) {
   return count;
 }
 
-/* Of two corners' twins, those that one span of a curve joins: 1 from u on to v, -1 from v back to u, else 0. */
+/* Finds twins of two corners that one span of a curve joins, and returns 1 if it leads from u to v, -1 if from v
+   to u, else 0. */
 static int mg_curve_direction_between(const mg_hull *h, int *u, int *v) {
   int a = *u;
   do {
@@ -141,6 +150,7 @@ static int mg_curve_direction_between(const mg_hull *h, int *u, int *v) {
   return 0;
 }
 
+/* Sets the edge from corner u to corner v. */
 static void mg_make_edge(const mg_hull *h, mg_hull_edge *e, int u, int v) {
   e->from_vertex = u, e->to_vertex = v;
   e->direction = mg_curve_direction_between(h, &e->from_vertex, &e->to_vertex);
@@ -154,6 +164,7 @@ static void mg_make_edge(const mg_hull *h, mg_hull_edge *e, int u, int v) {
   e->height = e->direction ? e->length * rise / sqrt(mg_dot2(a->tangent, a->tangent)) : 0;
 }
 
+/* Makes the hull of the present vertices. */
 static void mg_make_edges(mg_hull *h) {
   for (int i = 0; i < h->n_vertex; i++) h->order[i] = h->vertices[i].twin = i;
   mg_sort_vertices(h, h->n_vertex);
@@ -164,7 +175,7 @@ static void mg_make_edges(mg_hull *h) {
   h->n_edge = count;
 }
 
-/* Where a span from one spot to the next is farthest along n; 0: at an end. */
+/* Parameter at which the span from a vertex to the next is farthest along n; returns 0 if that is at an end. */
 static int mg_find_extreme_point(const mg_hull *h, int vertex, const mg_real *n, mg_real *t) {
   const mg_hull_vertex *s = h->vertices + vertex, *to = h->vertices + s->next;
   if (!(mg_dot2(n, s->tangent) > 0 && mg_dot2(n, to->tangent) < 0)) return 0;
@@ -172,7 +183,7 @@ static int mg_find_extreme_point(const mg_hull *h, int vertex, const mg_real *n,
   return *t != s->t && *t != s->t_end;
 }
 
-/* Adds the point of a curve that is farthest beyond a straight side; returns whether there is one. */
+/* Adds the point of a curve that is farthest outside a straight edge; returns whether there is one. */
 static int mg_split_at_farthest_point(mg_hull *h, const mg_hull_edge *e, int n) {
   const mg_real *n_ = e->normal, floor = mg_dot2(n_, h->vertices[e->from_vertex].point);
   mg_real best = 2 * MG_EPS * h->size, best_t = 0;
@@ -191,7 +202,7 @@ static int mg_split_at_farthest_point(mg_hull *h, const mg_hull_edge *e, int n) 
   return 1;
 }
 
-/* Brings an end of a straight side that lies within a curve to the point of tangency. */
+/* Moves the end of a straight edge that lies inside a curve to the point of tangency. */
 static void mg_move_to_tangency(mg_hull *h, int vertex, const mg_real *n) {
   mg_hull_vertex *s = h->vertices + vertex;
   int before = -1;
@@ -204,6 +215,7 @@ static void mg_move_to_tangency(mg_hull *h, int vertex, const mg_real *n) {
   mg_arc_point(h->arcs + s->arc, t, s->point, s->tangent);
 }
 
+/* Moves the ends of all straight edges to their points of tangency. */
 static void mg_move_all_to_tangency(mg_hull *h) {
   for (int i = 0; i < h->n_edge; i++) {
     mg_hull_edge *e = h->edges + i;

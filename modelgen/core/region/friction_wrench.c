@@ -1,12 +1,11 @@
-/* Coulomb friction summed over what is pressed (rubbing.h), from integrals along its boundary.
+/* Coulomb friction integrated over the loaded region (region/region.h), by integrals along its boundary. About the
+   instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the integral
+   along each ray is a polynomial; the remaining integral along the boundary has a closed form on straight strips,
+   and is smooth on curves except near the centre, towards which these are subdivided. Where the centre is far away,
+   the direction is smooth over the region, and Gauss quadrature on rays from a point of the region converges fast.
 
-   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the
-   integral along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is
-   smooth on curves but near the centre, towards which these are divided. Where the centre is far, the direction is
-   smooth all over the region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few
-   nodes. */
-/* How much of what friction can hold a force and torque take: the least that a twist rubs of all on which they work
-   alike. A smooth convex function of two unknowns, by the method of Broyden, Fletcher, Goldfarb and Shanno (Nocedal and
+   The coefficient of friction that holds a given wrench: the minimum of the frictional power over all twists on
+   which the wrench has the same power, a smooth convex function of two unknowns, by the BFGS method (Nocedal and
    Wright, Numerical Optimization, 2006, chapter 6). */
 #include "region/region.h"
 #include "base/base.h"
@@ -27,7 +26,7 @@ typedef struct {
       across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
 } mg_search_plane;
 
-/* Adds a piece of boundary at d with weight d cross dx. */
+/* Adds an element of the boundary at d from the rotation centre, with weight d x dx. */
 static void mg_add_boundary_element(mg_rotation_integrals *g, mg_real weight, const mg_real *d) {
   const mg_real r = sqrt(mg_dot2(d, d));
   if (!(r > 0)) return;
@@ -37,7 +36,7 @@ static void mg_add_boundary_element(mg_rotation_integrals *g, mg_real weight, co
   g->r += weight * r / 3, g->rd[0] += weight * r * d[0] / 4, g->rd[1] += weight * r * d[1] / 4;
 }
 
-/* Adds a straight piece of boundary from P to Q. */
+/* Adds the straight piece of boundary from P to Q, in closed form. */
 static void mg_add_straight_boundary(mg_rotation_integrals *g, const mg_real *P, const mg_real *Q) {
   const mg_real length = mg_distance2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
   if (!(length > 0)) return;
@@ -55,7 +54,7 @@ static void mg_add_straight_boundary(mg_rotation_integrals *g, const mg_real *P,
   g->r += h / 3 * r0;
 }
 
-/* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
+/* Adds a curved piece of boundary, in halves while it is long compared with its distance from the rotation centre. */
 static void mg_add_curved_boundary(mg_rotation_integrals *g, const mg_placed_arc *k, mg_real t0, mg_real t1,
                                    const mg_real *P, const mg_real *Q, mg_real least) {
   const mg_real t = (t0 + t1) / 2, length = mg_distance2(P, Q);
@@ -73,7 +72,7 @@ static void mg_add_curved_boundary(mg_rotation_integrals *g, const mg_placed_arc
   }
 }
 
-/* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
+/* Integrals about the rotation centre; the line where the pressure vanishes is part of the boundary. */
 static void mg_integrate_about_rotation_centre(const mg_winkler_pressure_field *p, mg_rotation_integrals *g) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
@@ -84,7 +83,7 @@ static void mg_integrate_about_rotation_centre(const mg_winkler_pressure_field *
   }
 }
 
-/* From the sums about the centre of rotation, q off the centre of pressure, to G about that. */
+/* Friction matrix G about the centre of pressure from integrals about the rotation centre, which is q from it. */
 static void mg_shift_to_pressure_centre(const mg_rotation_integrals *g, const mg_real *q, int sign, mg_real G[3][3]) {
   const mg_real ed[2][2] = {{g->ed[0], g->ed[1]}, {g->ed[1], g->ed[2]}};
   for (int j = 0; j < 3; j++) {
@@ -95,7 +94,7 @@ static void mg_shift_to_pressure_centre(const mg_rotation_integrals *g, const mg
   }
 }
 
-/* Adds a point of the region, d off the centre of pressure. */
+/* Adds the friction of a point at d from the centre of pressure. */
 static void mg_add_point_friction(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
   const mg_real v[2] = {twist[0] - twist[2] * d[1], twist[1] + twist[2] * d[0]}, size = sqrt(mg_dot2(v, v));
   if (!(size > 0)) return;
@@ -104,7 +103,8 @@ static void mg_add_point_friction(const mg_real *twist, mg_real weight, const mg
   for (int j = 0; j < 3; j++) G[0][j] += u[0] * by[j], G[1][j] += u[1] * by[j], G[2][j] += arm * by[j];
 }
 
-/* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
+/* Adds the triangle between the reference point and an element of the boundary at x, of weight (x - reference) x
+   dx, by n nodes along the ray. */
 static void mg_add_ray_friction(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real weight,
                                 const mg_real *x, mg_real G[3][3]) {
   static const mg_real few[2][MG_FEW_NODES] = {
@@ -120,6 +120,7 @@ static void mg_add_ray_friction(const mg_winkler_pressure_field *p, const mg_rea
   }
 }
 
+/* Friction matrix for a far rotation centre, by n nodes along each ray. */
 static void mg_integrate_far_rotation(const mg_winkler_pressure_field *p, const mg_real *twist, int n,
                                       mg_real G[3][3]) {
   for (long i = 0; i < p->n; i++) {
@@ -149,11 +150,12 @@ MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg
   mg_shift_to_pressure_centre(&integrals, q, twist[2] > 0 ? 1 : -1, G);
 }
 
+/* Twist at y on the search plane. */
 static void mg_twist_on_plane(const mg_search_plane *s, const mg_real *y, mg_real *twist) {
   for (int k = 0; k < 3; k++) twist[k] = s->from[k] + y[0] * s->across[0][k] + y[1] * s->across[1][k];
 }
 
-/* What a twist rubs, and how that grows with y. */
+/* Frictional power of the twist at y, and its slope by y. */
 static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, mg_real *slope) {
   mg_real twist[3], force[3], G[3][3], power = 0;
   mg_twist_on_plane(s, y, twist);
@@ -172,7 +174,7 @@ static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, 
   return power;
 }
 
-/* The plane of twists on which the force, of size 1, works 1. */
+/* Sets the plane of twists on which a force of size 1 has power 1. */
 static void mg_set_search_plane(mg_search_plane *s, const mg_real *force) {
   int least = 0;
   mg_real size = 0;
@@ -189,7 +191,8 @@ static void mg_set_search_plane(mg_search_plane *s, const mg_real *force) {
   }
 }
 
-/* A shorter step until the power falls as it should (Armijo); the slope at its end. Returns the power there. */
+/* Shortens the step until the power falls sufficiently (Armijo); moves y, and writes the slope there. Returns the
+   power. */
 static mg_real mg_armijo_step(const mg_search_plane *s, mg_real power, const mg_real *slope, mg_real *y, mg_real *step,
                               mg_real *slope_next) {
   mg_real next[2], found = power;
@@ -205,7 +208,7 @@ static mg_real mg_armijo_step(const mg_search_plane *s, mg_real power, const mg_
   return power;
 }
 
-/* The inverse of the Hessian that the step taken suggests; H: xx, xy, yy. */
+/* BFGS update of the inverse Hessian H (xx, xy, yy) by a step and the change of the slope. */
 static void mg_bfgs_update(mg_real *H, const mg_real *step, const mg_real *grown) {
   const mg_real curve = step[0] * grown[0] + step[1] * grown[1];
   if (!(curve > 0)) return;

@@ -1,4 +1,4 @@
-/* How deep a point is inside a hull: its distance from the nearest side, and on which side of it. */
+/* Signed distance of a point from the boundary of a convex hull, and the nearest place of that boundary. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -7,7 +7,7 @@ typedef struct { /* the nearest point so far: at parameter t of the curve from u
   int edge, vertex, curve;
 } mg_nearest_edge;
 
-/* The nearest corner. */
+/* Nearest vertex. */
 static void mg_try_vertices(const mg_hull *h, const mg_real *x, mg_nearest_edge *best) {
   mg_real least = MG_MAX;
   for (int i = 0; i < h->n_edge; i++) {
@@ -19,7 +19,7 @@ static void mg_try_vertices(const mg_hull *h, const mg_real *x, mg_nearest_edge 
   best->distance = sqrt(least);
 }
 
-/* The nearest point of a curved side between its ends, if it is nearer. Returns 1 if x is beyond the curve there. */
+/* Nearest point inside a curved edge, if it is nearer than the best. Returns 1 if x is outside the curve there. */
 static int mg_try_curved_edge(const mg_hull *h, int edge, const mg_real *x, mg_nearest_edge *best) {
   const mg_hull_edge *e = h->edges + edge;
   const mg_hull_vertex *a = h->vertices + (e->direction > 0 ? e->from_vertex : e->to_vertex),
@@ -37,7 +37,7 @@ static int mg_try_curved_edge(const mg_hull *h, int edge, const mg_real *x, mg_n
   return e->direction * mg_cross2(T, arm) < 0;
 }
 
-/* The same for a straight side. */
+/* The same for a straight edge. */
 static int mg_try_straight_edge(const mg_hull *h, int edge, const mg_real *x, mg_nearest_edge *best) {
   const mg_hull_edge *e = h->edges + edge;
   const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
@@ -50,15 +50,14 @@ static int mg_try_straight_edge(const mg_hull *h, int edge, const mg_real *x, mg
   return e->length > MG_SHORT_SIDE * h->regions->coincidence && off > rounding;
 }
 
-/* Whether x is beyond the tangent at an end of a curved side. */
+/* True if x is outside the tangent at an end of a curved edge. */
 static int mg_is_beyond_tangent(const mg_hull *h, const mg_hull_edge *e, int vertex, const mg_real *x) {
   const mg_hull_vertex *s = h->vertices + vertex;
   const mg_real arm[2] = {x[0] - s->point[0], x[1] - s->point[1]};
   return -e->direction * mg_cross2(s->tangent, arm) > 4 * MG_EPS * h->size * sqrt(mg_dot2(s->tangent, s->tangent));
 }
 
-/* The nearest point of the hull's boundary to x. Returns whether x is outside: then it is beyond the chord of a side,
-   which tells. */
+/* Nearest point of the boundary of the hull to x. Returns whether x is outside. */
 static int mg_find_nearest(const mg_hull *h, const mg_real *x, mg_nearest_edge *best) {
   const mg_real rounding = 4 * MG_EPS * h->size;
   int outside = h->n_edge < 2 || (h->n_edge == 2 && !h->edges[0].direction && !h->edges[1].direction);
@@ -90,14 +89,14 @@ MG_INTERNAL void mg_read_support_point(const mg_hull *h, int vertex, mg_support_
   at->point[0] = s->point[0], at->point[1] = s->point[1];
 }
 
-/* The outward normal of a side: across the tangent T where it is curved. */
+/* Outward unit normal of an edge; of a curved one perpendicular to the tangent T. */
 static void mg_edge_normal(const mg_hull_edge *e, const mg_real *T, mg_real *normal) {
   const mg_real size = sqrt(mg_dot2(T, T));
   for (int k = 0; k < 2; k++) normal[k] = e->direction ? e->direction * (k ? -T[0] : T[1]) / size : e->normal[k];
 }
 
-/* Whether a way from a spot is clockwise (last side) or counterclockwise (next side) of the side's normal, told then.
- */
+/* True if a direction at a vertex lies clockwise (last edge) or counterclockwise (next edge) of the normal of that
+   edge, which is then written. */
 static int mg_is_past_edge_normal(const mg_hull *h, const mg_hull_edge *e, int vertex, int last, const mg_real *way,
                                   mg_real *normal) {
   if (!e->direction && !(e->length > MG_SHORT_SIDE * h->regions->coincidence)) return 0;
@@ -105,8 +104,8 @@ static int mg_is_past_edge_normal(const mg_hull *h, const mg_hull_edge *e, int v
   return (last ? -1 : 1) * mg_cross2(normal, way) > 0;
 }
 
-/* The normal at a spot: the way between it and x, no farther round than the normals of the two sides that meet there.
-   Where these are one, as where a closed outline begins, so is it, however near x is. */
+/* Normal at a vertex: the direction between it and x, but within the normals of the two edges that meet there.
+   Where these coincide, as where a closed curve begins, the normal is theirs. */
 static void mg_vertex_normal(const mg_hull *h, const mg_nearest_edge *near, const mg_real *x,
                              mg_nearest_boundary *nearest) {
   const mg_hull_edge *next = h->edges + near->edge, *last = h->edges + (near->edge + h->n_edge - 1) % h->n_edge;
@@ -118,7 +117,7 @@ static void mg_vertex_normal(const mg_hull *h, const mg_nearest_edge *near, cons
   nearest->normal[0] = way[0], nearest->normal[1] = way[1];
 }
 
-/* The brink at the nearest point: on a straight side its two ends, else one point. */
+/* Describes the nearest place: a straight edge by its two ends, else one point. */
 static void mg_describe_nearest(const mg_hull *h, const mg_nearest_edge *near, const mg_real *x,
                                 mg_nearest_boundary *nearest) {
   const mg_hull_edge *e = h->edges + near->edge;

@@ -1,4 +1,6 @@
-/* Where the boundaries of two regions meet: crossings, and ends of arcs that lie on an arc of the other region. */
+/* Intersections of the boundaries of two regions: crossings of arcs, and ends of arcs that lie on an arc of the
+   other region. Pairs of spans are subdivided until they are apart, cross once, or coincide. Writes the
+   intersections. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -11,7 +13,7 @@ typedef struct {
   mg_arc_span pair[MG_PENDING_SPAN_PAIRS][2];
 } mg_span_pair_stack;
 
-/* The parameter, snapped to an end of the arc within `shared` of the point. */
+/* Curve parameter t, or that of an end of the arc that coincides with the point. */
 static mg_real mg_snap_to_arc_end(const mg_hull *h, int arc, const mg_real *point, mg_real t) {
   const mg_placed_arc *k = h->arcs + arc;
   const mg_arc_span *first = h->spans + k->span, *last = first + k->n_span - 1;
@@ -21,6 +23,7 @@ static mg_real mg_snap_to_arc_end(const mg_hull *h, int arc, const mg_real *poin
   return t;
 }
 
+/* Adds an intersection unless it is known. */
 static void mg_add_intersection(mg_hull *h, const int *arc, const mg_real *t, const mg_real *point) {
   mg_intersection crossing;
   for (int side = 0; side < 2; side++) {
@@ -36,7 +39,7 @@ static void mg_add_intersection(mg_hull *h, const int *arc, const mg_real *t, co
   else h->intersections[h->n_intersection++] = crossing;
 }
 
-/* An end of an arc against the spans of an arc of the other side. */
+/* Intersects an end of an arc with the spans of an arc of the other region. */
 static void mg_intersect_arc_end(mg_hull *h, int ending, int last, int other) {
   const mg_placed_arc *e = h->arcs + ending, *k = h->arcs + other;
   const mg_arc_span *s = h->spans + e->span + (last ? e->n_span - 1 : 0);
@@ -60,7 +63,7 @@ static void mg_intersect_arc_end(mg_hull *h, int ending, int last, int other) {
   }
 }
 
-/* Whether the curve of one span may come near the other: bounding boxes. */
+/* False if the curves of two spans are apart, by bounding boxes. */
 static int mg_may_spans_meet(const mg_arc_span *x, const mg_arc_span *y, mg_real shared) {
   const mg_real slack =
       shared + (mg_distance2(x->begin, x->end) * x->turn + mg_distance2(y->begin, y->end) * y->turn) / 2;
@@ -75,7 +78,7 @@ static int mg_may_spans_meet(const mg_arc_span *x, const mg_arc_span *y, mg_real
   return fmin(a, b) <= slack * length && fmax(a, b) >= -slack * length;
 }
 
-/* Spans whose tangents have no direction in common cross at most once: Newton's method. */
+/* Intersection of two spans that are not parallel anywhere, and cross at most once, by Newton's method. */
 static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, const mg_real *start) {
   const mg_arc_span *s[2] = {x, y};
   const int arc[2] = {x->arc, y->arc};
@@ -104,7 +107,8 @@ static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_ar
     mg_add_intersection(h, arc, t, middle);
 }
 
-/* The distances of x from y, across it, at five points over which both go along; 0: they do not. */
+/* Distances of x from y at five points along which both run, with the curve parameters s, t there; returns 0 if
+   they do not run alongside. */
 static int mg_sample_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real *s, mg_real *t,
                           mg_real *gap) {
   const mg_placed_arc *k = h->arcs + x->arc, *other = h->arcs + y->arc;
@@ -123,7 +127,7 @@ static int mg_sample_gaps(const mg_hull *h, const mg_arc_span *x, const mg_arc_s
   return 1;
 }
 
-/* A gap that closes at an end is a cut there: what follows may not see it. */
+/* Adds the end of a span as an intersection if the gap vanishes there. */
 static void mg_add_closed_gap(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y, mg_real s, mg_real t,
                               mg_real gap) {
   const int arc[2] = {x->arc, y->arc};
@@ -134,8 +138,8 @@ static void mg_add_closed_gap(mg_hull *h, const mg_arc_span *x, const mg_arc_spa
   mg_add_intersection(h, arc, at, point);
 }
 
-/* Spans that run side by side: 1 where the gap between them, nearly linear, tells that they are apart, one, or cross
-   once, which is then found; 0: they have to be split. */
+/* Intersects spans that run side by side. Returns 1 if the gap, nearly linear, shows that they are apart,
+   coincide, or cross once; 0: they must be subdivided. */
 static int mg_intersect_nearly_parallel(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   mg_real s[5], t[5], gap[5], second_difference = 0, least = MG_MAX, most = 0, step = MG_MAX;
   if (!mg_sample_gaps(h, x, y, s, t, gap)) return 1;
@@ -157,10 +161,12 @@ static int mg_intersect_nearly_parallel(mg_hull *h, const mg_arc_span *x, const 
   return 1;
 }
 
+/* Pushes a pair of spans. */
 static void mg_push_spans(mg_span_pair_stack *stack, const mg_arc_span *x, const mg_arc_span *y) {
   stack->pair[stack->count][0] = *x, stack->pair[stack->count++][1] = *y;
 }
 
+/* Splits the longer of two spans and pushes both pairs. */
 static void mg_split_longer_span(const mg_hull *h, mg_span_pair_stack *stack, const mg_arc_span *x,
                                  const mg_arc_span *y) {
   const int second = mg_distance2(y->begin, y->end) > mg_distance2(x->begin, x->end);
@@ -174,7 +180,7 @@ static void mg_split_longer_span(const mg_hull *h, mg_span_pair_stack *stack, co
   }
 }
 
-/* All crossings of two spans: they are split until they are apart, transversal, or one lies on the other. */
+/* Finds all intersections of two spans. */
 static void mg_intersect_spans(mg_hull *h, const mg_arc_span *first, const mg_arc_span *second) {
   mg_span_pair_stack stack;
   stack.count = 0;
@@ -194,6 +200,7 @@ static void mg_intersect_spans(mg_hull *h, const mg_arc_span *first, const mg_ar
   }
 }
 
+/* Intersection of two straight spans. */
 static void mg_intersect_lines(mg_hull *h, const mg_arc_span *x, const mg_arc_span *y) {
   const mg_real u[2] = {x->end[0] - x->begin[0], x->end[1] - x->begin[1]},
                 v[2] = {y->end[0] - y->begin[0], y->end[1] - y->begin[1]};

@@ -1,7 +1,8 @@
-/* Points along the boundaries of an intersection and of its hull, loop after loop. */
+/* Points along the boundary of an overlap and along its hull, loop after loop. */
 #include "region/region.h"
 #include "base/base.h"
 
+/* Adds a point; points beyond the capacity are counted only. */
 static void mg_add_outline_point(mg_outline *out, const mg_real *p) {
   if (out->count < out->capacity) {
     out->point[2 * out->count] = p[0], out->point[2 * out->count + 1] = p[1];
@@ -10,7 +11,7 @@ static void mg_add_outline_point(mg_outline *out, const mg_real *p) {
   out->count++;
 }
 
-/* Points of a curve from t0 on, `fine` to a span; its end is left to what follows. */
+/* Points of an arc from t0 towards t1, n to a curve; the end belongs to what follows. */
 static void mg_trace_curve(const mg_hull *h, int arc, mg_real t0, mg_real t1, int fine, mg_outline *out) {
   const mg_placed_arc *k = h->arcs + arc;
   const int n = k->straight ? 1 : fine;
@@ -21,6 +22,7 @@ static void mg_trace_curve(const mg_hull *h, int arc, mg_real t0, mg_real t1, in
   }
 }
 
+/* Points of a piece, forwards or backwards. */
 static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int back, int fine, mg_outline *out) {
   const mg_placed_arc *k = h->arcs + piece->arc;
   for (int i = 0; i < k->n_span; i++) {
@@ -30,7 +32,7 @@ static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int
   }
 }
 
-/* The piece not yet traced that begins or ends nearest to p, within `reach`; back: it ends there. */
+/* Piece not yet traced that begins or ends nearest to p, within `reach`, or -1; *back: it ends there. */
 static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int *back) {
   int next = -1;
   for (int i = 0; i < h->n_piece; i++)

@@ -1,4 +1,4 @@
-/* Two regions laid on each other: the parts of each boundary that lie in the other region. */
+/* Overlay of two regions: the parts of each boundary that lie in the other region. Divides the memory of a hull. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -6,6 +6,7 @@ typedef struct { /* how many of each there is room for */
   long span, intersection, piece, vertex;
 } mg_hull_capacity;
 
+/* Capacities for n_arc arcs, of which n_o are o's. */
 static mg_hull_capacity mg_capacity_of(int n_arc, int n_o) {
   mg_hull_capacity r;
   r.span = 24L * n_arc + 512;
@@ -42,7 +43,7 @@ MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_re
   mg_divide_arcs(h);
 }
 
-/* The cut of an arc that follows parameter t, after those already passed at t; -1: none is left. */
+/* Intersection of an arc that follows parameter t, after those already passed at t, or -1. */
 static int mg_next_intersection(const mg_hull *h, int arc, mg_real t, int before) {
   const int side = h->arcs[arc].side;
   int next = -1;
@@ -54,7 +55,8 @@ static int mg_next_intersection(const mg_hull *h, int arc, mg_real t, int before
   return next;
 }
 
-/* Whether a part of an arc is in the other region: told by a point off its boundary; 2: it has none. */
+/* Whether a part of an arc is in the other region, by a point that is not on its boundary; 2: all points tried are
+   on it. */
 static int mg_is_part_inside(const mg_hull *h, int arc, mg_real t0, mg_real t1) {
   static const mg_real parts[] = {0.5, 0.23, 0.81};
   for (int i = 0; i < 3; i++) {
@@ -66,7 +68,7 @@ static int mg_is_part_inside(const mg_hull *h, int arc, mg_real t0, mg_real t1) 
   return 2;
 }
 
-/* Whether the intersection has no width at a point where both boundaries are one. */
+/* True if the overlap has no width at a point where both boundaries coincide. */
 static int mg_is_thin(const mg_hull *h, int arc, mg_real t) {
   mg_real p[2], T[2];
   mg_arc_point(h->arcs + arc, t, p, T);
@@ -76,7 +78,7 @@ static int mg_is_thin(const mg_hull *h, int arc, mg_real t) {
          !(mg_locate_point(h, 0, right) && mg_locate_point(h, 1, right));
 }
 
-/* Keeps the part from t0 to t1 if it lies in the other region; where both boundaries are one, that of o. */
+/* Adds the part from t0 to t1 if it lies in the other region; where both boundaries coincide, only o's. */
 static void mg_add_piece(mg_hull *h, int arc, mg_real t0, mg_real t1, int intersection0, int intersection1) {
   const mg_placed_arc *k = h->arcs + arc;
   mg_real p[2], T[2];
@@ -94,6 +96,7 @@ static void mg_add_piece(mg_hull *h, int arc, mg_real t0, mg_real t1, int inters
   h->pieces[h->n_piece++] = piece;
 }
 
+/* Finds all pieces of the boundary of the overlap. */
 static void mg_find_pieces(mg_hull *h) {
   h->n_piece = 0;
   for (int i = 0; i < h->regions->n_arc; i++) {

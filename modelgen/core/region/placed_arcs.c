@@ -1,4 +1,4 @@
-/* Arcs placed in the plane, and divided into spans of little turn. */
+/* Arcs placed in the plane, divided into spans that turn little. Writes arcs and spans of a hull. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -19,12 +19,13 @@ MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point,
   tangent[1] = a[1] * d[0] + a[3] * d[1] + a[5] * d[2];
 }
 
-/* The unit tangent in place of one of any length. */
+/* Scales a tangent to unit length. */
 static void mg_normalise2(mg_real *d) {
   const mg_real size = sqrt(mg_dot2(d, d));
   if (size > 0) d[0] /= size, d[1] /= size;
 }
 
+/* Turn of a span; large if its tangents point backwards. */
 static void mg_set_span_turn(mg_arc_span *s) {
   mg_real chord[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]};
   mg_normalise2(chord);
@@ -40,7 +41,7 @@ MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, m
   mg_set_span_turn(span);
 }
 
-/* Whether the arc is a straight line, to rounding. */
+/* True if the arc is a straight line up to rounding. */
 static int mg_is_straight(const mg_placed_arc *k) {
   static const mg_real parts[] = {0.23, 0.5, 0.81};
   mg_real P[2], Q[2], T[2], E[2];
@@ -59,6 +60,7 @@ static int mg_is_straight(const mg_placed_arc *k) {
   return straight;
 }
 
+/* Value at t of the function of which a zero is sought. */
 static mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
   mg_real x[2], T[2], E[2];
   if (sought == MG_ZERO_CURVATURE) {
@@ -93,7 +95,7 @@ MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_
   return t;
 }
 
-/* Ends a span at the first inflection within it, if there is one. */
+/* Ends a span at the first inflection in it. */
 static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   const mg_placed_arc *k = h->arcs + s->arc;
   const mg_real part = (s->t_end - s->t_begin) / MG_INFLECTION_PARTS;
@@ -111,7 +113,7 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   }
 }
 
-/* At most `most` spans of an arc from its start on, each as long as its turn allows. */
+/* Divides an arc into at most `most` spans, as long as their turn permits. */
 static void mg_divide_arc(mg_hull *h, int arc, int most) {
   mg_placed_arc *k = h->arcs + arc;
   const mg_real whole = k->t1 - k->t0;
@@ -135,7 +137,7 @@ static void mg_divide_arc(mg_hull *h, int arc, int most) {
   k->n_span = h->n_span - k->span;
 }
 
-/* The spans of all arcs; the curves share the room equally. */
+/* Divides all arcs; curves share the capacity equally. */
 static void mg_divide_all_arcs(mg_hull *h) {
   const int n = h->regions->n_arc;
   int straight = 0, curved = 0;
@@ -147,7 +149,7 @@ static void mg_divide_all_arcs(mg_hull *h) {
   }
 }
 
-/* The arc that goes on where arc i ends. */
+/* Arc that follows arc i in its loop. */
 static int mg_next_arc_of_loop(const mg_region_pair *r, int i) {
   const int loop = r->arc[i].loop;
   if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
@@ -155,7 +157,7 @@ static int mg_next_arc_of_loop(const mg_region_pair *r, int i) {
   return i;
 }
 
-/* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
+/* Places arc i: in the axes of its own face (pose 0), or in those of o's face. */
 static void mg_place_arc(mg_hull *h, int i, const mg_real *pose) {
   const mg_real *place = h->regions->arc[i].place;
   mg_placed_arc *k = h->arcs + i;
@@ -169,13 +171,14 @@ static void mg_place_arc(mg_hull *h, int i, const mg_real *pose) {
   }
 }
 
-/* Points that arcs of one loop share are the same point. */
+/* Makes the end of arc i equal to the beginning of the next. */
 static void mg_close_loop(mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_arc_span *last = h->spans + k->span + k->n_span - 1;
   for (int j = 0; j < 2; j++) last->end[j] = h->spans[h->arcs[k->next].span].begin[j];
 }
 
+/* Largest coordinate sum of the points of an arc. */
 static mg_real mg_arc_extent(const mg_hull *h, int i) {
   mg_real most = 0;
   for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
@@ -183,7 +186,7 @@ static mg_real mg_arc_extent(const mg_hull *h, int i) {
   return most;
 }
 
-/* Whether the region that an arc bounds lies on its right. */
+/* True if the region that an arc bounds lies on its right. */
 static int mg_is_region_on_right(const mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_real x[2], T[2];

@@ -1,8 +1,9 @@
-/* Whether a point is in a region: the chords' parity, corrected by what lies between each chord and its curve. */
+/* Location of a point: the parity of the chords to its right, corrected where the point lies between a chord and
+   its curve. */
 #include "region/region.h"
 #include "base/base.h"
 
-/* 1: p is between the chord of a span and its curve, -1: on the curve, 0: neither. */
+/* 1 if p is between the chord of a span and its curve, -1 if it is on the curve, else 0. */
 static int mg_is_between_chord_and_curve(const mg_hull *h, const mg_arc_span *s, const mg_real *p, mg_real cross,
                                          mg_real shared) {
   const mg_placed_arc *k = h->arcs + s->arc;
@@ -20,7 +21,7 @@ static int mg_is_between_chord_and_curve(const mg_hull *h, const mg_arc_span *s,
   return (side > 0) != (cross > 0);
 }
 
-/* Arc i bounds another part of a region than the one before it. */
+/* True if arc i begins a part of the region that may overlap those before it. */
 static int mg_begins_new_part(const mg_region_pair *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
 
 MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {

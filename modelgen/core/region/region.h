@@ -198,59 +198,98 @@ static const mg_real mg_node_weight[MG_NODES] = {
     (mg_real)0.0333356721543440687967844};
 
 /* placed_arcs.c */
+
+/* Point and tangent (of any length) of an arc at parameter t. */
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);
+
+/* Sets the span of an arc from parameter a to b. */
 MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
 
-/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
- * (Anderson and Bjorck, BIT 13, 1973). */
+/* Zero of a function between a and b, or the end that is nearer to one; for MG_ZERO_NEAREST only a minimum of the
+   distance. Safeguarded secant method (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
+
+/* Places all arcs in the axes of their own faces and divides them into spans. */
 MG_INTERNAL void mg_divide_arcs(mg_hull *h);
+
+/* Places the arcs of B for a pose of f's face in the axes of o's. */
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose);
 
 /* intersections.c */
+
+/* Finds all intersections of the two boundaries. */
 MG_INTERNAL void mg_find_intersections(mg_hull *h);
 
 /* point_in_region.c */
 
-/* 1: p is inside o's (side 0) or f's region, in one of its parts; 2: on its boundary; 0: outside. */
+/* Location of p with respect to the region of o (side 0) or f (1): 0 outside, 1 inside, 2 on the boundary. */
 MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p);
 
 /* overlay.c */
+
+/* Memory of a hull, in mg_real. */
 MG_INTERNAL long mg_hull_memory_size(int n_arc, int n_o);
+
+/* Most strips of the boundary of the loaded region. */
 MG_INTERNAL long mg_strip_capacity(int n_arc, int n_o);
+
+/* Prepares a hull for two regions, in memory of mg_hull_memory_size. */
 MG_INTERNAL void mg_set_regions(mg_hull *h, const mg_region_pair *regions, mg_real *memory);
+
+/* Overlays the regions for a pose of f's face in the axes of o's and makes the hull. Returns the number of its
+   edges: 0 where the overlap is empty, 1 for a point. */
 MG_INTERNAL int mg_overlay_regions(mg_hull *h, const mg_real *pose);
 
 /* convex_hull.c */
+
+/* Makes the convex hull of the pieces. */
 MG_INTERNAL void mg_make_hull(mg_hull *h);
 
 /* hull_distance.c */
+
+/* Describes a vertex as a point of the boundary, by an intersection if one of its twins is one. */
 MG_INTERNAL void mg_read_support_point(const mg_hull *h, int vertex, mg_support_point *at);
+
+/* Signed distance of x from the boundary of the hull, m, positive inside, and the nearest place; -MG_MAX if there
+   is no hull. */
 MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *nearest);
 
 /* outline.c */
+
+/* Outline of the overlap; `fine` points to a curved span. */
 MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);
+
+/* Outline of the hull; `fine` points to a curved span. */
 MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out);
 
 /* winkler_pressure.c */
+
+/* Prepares a pressure field over a hull. */
 MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips);
 
-/* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
+/* Coefficients of the affine pressure that has the given moments 1, x, y about the centre on the present loaded
+   region. Returns 0 if it has no area. */
 MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients);
 
-/* All of the region pressed alike, with moments about a point. */
+/* Sets a uniform pressure on the whole overlap, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
 
-/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
-   it had to. */
+/* Moves a point that is not inside the hull, or too near to its boundary for a pressure to be found, inside.
+   Returns whether it had to be moved. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
 
-/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
+/* Finds the pressure with a resultant force, N, and a centre inside the hull. Returns 0 if it fails. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);
 
 /* friction_wrench.c */
+
+/* Friction matrix G of a twist: force and torque about the centre of pressure are -G a for the coefficients a of
+   the pressure and mu = 1. */
 MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg_real *twist, mg_real G[3][3]);
+
+/* Least coefficient of friction for which friction holds the wrench (force, torque about the centre of pressure).
+   `twist` receives the twist that limits it, of unit length with the angular velocity times the radius. */
 MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_winkler_pressure_field *p, const mg_real *wrench, mg_real radius,
                                            mg_real *twist);
 

@@ -1,4 +1,4 @@
-/* Regions from outside the core: the outline of their intersection, its hull, and margins of points. */
+/* Public queries of regions without a run: overlap, hull, margins of points, and friction. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -6,11 +6,13 @@ MG_API long mg_region_size(int n_arc, int n_o) {
   return mg_hull_memory_size(n_arc, n_o) + mg_count_reals(n_arc, sizeof(mg_arc));
 }
 
+/* Copies a point of the boundary to the arrays of a query. */
 static void mg_store_support(const mg_support_point *from, int *identity, mg_real *where) {
   identity[0] = from->side, identity[1] = from->arc, identity[2] = from->crossing_arc;
   where[0] = from->t, where[1] = from->crossing_t, where[2] = from->point[0], where[3] = from->point[1];
 }
 
+/* Margin of point i of a query. */
 static void mg_store_margin(const mg_hull *h, const mg_region_query *q, int i) {
   mg_nearest_boundary nearest = {0};
   q->margin[i] = mg_hull_margin(h, q->points + 2 * i, &nearest);
@@ -20,7 +22,8 @@ static void mg_store_margin(const mg_hull *h, const mg_region_query *q, int i) {
     mg_store_support(nearest.at + k, q->identity + 6 * i + 3 * k, q->support_position + 8 * i + 4 * k);
 }
 
-/* Lays the regions on each other; returns the number of sides of their hull. */
+/* Overlays the regions of a query; returns the number of edges of the hull. *work then begins behind the memory
+   used. */
 static int mg_overlay_query(const mg_region_query *q, mg_region_pair *regions, mg_hull *h, mg_real **work) {
   mg_arc *arc = mg_take_memory(work, q->n_arc, sizeof(mg_arc));
   for (int i = 0; i < q->n_arc; i++) {
@@ -49,6 +52,7 @@ MG_API long mg_region_friction_size(int n_arc, int n_o) {
   return mg_region_size(n_arc, n_o) + mg_count_reals(mg_strip_capacity(n_arc, n_o), sizeof(mg_boundary_strip));
 }
 
+/* Pressure and friction of case i of a query. */
 static void mg_store_patch_friction(const mg_patch_friction_query *q, mg_winkler_pressure_field *p, int i) {
   const mg_real *load = q->load + 3 * i, centre[2] = {load[1], load[2]};
   mg_real G[3][3], worst[3];

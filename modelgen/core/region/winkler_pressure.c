@@ -1,4 +1,6 @@
-/* The pressure between two faces from its resultant and its centre: on what it acts, and its coefficients. */
+/* Winkler pressure between two faces from its resultant and its centre (region/region.h): Newton's method for the
+   coefficients of p = max(0, a + b.x), which are the minimum of a convex function whose Hessian are the moments of
+   the loaded region. Writes the pressure field. */
 #include "region/region.h"
 #include "base/base.h"
 
@@ -15,10 +17,12 @@ MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h
   p->hull = h, p->capacity = capacity, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
+/* a + b.(x - centre). */
 static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real *x) {
   return p->coefficients[0] + p->coefficients[1] * (x[0] - p->centre[0]) + p->coefficients[2] * (x[1] - p->centre[1]);
 }
 
+/* Adds a strip, or its reverse. */
 static void mg_add_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
   if (p->n == p->capacity) return;
   mg_boundary_strip *s = p->strips + p->n++;
@@ -28,7 +32,7 @@ static void mg_add_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *
     s->t[k] = strip->t[!k], s->ends[k] = strip->ends[!k], s->begin[k] = strip->end[k], s->end[k] = strip->begin[k];
 }
 
-/* The part of a straight strip that is pressed. */
+/* Adds the loaded part of a straight piece. */
 static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, int back) {
   const mg_real a = mg_pressure_at(p, s.begin), b = mg_pressure_at(p, s.end);
   if (a <= 0 && b <= 0) {
@@ -45,7 +49,7 @@ static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, 
   mg_add_strip(p, &s, back);
 }
 
-/* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
+/* Parameter of a curve between t0 and t1, where the pressure has opposite signs, at which it vanishes. */
 static mg_real mg_find_zero_pressure(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0,
                                      mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
@@ -66,6 +70,7 @@ static mg_real mg_find_zero_pressure(const mg_winkler_pressure_field *p, const m
   return t;
 }
 
+/* Adds the strip of a curve from t0 to t1. */
 static void mg_add_curved_strip(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, const int *ends,
                                 int back) {
   mg_boundary_strip s = {arc, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
@@ -74,7 +79,7 @@ static void mg_add_curved_strip(mg_winkler_pressure_field *p, int arc, mg_real t
   mg_add_strip(p, &s, back);
 }
 
-/* The parts of a curve that are pressed; it turns by so little that there are two at most. */
+/* Adds the loaded parts of a curved piece, two at most because it turns little. */
 static void mg_clip_curve(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, int back) {
   const mg_placed_arc *k = p->hull->arcs + arc;
   const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
@@ -93,7 +98,7 @@ static void mg_clip_curve(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_
   }
 }
 
-/* The boundary of what is pressed with the pressure at hand; all of it with a pressure of 1. */
+/* Strips of the boundary of the loaded region for the present coefficients. */
 static void mg_find_loaded_boundary(mg_winkler_pressure_field *p) {
   const mg_hull *h = p->hull;
   p->n = p->partly_unloaded = 0;
@@ -121,7 +126,8 @@ static void mg_find_loaded_boundary(mg_winkler_pressure_field *p) {
   }
 }
 
-/* Adds the moments of the triangle between a piece of boundary, at x with weight x cross dx, and the foot. */
+/* Adds the moments of the triangle between the reference point and an element of the boundary at x, with weight x
+   x dx. */
 static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const mg_real *x) {
   const mg_real d[2] = {x[0] - p->zero_line_point[0], x[1] - p->zero_line_point[1]};
   mg_real *m = p->moments;
@@ -130,8 +136,8 @@ static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const m
   p->reach = fmax(p->reach, mg_distance2(x, p->centre));
 }
 
-/* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts,
-   moved to the centre. */
+/* Moments of the loaded region about a point of the line where the pressure vanishes, so that this line does not
+   contribute, shifted to the centre. */
 static void mg_compute_moments(mg_winkler_pressure_field *p) {
   const mg_real *o = p->zero_line_point,
                 shift[2] = {p->zero_line_point[0] - p->centre[0], p->zero_line_point[1] - p->centre[1]};
@@ -176,6 +182,7 @@ MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real
   mg_compute_moments(p);
 }
 
+/* Sets the coefficients, loaded region and moments. */
 static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *coefficients) {
   for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
   mg_find_loaded_boundary(p);
@@ -185,14 +192,14 @@ static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *coe
   mg_compute_moments(p);
 }
 
-/* What the pressure wanted minimises: half its square, less the level's share of the moments. */
+/* Half the integral of p^2 less force times the coefficient a: the convex function that the coefficients minimise. */
 static mg_real mg_pressure_merit(const mg_winkler_pressure_field *p, mg_real force) {
   const mg_real *m = p->moments, *l = p->coefficients;
   return (m[0] * l[0] * l[0] + m[3] * l[1] * l[1] + m[5] * l[2] * l[2]) / 2 + m[1] * l[0] * l[1] + m[2] * l[0] * l[2] +
          m[4] * l[1] * l[2] - force * l[0];
 }
 
-/* The middle of a hull's corners, and how far they are from it at most. */
+/* Mean of the vertices of a hull; returns their largest distance from it. */
 static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   mg_real reach = 0;
   middle[0] = middle[1] = 0;
@@ -216,8 +223,7 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   return 1;
 }
 
-/* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a
-   convex function, whose Hessian the moments are; 0 where it is not found. */
+/* Pressure with a resultant and a centre from one near it, by Newton's method. Returns 0 if it fails. */
 static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre,
                               const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
@@ -249,7 +255,8 @@ static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const
   return 0;
 }
 
-/* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
+/* The same by continuation from the middle of the overlap, whose pressure is uniform, along a straight line to the
+   centre. */
 static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];

@@ -1,4 +1,5 @@
-/* The loop: step, search for events, commit, project, change mode, keep the ledger. */
+/* The loop of a run (mg_advance): take a step, search it for events, accept the state, project drift, change
+   modes, update diagnostics. Writes the state of the run, samples and events. */
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -9,7 +10,8 @@
 #include "events/events.h"
 #include "timestep/timestep.h"
 
-/* Tries steps from *h down until one is accurate enough; *h is then its size, and run->h the next to try. */
+/* Tries steps from *h down until one is accurate enough; *h then is its length, and run->h the next to try.
+   Returns an outcome. */
 static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
   mg_real most = 6;
@@ -33,8 +35,8 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   }
 }
 
-/* The end of the step h with eta on the extremum, in c->step.settled. Returns 0 where a closed contact passed its
-   singularity, or lost it, and a shorter step can still come nearer. */
+/* Places the contacts at the end of the step h, in c->step.settled. Returns 0 if a closed contact is singular or
+   lost there and a shorter step may come nearer. */
 static int mg_place_step_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = c->step.end[i];
@@ -45,8 +47,8 @@ static int mg_place_step_end(mg_context *c, mg_real h) {
   return is_valid || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
 }
 
-/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points
-   have leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
+/* True if the gap rate of a loaded contact at the end of the step exceeds the error that a step may have: its
+   contact point has moved too far, as on a rim that passes flat. Needs the rates at the end. */
 static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
   const mg_real least = c->system->length / c->system->time,
                 part = c->settings->separation_speed_factor * c->settings->tolerance;
@@ -59,6 +61,7 @@ static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
   return 0;
 }
 
+/* Makes c->step.settled the state of the run. */
 static void mg_accept_state(mg_context *c, mg_real h) {
   for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.settled[i];
   mg_advance_time(c->run, h);
@@ -67,6 +70,7 @@ static void mg_accept_state(mg_context *c, mg_real h) {
   mg_finish_slip_onsets(c);
 }
 
+/* Evaluates the right-hand side at the new state, and projects drift if it is due. Returns an outcome. */
 static int mg_control_drift(mg_context *c) {
   if (!mg_all_finite(c->layout.n_states, c->run->x)) return MG_NOT_FINITE;
   mg_evaluate_run_state(c);
@@ -75,13 +79,15 @@ static int mg_control_drift(mg_context *c) {
   return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be
-   one alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
+/* True if a step of length h must be taken in part: in a companion run (step_fraction < 1) the first step after an
+   event, because a step from one event to the next would be the same at any tolerance. A step that another event
+   ends at once is left as it is. */
 static int mg_is_companion_step_after_event(const mg_context *c, mg_real h) {
   return c->settings->step_fraction < 1 && c->run->t == c->run->t_event &&
          h > c->settings->event_tolerance * c->system->time;
 }
 
+/* Replaces the step by its first part step_fraction. Returns an outcome. */
 static int mg_take_step_part(mg_context *c, mg_real *h) {
   *h *= c->settings->step_fraction;
   int outcome = MG_DONE;
@@ -94,7 +100,7 @@ static int mg_take_step_part(mg_context *c, mg_real *h) {
   return outcome;
 }
 
-/* The longest step in which nothing passes unseen. */
+/* Longest step in which no contact can pass unseen, s. */
 static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
                 search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
@@ -104,7 +110,8 @@ static mg_real mg_longest_step(const mg_context *c) {
          (seen < opening_limit ? seen : opening_limit);
 }
 
-/* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
+/* Length of the step to the first event within the step h just tried, or 0; leaves the interpolant where there may
+   be one. */
 static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
   const int dips = mg_mark_gap_minima(c, h), triggered = mg_mark_triggered_events(c, c->step.end),
             hidden = !triggered && !c->step.sign_changed && mg_has_possible_hidden_event(c);
@@ -114,12 +121,12 @@ static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
   return mg_locate_first_event(c, h, passed);
 }
 
-/* A stage saw an event that is over before it could be located: what moves in time came and went. */
+/* True if a stage saw an event that is over before it could be located, because of a function of time. */
 static int mg_has_missed_event(const mg_context *c, mg_real h) {
   return c->layout.n_timed && c->step.sign_changed && h > c->settings->time_resolution * c->system->time;
 }
 
-/* Ends a step that was collocated beyond the time it may take. */
+/* Ends a collocated step that is longer than `end`; returns whether it was. */
 static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
   mg_restrict_step(c, c->run->x, end / *h);
@@ -127,7 +134,7 @@ static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
   return 1;
 }
 
-/* Takes the step h that is settled, and what happens at its end. */
+/* Accepts the step h, and what happens at its end. Returns an outcome. */
 static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
   mg_record_until(c, record, h);
   mg_accept_state(c, h);
@@ -145,15 +152,16 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
-/* No step now, and a shorter one next. */
+/* Rejects the step; the next is half as long. Returns MG_DONE. */
 static int mg_reject_step(mg_context *c, mg_real h) {
   c->run->rejected++, c->run->h = h / 2;
   mg_evaluate_run_state(c);
   return MG_DONE;
 }
 
-/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a
-   face begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. A
+   first step from flat is tried at the full length of run->h, because rounding spoils a short one, and is cut on
+   its interpolant. Returns an outcome. */
 static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real end = h;
@@ -187,7 +195,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   return mg_finish_accepted_step(c, h, event, record, events);
 }
 
-/* A step of the method, or of time-stepping where it has to stand in for it. */
+/* One step of the method, or of time-stepping during a fallback. Returns an outcome. */
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   int outcome;
   if (mg_is_time_stepping(c)) {

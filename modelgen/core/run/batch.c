@@ -1,4 +1,4 @@
-/* Many runs of one system, one after the other, on one scratch memory. */
+/* Many runs of one system, one after the other, on the same scratch memory (mg_batch). */
 #include "run/run.h"
 
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,

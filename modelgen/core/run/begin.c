@@ -1,4 +1,5 @@
-/* The start of a run: extrema, closed contacts, first impacts, first forces. */
+/* The start of a run (mg_begin): closest points, closed contacts, assembly of the joints, first impacts and
+   contact modes. Writes the state, contacts and statistics of the run. */
 #include "run/run.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -8,6 +9,7 @@
 #include "events/events.h"
 #include "timestep/timestep.h"
 
+/* Places all contacts at the start and decides which are closed. Returns an outcome. */
 static int mg_place_start_contacts(mg_context *c) {
   const mg_system *s = c->system;
   const mg_real touching = c->settings->start_gap * s->length;
@@ -32,13 +34,14 @@ static int mg_place_start_contacts(mg_context *c) {
   return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
-/* After the first impacts: contacts that were struck and do not rebound. */
+/* Reports the contacts that approached and do not rebound after the first impacts. */
 static void mg_report_touch_downs(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_approaching(c, i))
       mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->rows.d_dot[i]);
 }
 
+/* Resets what the run reports. */
 static void mg_reset_report(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->fallbacks = run->fallback_steps_left = run->loose_solutions = run->relaxed_solutions = 0;
@@ -56,7 +59,7 @@ static void mg_reset_report(mg_run *run) {
   run->t_event = run->t, run->t_roundoff = 0;
 }
 
-/* Time-stepping needs no modes: its first step takes the first impacts. */
+/* Start of time-stepping, which needs no modes: its first step takes the first impacts. */
 static int mg_begin_time_stepping(mg_context *c) {
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] = 0;
@@ -64,7 +67,7 @@ static int mg_begin_time_stepping(mg_context *c) {
   return MG_DONE;
 }
 
-/* A run that starts at a kink of a path starts after it, with the whole of its speed. */
+/* Moves the start behind the kink of a prescribed path at this time, so that the velocity is that after it. */
 static void mg_start_after_kink(mg_context *c) {
   mg_real before, after;
   if (!mg_find_velocity_jump(c, mg_velocity_jump_duration(c) / 4, &before, &after)) return;

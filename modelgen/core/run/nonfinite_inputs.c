@@ -1,5 +1,5 @@
 /* Functions of time that are not finite or have a pole: loads, paths of driven bodies, prescribed joint motions.
-   They are examined where a run cannot go on, with the bodies where they are. Writes poses only. */
+   They are examined where a run cannot go on, at the present poses. Writes poses only. */
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"

@@ -7,6 +7,9 @@
 #define MG_FRICTION_ROWS_MAX 5 /* most rows of a contact below its normal one */
 
 /* workspace.c */
+
+/* Sets up a context for a call on the caller's memory, with the contacts on the feature pairs of the run. No state
+   is evaluated. */
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork);
 

@@ -1,4 +1,5 @@
-/* The scratch of one call, carved from the caller's memory. */
+/* The context of one call: sizes of the scratch memory, and its division into the arrays of mg_context.
+   mg_work_size and mg_iwork_size must count what mg_set_arrays and mg_set_friction_arrays take. */
 #include "run/run.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -8,18 +9,19 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
+/* Length of the state x. */
 static long mg_state_count(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
-/* Contacts, one to spare, rows of joints, rows below the normal ones. */
+/* Rows of all constraints: contacts, one spare, joint rows, friction rows. */
 static long mg_row_count(const mg_system *s) { return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row; }
 
-/* The most rows held at a time. */
+/* Most rows that one problem may have. */
 static long mg_held_row_capacity(const mg_system *s) {
   const long below = MG_FRICTION_ROWS_MAX * (long)s->closed_capacity;
   return (long)s->closed_capacity + s->n_joint_row + (below < s->n_friction_row ? below : s->n_friction_row);
 }
 
-/* The most strips of the boundary of a patch. */
+/* Largest strip capacity of a patch. */
 static long mg_strip_capacity_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
@@ -29,7 +31,7 @@ static long mg_strip_capacity_max(const mg_system *s) {
   return most;
 }
 
-/* What friction constraints need: reals, ints. */
+/* Memory of the friction constraints, in mg_real. */
 static long mg_friction_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
   const long k = s->n_patch_slot ? mg_held_row_capacity(s) : 0;
@@ -39,15 +41,17 @@ static long mg_friction_memory_size(const mg_system *s) {
          mg_friction_work_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
+/* Memory of the friction constraints, in int. */
 static long mg_friction_int_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
   return 4L * s->n_friction + 4L * s->closed_capacity +
          mg_friction_iwork_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
+/* Size of an mg_rolling_start, in mg_real. */
 static long mg_rolling_start_size(void) { return (long)(sizeof(mg_rolling_start) / sizeof(mg_real)); }
 
-/* The hull of any patch. */
+/* Largest memory of the hull of a patch, in mg_real. */
 static long mg_hull_memory_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
@@ -57,10 +61,12 @@ static long mg_hull_memory_max(const mg_system *s) {
   return most;
 }
 
+/* Memory of the samples of two features and their merits, in mg_real. */
 static long mg_sample_memory_size(void) {
   return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES;
 }
 
+/* Memory of the samples kept between searches, in mg_real. */
 static long mg_table_memory_size(const mg_system *s) {
   return s->n_sample_table ? (long)MG_SAMPLE_SIZE * s->sample_table_first[s->n_sample_table] : 0;
 }
@@ -84,6 +90,7 @@ MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 
+/* Lists the rows that act on each body that forces move. */
 static void mg_set_incidence(mg_context *c) {
   const mg_system *s = c->system;
   int n = 0;
@@ -97,6 +104,7 @@ static void mg_set_incidence(mg_context *c) {
   c->islands.incident_begin[s->n_body] = n;
 }
 
+/* Divides the memory of the friction constraints. */
 static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
   const long n = mg_held_row_capacity(s), k = s->closed_capacity;
@@ -124,6 +132,7 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->friction.iwork = mg_take_ints(&iwork, mg_friction_iwork_size((int)n, (int)k));
 }
 
+/* Divides the memory. */
 static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
   const long b = s->n_body, m = s->n_contact, r = c->layout.friction_row_end, n = mg_held_row_capacity(s),
@@ -183,7 +192,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   if (s->n_friction) mg_set_friction_arrays(c, work, iwork);
 }
 
-/* Poses that never change are written once: fixed bodies whole, point bodies their identity rotation. */
+/* Writes the poses that never change: of fixed bodies, and the rotation of point masses. */
 static void mg_set_constant_poses(mg_context *c) {
   const mg_system *s = c->system;
   c->layout.n_driven = c->layout.n_moving = 0;

@@ -1,6 +1,6 @@
-/* Where an event-driven run cannot go on, it goes on by time-stepping for a while: where events accumulate at one time,
-   where steps shrink without getting on, or where no accelerations are admissible, as in Painleve's paradox, but
-   impulses are. */
+/* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time, where steps
+   become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but impulses
+   are. Writes run->fallbacks and what belongs to it, modes, patches and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -25,6 +25,7 @@ MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
          outcome == MG_STEP_TOO_SMALL;
 }
 
+/* True if a closed contact has friction. */
 static int mg_has_sticking_friction(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact && c->system->n_friction; i++)
     if (c->run->closed[i] && c->system->contact_friction[i + 1] > c->system->contact_friction[i]) return 1;
@@ -42,13 +43,15 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   return is_too_slow;
 }
 
+/* First closed contact, or 0. */
 static int mg_first_closed_contact(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i]) return i;
   return 0;
 }
 
-/* Time-stepping knows no patches: what they covered stands open again. Needs the poses at run->x. */
+/* Releases all patches, which time-stepping does not know, and restores the contacts that they covered. Needs the
+   poses at run->x. */
 static void mg_release_patches(mg_context *c) {
   mg_minima found;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -73,7 +76,8 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   return 1;
 }
 
-/* Closed contacts as the step left them, brought onto d = 0 and d_dot = 0; what that does to the energy is work. */
+/* Projects the closed contacts to d = 0 and d_dot = 0; the change of the energy counts as work. Returns an
+   outcome. */
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;

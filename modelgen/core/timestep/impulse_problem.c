@@ -1,4 +1,6 @@
-/* Time-stepping, the complementarity problem of a step: impulses that make the velocities at its end admissible. */
+/* Complementarity problem of a step of time-stepping: impulses that make the velocities at its end admissible,
+   without friction (a convex program) or with Coulomb's law. Reads the geometry of the step (velocity_rows.c);
+   writes c->solution.force, c->bodies.wrench, modes and statistics of the run. */
 #include "timestep/timestep.h"
 #include "solve/lcp/solvers.h"
 #include "solve/friction/solvers.h"
@@ -7,7 +9,7 @@
 
 enum { MG_NOT_NEAR = 0, MG_NEAR = 1, MG_NEAR_SET_ROUNDS = 20, MG_TOUCH_STEP_PARTS = 16 };
 
-/* The relaxation keeps gaps open that slip makes: how fast, at the rates of the end of the step. */
+/* Rate at which the relaxed friction law keeps the gap opening, sum of |mu w_t|, at the end of the step. */
 static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real h) {
   mg_real sum = 0;
   for (int g = c->system->contact_friction[contact];
@@ -21,8 +23,8 @@ static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real
   return sum;
 }
 
-/* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme
-   asks for what touches only, at its very beginning, of which `MG_TOUCH_STEP_PARTS` parts make a step. */
+/* True if a contact with this gap rate at the end of the step takes part in the problem: its gap would close
+   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part. */
 static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate, mg_real h) {
   if (!mg_is_on_feature_pair(c, contact)) return 0;
   const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
@@ -31,12 +33,13 @@ static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate,
   return gap + h * rate / soon <= c->settings->contact_gap * c->system->length || (soon > 1 && gap <= touching);
 }
 
-/* Under the impulses found so far. */
+/* Gap rate at the end of the step under the impulses found so far. */
 static mg_real mg_end_gap_rate(const mg_context *c, int contact, mg_real h) {
   return mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) -
          mg_relaxed_opening_rate(c, contact, h);
 }
 
+/* Lists the contacts that take part; returns their number. */
 static int mg_list_near_contacts(mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -44,7 +47,7 @@ static int mg_list_near_contacts(mg_context *c) {
   return n;
 }
 
-/* Contacts without friction: a convex quadratic program. */
+/* Impulses without friction, a convex quadratic program; *size receives the number of rows. Returns an outcome. */
 static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   mg_lcp_report report;
   const int n = mg_list_near_contacts(c);
@@ -63,13 +66,14 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
-/* A friction constraint that held in the step before is bounded by static friction, the others by kinetic. */
+/* A friction constraint that stuck in the step before is bounded by static friction, others by kinetic. */
 static void mg_set_step_bound_kinds(mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     c->friction.triggered[g] = 0,
     c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
 
+/* Sets up the friction problem of the step. */
 static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
   mg_friction_problem p = {0,
                            0,
@@ -94,7 +98,7 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
   return p;
 }
 
-/* Grips held by static friction that slip get kinetic friction; returns how many that changes. */
+/* Gives kinetic friction to the constraints bounded by static friction that slip; returns how many there are. */
 static int mg_release_slipping_constraints(mg_context *c, const mg_friction_problem *p) {
   for (int g = 0; g < c->system->n_friction; g++) c->friction.is_yielding[g] = 0;
   for (int k = 0; k < p->n_contact; k++) {
@@ -105,7 +109,7 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_friction_prob
   return mg_use_kinetic_bounds(c);
 }
 
-/* The best impulses found count as solved if their residual is small enough. */
+/* Solves the problem; a residual up to stepping_residual counts as solved. Returns the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
   const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   c->run->lcp_solves++;
@@ -114,7 +118,8 @@ static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_f
   return MG_FRICTION_SOLVED;
 }
 
-/* Coulomb's law, or its relaxation where that is asked for or no solution of the law is found. */
+/* Solves the problem by Coulomb's law, or by its relaxation if that is chosen or no solution of the law is found.
+   Returns an outcome. */
 static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
   mg_friction_report report;
   for (int k = 0; k < p->n_contact; k++)
@@ -131,6 +136,7 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
   return MG_DONE;
 }
 
+/* Impulses with friction; *size receives the number of rows. Returns an outcome. */
 static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
   int count = 0, outcome;
   for (int i = 0; i < c->system->n_contact; i++) count += c->events.is_near[i] != 0;
@@ -144,7 +150,7 @@ static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
   return outcome;
 }
 
-/* Impulses of the rows into c->solution.force, what they do to the velocities into c->bodies.wrench. */
+/* Writes the impulses of the rows to c->solution.force and the changes of the twists to c->bodies.wrench. */
 static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
   for (int i = 0; i < c->layout.friction_row_end; i++)
     c->solution.force[i] =
@@ -156,7 +162,7 @@ static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
   }
 }
 
-/* Contacts that impulses at others close within the step; returns their number. */
+/* Adds contacts that impulses at others make close within the step; returns their number. */
 static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {

@@ -1,11 +1,13 @@
-/* Time-stepping, what is told of a step: which contacts press, strike and part, which friction constraints hold and
-   slip. A time is that of the end of the step. */
+/* Modes and events of a step of time-stepping: which contacts close, rebound and open, which friction constraints
+   stick and slip. Events have the time of the end of the step. Writes modes and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* True if the impulse of the contact is compressive. */
 static int mg_has_compressive_force(const mg_context *c, int contact) { return c->solution.force[contact] > 0; }
 
+/* Applies the transition of a contact in the step. */
 static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact, mg_real h) {
   const mg_real before = c->rows.d_dot[contact],
                 after = mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench);
@@ -20,7 +22,7 @@ static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact
     mg_apply_contact_transition(c, events, contact, MG_LIFTS_OFF, t, 0);
 }
 
-/* Needs the marks of the friction problem solved last. */
+/* Sets the modes of the friction constraints. Needs the marks of the friction problem solved last. */
 static void mg_report_friction_modes(mg_context *c, mg_events *events) {
   for (int g = 0; g < c->system->n_friction; g++)
     c->friction.mode_before[g] = c->run->friction_mode[g], c->friction.slip_time_left[g] = 0;

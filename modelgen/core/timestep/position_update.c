@@ -1,5 +1,6 @@
-/* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of
- * penetration. */
+/* End of a step of time-stepping: velocities, work, positions, contact points, and the correction of penetration
+   (post-stabilisation: Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371). Writes the state and
+   statistics of the run. */
 #include "timestep/timestep.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
@@ -7,14 +8,15 @@
 #include "forces/forces.h"
 #include "features/features.h"
 
-/* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
+/* Work of the impulse of a row against the mean of its rates before and after, without the part that prescribed
+   motions do. */
 static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
   if (c->solution.force[row] == 0) return 0;
   const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
   return c->solution.force[row] * ((c->rows.d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
 }
 
-/* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
+/* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */
 static void mg_add_impulse_work(mg_context *c, mg_real h) {
   mg_run *run = c->run;
   for (int i = 0; i < c->layout.friction_row_end; i++) run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
@@ -55,7 +57,7 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   mg_normalise_quaternions(c, c->run->x);
 }
 
-/* From where the step has led eta, else from where it began. Returns 0 where neither finds the extremum. */
+/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail. */
 static int mg_converge_contact(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
@@ -85,7 +87,7 @@ MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
   return count;
 }
 
-/* The deepest penetration, or the largest miss of a joint. */
+/* Largest penetration or joint error. */
 static mg_real mg_largest_violation(const mg_context *c) {
   mg_real worst = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -95,7 +97,8 @@ static mg_real mg_largest_violation(const mg_context *c) {
   return worst;
 }
 
-/* The least movement that ends penetration and closes the joints, in the kinetic metric, to first order. */
+/* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
+   Returns 0 if it fails. */
 static int mg_correct_positions(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;

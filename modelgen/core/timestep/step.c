@@ -1,7 +1,7 @@
-/* Time-stepping at the level of velocities and impulses, with a fixed step: no event is located, every contact that
-   closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods Eng. 39
-   (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth Mechanics and
-   Applications, 1988, 1-82). Order 1. */
+/* Time-stepping on velocities and impulses with a fixed step, order 1: no event is located; every contact that
+   closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods
+   Eng. 39 (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth
+   Mechanics and Applications, 1988, 1-82). Writes the state, contacts and events of the run, and samples. */
 #include "timestep/timestep.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -10,13 +10,13 @@
 #include "features/features.h"
 #include "events/events.h"
 
-/* Impulses over the step become forces. */
+/* Divides the impulses of the step by its length. */
 static void mg_impulses_to_forces(mg_context *c, mg_real h) {
   for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] /= h;
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }
 
-/* Samples due within the step from the state in c->step.end to run->x, on the straight line between them. */
+/* Appends the samples within the step, on the straight line from c->step.end to run->x. */
 static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t - h;
   while (mg_is_sample_due(record, c->run->t)) {
@@ -29,7 +29,7 @@ static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) 
   }
 }
 
-/* Contacts that left their feature pairs walk on. Needs the poses at run->x. */
+/* Changes the feature pairs of contacts whose conditions fail. Needs the poses at run->x. */
 static void mg_change_features_after_step(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -40,7 +40,8 @@ static void mg_change_features_after_step(mg_context *c, mg_events *events) {
   if (count) mg_change_marked_features(c, events);
 }
 
-/* Links, extrema and penetration at the end of the step; leaves the rows fresh. */
+/* Feature pairs, contact points and penetration at the end of the step. Leaves the rows at run->x. Returns an
+   outcome. */
 static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
   mg_converge_all_contacts(c, events);
   mg_change_features_after_step(c, events);

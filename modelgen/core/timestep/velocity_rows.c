@@ -1,5 +1,5 @@
-/* Time-stepping, what a step starts from: the rows where they are taken, the velocities at its end without contacts,
-   and how fast each contact must then part at least. */
+/* Start of a step of time-stepping: the rows at the positions of the scheme, the velocities at its end without
+   contacts, and the least gap rate that the scheme demands there. Writes c->rows, c->bodies and c->step. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -15,7 +15,7 @@ MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {
   return c->settings->stepping_scheme == MG_MOREAU ? c->settings->stepping_theta : 1;
 }
 
-/* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->bodies.acceleration. */
+/* to = x with positions advanced over `time` and velocities over `change` by the present slope and accelerations. */
 static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
   const mg_system *s = c->system;
   for (int i = 0; i < c->layout.n_states; i++) to[i] = c->run->x[i];
@@ -26,7 +26,8 @@ static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real chan
   mg_normalise_quaternions(c, to);
 }
 
-/* Takes the forces of the joints into c->bodies.acceleration, and notes them in c->solution.impulse. */
+/* Adds the accelerations by the forces of the joints to c->bodies.acceleration, and stores these forces in
+   c->solution.impulse. */
 static void mg_add_joint_accelerations(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
