@@ -1,4 +1,5 @@
-/* Closest points of two features: search from samples, Newton's method, certificates. May use: base, model. */
+/* Closest points of two features or shapes: search from samples, Newton's method, separation of convex shapes, and
+   singular contacts. May use: base, model. */
 #ifndef MG_CLOSEST_H
 #define MG_CLOSEST_H
 

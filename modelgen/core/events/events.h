@@ -5,7 +5,11 @@
 
 #include "model/context.h"
 
-enum { MG_GAP_MAY_CLOSE = 1, MG_GAP_OSCILLATES = 2 };
+/* Marks in c->events.gap_dips. */
+enum {
+  MG_GAP_MAY_CLOSE = 1, /* the gap has a minimum inside the step that may be negative */
+  MG_GAP_OSCILLATES = 2 /* the gap has more than one extremum inside the step */
+};
 
 /* step_limits.c */
 

@@ -1,5 +1,5 @@
 /* Forces and accelerations at one state: the active set of normal forces, friction and its modes, planar contacts with
-   pressure, elimination of joints, projection of drift. May use: base, solve, region, model, closest. */
+   pressure, elimination of joints, projection of drift, diagnostics. May use: base, solve, region, model, closest. */
 #ifndef MG_FORCES_H
 #define MG_FORCES_H
 
@@ -8,38 +8,48 @@
 #include "solve/friction/solvers.h"
 #include "solve/lcp/solvers.h"
 
-enum { MG_MARGIN_SAMPLES = 7 }; /* samples of a step */
+enum { MG_MARGIN_SAMPLES = 7 }; /* samples of event margins in a step */
 
+/* What determines the force of a friction constraint. */
 enum {
-  MG_BOUND_SLIP = 0,
-  MG_BOUND_STATIC = 1,
-  MG_BOUND_KINETIC = 2
-}; /* what bounds a friction constraint: its slip, or a cone */
-
-enum {
-  MG_PATCH_ROWS = 3
-}; /* below the first support point's normal row: slip of its point along t1, t2, spin about N */
-
-struct mg_patch_friction { /* a patch with friction in a slot */
-  int slips;               /* it slips */
-  int centre_known, partly_unloaded,
-      force_outside; /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
-  mg_real centre[2], extent;             /* of pressure, axes of the hull; m, of what is pressed about it */
-  mg_real mean_distance, mean_point[2];  /* m, mean distance of the pressure from that centre, its own; 0: not known */
-  mg_real force_ratio[MG_PATCH_ROWS][3]; /* force along a row by that on a support point, with the sign changed */
-  int triggered, mode_before, slip_stopped; /* its event has fired; its mode before; slip has died */
-  mg_real slip_time_left;                   /* s, slip that was stopped had left */
-  mg_real slip_direction[2]; /* while slip begins: its direction is the course and so much of each across it */
+  MG_BOUND_SLIP = 0,   /* its slip: kinetic friction opposite to it */
+  MG_BOUND_STATIC = 1, /* an unknown bounded by the static cone */
+  MG_BOUND_KINETIC = 2 /* an unknown bounded by the kinetic cone */
 };
 
-typedef struct { /* rows and axes of a hull: t1, t2 and the support points in it, N along its z or against */
-  mg_real pose[12], t[2][2], support[3][2], sign;
+enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first support point along t1, t2, spin about N */
+
+/* Friction of the patch in a slot. */
+struct mg_patch_friction {
+  int slips;                             /* 1: it slips */
+  int centre_known;                      /* 1: `centre` is known */
+  int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap */
+  int force_outside;                     /* 1: the centre of pressure is outside the hull */
+  mg_real centre[2];                     /* centre of pressure, axes of the hull, m */
+  mg_real extent;                        /* extent of the loaded region about it, m */
+  mg_real mean_distance, mean_point[2];  /* mean distance of the pressure from its centre, m, and that centre; 0: not
+                                            known */
+  mg_real force_ratio[MG_PATCH_ROWS][3]; /* friction along a row over minus the force of each support point */
+  int triggered;                         /* 1: its event has triggered */
+  int mode_before;                       /* its mode at the start of the step */
+  int slip_stopped;                      /* 1: its slip has ended in this step */
+  mg_real slip_time_left;                /* time that slip which was stopped would have lasted, s */
+  mg_real slip_direction[2];             /* while slip begins: components of its direction across the stored one */
+};
+
+/* Rows of a patch in the axes of its hull. */
+typedef struct {
+  mg_real pose[12];      /* pose of the hull's axes */
+  mg_real t[2][2];       /* t1 and t2 */
+  mg_real support[3][2]; /* support points, m */
+  mg_real sign;          /* 1: N is the z axis of the hull, -1: opposite */
 } mg_patch_frame;
 
+/* An event margin at a time of a step. */
 typedef struct {
-  mg_real theta;
-  mg_event_margin left;
-} mg_margin_sample; /* theta < 0 or > 1: no sample */
+  mg_real theta;        /* time in the step, 0..1; < 0 or > 1: no sample */
+  mg_event_margin left; /* bounds of the margin */
+} mg_margin_sample;
 
 /* smooth_dynamics.c */
 
@@ -408,10 +418,14 @@ MG_INTERNAL void mg_collect_margin_samples(const mg_context *c, int which, int e
 MG_INTERNAL int mg_is_margin_nearly_constant(const mg_context *c, int which);
 
 /* diagnostics.c */
+
+/* Kinetic and potential energy of the bodies that forces move at run->x, J; *kinetic receives the kinetic part. */
 MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic);
 
-/* Needs the rows at run->x. */
+/* Updates the statistics of the run. Needs the rows and forces at run->x. */
 MG_INTERNAL void mg_update_diagnostics(mg_context *c);
+
+/* Ends the run with MG_MARGIN if a closed contact is singular; else returns MG_DONE. */
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events);
 
 #endif

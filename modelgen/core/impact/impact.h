@@ -4,15 +4,16 @@
 
 #include "model/context.h"
 
+/* Impact at one contact as a path in its normal impulse. */
 typedef struct {
-  mg_real G[9];           /* J M^-1 J^T of N, t1, t2, joints held, row after row */
-  mg_real mu[2];          /* along t1 and t2; zeros: no friction */
-  mg_real velocity[6];    /* rates along N, t1, t2; impulses along t1, t2; work of the normal impulse */
-  mg_real impulse;        /* the normal impulse so far */
-  mg_real force_ratio[2]; /* tangential over normal impulse, once slip has ended or kept its direction */
-  mg_real initial_speed;  /* the speed that it began with */
-  int keeps_direction;    /* slip keeps its direction, until it ends */
-  int slip_ended;         /* slip has ended, or begun anew in a direction that it keeps */
+  mg_real G[9];           /* J M^-1 J^T of N, t1, t2 with the joints held, by rows */
+  mg_real mu[2];          /* coefficients of friction along t1 and t2; zeros: no friction */
+  mg_real velocity[6];    /* velocities along N, t1, t2; impulses along t1, t2; work of the normal impulse */
+  mg_real impulse;        /* normal impulse so far, N s */
+  mg_real force_ratio[2]; /* tangential over normal impulse, after slip has ended or while it keeps its direction */
+  mg_real initial_speed;  /* speed at the start */
+  int keeps_direction;    /* 1: slip keeps its direction until it ends */
+  int slip_ended;         /* 1: slip has ended, or has begun again in a direction that it keeps */
 } mg_impact_path;
 
 /* impulse_path.c */

@@ -1,5 +1,5 @@
-/* One step of an integrator, its interpolant and samples: RK4, DOP853, Radau IIA for starts of rolling and slip.
-   May use: base, solve, model, closest, forces. */
+/* One step of an integrator, its interpolant, samples of a run: RK4, DOP853, and Radau IIA for the start of rolling and
+   of slip. May use: base, solve, region, model, closest, forces. */
 #ifndef MG_INTEGRATE_H
 #define MG_INTEGRATE_H
 
@@ -75,7 +75,7 @@ MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact,
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage);
 
 /* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
-MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *tilt);
 
 /* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,

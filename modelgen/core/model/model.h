@@ -1,31 +1,33 @@
-/* The scene as the solver sees it at one state: bodies, feature pairs, rows of contacts and joints, planar contacts,
-   and what becomes of a contact at an event. May use: base, region. */
+/* The scene at one state: bodies, feature pairs, rows of contacts and joints, planar contacts, and the transitions of a
+   contact at an event. Sides of a feature pair and of a patch are 0: o, 1: f. May use: base, region. */
 #ifndef MG_MODEL_H
 #define MG_MODEL_H
 
 #include "model/context.h"
 
-static const int mg_parametrisation_size[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
+static const int mg_parametrisation_size[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta, by MG_NONE .. MG_TURN */
 
+/* Cause of a transition of a contact (transitions.c gives the state after it and the event). */
 enum {
-  MG_IMPACT_INELASTIC,
-  MG_IMPACT_AVOIDED,
-  MG_TOUCHES_DOWN,
-  MG_IMPACT_REBOUND,
-  MG_PUSHED_OPEN,
-  MG_LIFTS_OFF,
-  MG_CONTACT_APPEARS,
-  MG_FEATURE_CHANGES,
-  MG_CONTACT_VANISHES,
-  MG_ENDS_RUN,
-  MG_PATCH_BEGINS,
-  MG_PATCH_TURNS_OVER_EDGE
+  MG_IMPACT_INELASTIC,     /* an impact without rebound */
+  MG_IMPACT_AVOIDED,       /* an approach that impacts at other contacts end */
+  MG_TOUCHES_DOWN,         /* an impact after which the contact stays closed, reported */
+  MG_IMPACT_REBOUND,       /* an impact with rebound */
+  MG_PUSHED_OPEN,          /* an impact at another contact opens it */
+  MG_LIFTS_OFF,            /* the force vanishes and the gap opens */
+  MG_CONTACT_APPEARS,      /* a search has found new closest points */
+  MG_FEATURE_CHANGES,      /* the contact changes to another feature pair */
+  MG_CONTACT_VANISHES,     /* the closest points have ceased to exist */
+  MG_ENDS_RUN,             /* the contact is singular and ends the run */
+  MG_PATCH_BEGINS,         /* first support point: the patch rests */
+  MG_PATCH_TURNS_OVER_EDGE /* first support point: the patch turns over an edge */
 };
 
+/* Marks in c->patches.trial beyond 1 (held on trial). */
 enum {
-  MG_TRIAL_ON_EDGE = 2,
-  MG_TRIAL_TORN_OFF = 3
-}; /* marks in c->patches.trial: the slot's support points stand on points of the edge; and had rested flat */
+  MG_TRIAL_ON_EDGE = 2, /* an impact has moved the support points to points of the edge of the hull */
+  MG_TRIAL_TORN_OFF = 3 /* the same, of a patch that had rested */
+};
 
 /* bodies.c */
 
@@ -232,7 +234,7 @@ MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch);
 MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int feature_pair);
 
 /* Patch in which the contact's feature pair lies and whose faces are opposed within an angle, or -1. */
-MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
+MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real tilt_tolerance);
 
 /* True if the feature pair exists only while the faces lie flat. */
 MG_INTERNAL int mg_is_feature_pair_of_flat_faces(const mg_context *c, int feature_pair);

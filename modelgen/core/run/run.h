@@ -4,7 +4,7 @@
 
 #include "model/context.h"
 
-#define MG_FRICTION_ROWS_MAX 5 /* most rows of a contact below its normal one */
+#define MG_FRICTION_ROWS_MAX 5 /* most friction rows of a contact */
 
 /* workspace.c */
 
