@@ -4,9 +4,9 @@
 #include "closest/closest.h"
 #include "base/base.h"
 
-#define MG_ASCENT_EVALUATIONS 200 /* evaluations before a climb is given up */
+#define MG_ASCENT_EVALUATIONS 200 /* most evaluations of one ascent */
 
-#define MG_ASCENT_RESTARTS 6
+#define MG_ASCENT_RESTARTS 6 /* most ascents, each from another normal */
 
 /* Separation, slope and second derivative at v->normal. */
 static void mg_evaluate_separation(const mg_shape_pair *p, mg_separation_view *v) {

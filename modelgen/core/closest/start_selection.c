@@ -4,9 +4,11 @@
 #include "base/base.h"
 #include "model/model.h"
 
-typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the centre and the radius, else 0 */
-  mg_sample base;
-  mg_real centre[3], radius;
+/* A plane or a sphere. */
+typedef struct {
+  mg_sample base;    /* its sample at (0, 0) */
+  mg_real centre[3]; /* centre of a sphere, world axes, m */
+  mg_real radius;    /* radius of a sphere, m; 0: a plane */
 } mg_nearest_point_shape;
 
 /* Deviation of two directions from opposite normals, or of a tangent and a normal from perpendicular; 0..2. */

@@ -7,11 +7,13 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-#define MG_EVENT_CORRECTIONS 8 /* of the time of an event at most */
+#define MG_EVENT_CORRECTIONS 8 /* most corrections of the time of an event */
 
-#define MG_EVENT_COARSE_PART 1e-6 /* of a step: an event alone is found so near before its zero is sought */
+#define MG_EVENT_COARSE_PART                                                              \
+  1e-6 /* part of the step to which a single event is bracketed before its zero is sought \
+        */
 
-typedef struct { /* an event: its function and the rate of that where it was seen; the time of a step to try first */
+/* An event: its function and the rate of this where it was seen; the time in the step to try first. */ typedef struct {
   int contact, cause;
   mg_real value, slope, start;
 } mg_located_event;
@@ -112,14 +114,14 @@ static int mg_first_triggered_contact(const mg_context *c) {
   return -1;
 }
 
-/* Number of the first triggered event, or -1: contacts first, then friction row groups. */
+/* Number of the first triggered event, or -1: contacts first, then friction constraints. */
 static int mg_first_triggered_event(const mg_context *c) {
   const int first = mg_first_triggered_contact(c),
             constraint = first < 0 && c->system->n_friction ? mg_first_friction_event(c) : -1;
   return constraint < 0 ? first : c->system->n_contact + constraint;
 }
 
-/* True if the event number is that of a friction row group. */
+/* True if the event number is that of a friction constraint. */
 static int mg_is_friction_event(const mg_context *c, int event) { return event >= c->system->n_contact; }
 
 /* Condition that the contact passes when it leaves its feature pair, with eta of the state x corrected to the extremum.

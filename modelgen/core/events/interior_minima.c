@@ -4,7 +4,7 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-enum { MG_MARGIN_LOOKS = 20 }; /* at a part of a step that seems to go below zero */
+enum { MG_MARGIN_LOOKS = 20 }; /* most evaluations in a part of a step in which a margin may be negative */
 
 MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
   mg_margin_sample p[4];

@@ -159,7 +159,7 @@ static void mg_mark_exits_before_impact(mg_context *c) {
 }
 
 /* Process all triggered events at the run's state: end patches, change features, close gaps, resolve impacts and
-   choose new contact modes. Needs fresh rows. */
+   choose new contact modes. Needs the rows at the run's state. */
 static int mg_process_contact_events(mg_context *c, mg_events *events) {
   if (mg_has_too_many_events(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_evaluate_run_state(c);

@@ -12,9 +12,13 @@
 #include "integrate/integrate.h"
 #include "features/features.h"
 
-enum { MG_PASSAGES_MAX = 400, MG_PASSAGE_ROUNDS = 6, MG_PASSAGE_STEP_CUT = 4 };
+enum {
+  MG_PASSAGES_MAX = 400,  /* most passages in succession */
+  MG_PASSAGE_ROUNDS = 6,  /* iterations of one passage */
+  MG_PASSAGE_STEP_CUT = 4 /* factor by which a passage that fails is shortened */
+};
 
-static const mg_real mg_longest_passage = (mg_real)1e-4; /* times the characteristic time */
+static const mg_real mg_longest_passage = (mg_real)1e-4; /* longest passage over the characteristic time */
 
 /* List the rows that hold: active contacts, joints, sticking friction; returns their number. */
 static int mg_list_held_rows(mg_context *c) {
@@ -52,7 +56,7 @@ static mg_real mg_load_power(const mg_context *c, const mg_real *slope) {
 }
 
 /* Store what the passage starts from: columns, row velocities, accelerations without these forces, points, load
-   power. Needs fresh rows at the run's state. */
+   power. Needs the rows at the run's state. */
 static void mg_store_passage_start(mg_context *c) {
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);

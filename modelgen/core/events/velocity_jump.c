@@ -6,7 +6,7 @@
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-enum { MG_JUMP_PARTS_MAX = 4096 }; /* parts of a step in which one is looked for */
+enum { MG_JUMP_PARTS_MAX = 4096 }; /* most parts of a step in which a jump is sought */
 
 typedef struct {
   mg_real t, twist[6], accel[6];

@@ -10,7 +10,7 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_FEATURE_CHANGES_MAX 8 /* feature pairs passed in one walk: around a vertex, several */
+#define MG_FEATURE_CHANGES_MAX 8 /* most feature pairs passed at one time, as around a vertex */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
 static void mg_nearest_shape_coordinates(mg_context *c, int feature_pair, int side, const mg_real *local, mg_real *uv) {

@@ -91,7 +91,7 @@ MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value,
    the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
 
-/* Needs the rows at run->x. */
+/* Updates rank, margin and dead centres of the joints. Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 
 /* patch_elimination.c */
@@ -116,22 +116,22 @@ MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n
 
 /* sliding_friction.c */
 
-/* Contact that a friction row group belongs to. */
+/* Contact that a friction constraint belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);
 
-/* Number of rows of a friction row group: 1 for spin, 2 for slip and rolling. */
+/* Number of rows of a friction constraint: 1 for spin, 2 for slip and rolling. */
 MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint);
 
 /* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n);
 
-/* Characteristic slip velocity of a row group: m/s; rad/s for spin and rolling. */
+/* Characteristic slip velocity of a friction constraint: m/s; rad/s for spin and rolling. */
 MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint);
 
-/* Slip velocity below which a row group counts as sticking. */
+/* Slip velocity below which a friction constraint counts as sticking. */
 MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint);
 
-/* Slip components s of a row group, and as value s . e along its stored slip direction e. */
+/* Slip components s of a friction constraint, and as value s . e along its stored slip direction e. */
 MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip);
 
 /* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
@@ -267,13 +267,13 @@ MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, in
 
 /* friction_cones.c */
 
-/* Decide for every friction row group whether its force follows from its slip or is bounded by the static cone. */
+/* Decide for every friction constraint whether its force follows from its slip or is bounded by the static cone. */
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c);
 
 /* Index of a friction kind (slide, spin, roll) in the cone of its contact. */
 MG_INTERNAL int mg_cone_index_of_kind(int friction_kind);
 
-/* Write the coefficients of one row group, times `part`, into the cone of its contact. */
+/* Write the coefficients of one friction constraint, times `part`, into the cone of its contact. */
 MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, const mg_real *mu, mg_real part,
                                           mg_real *cone);
 
@@ -299,7 +299,7 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip);
 
 /* friction_modes.c */
 
-/* Give the row groups that slip their kinetic coefficients; returns how many bounds that changes. */
+/* Give the friction constraints that slip their kinetic coefficients; returns how many bounds that changes. */
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
 
 /* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
@@ -309,22 +309,22 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
 /* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events);
 
-/* Event function of a row group, which falls through zero: force margin while it sticks, slip along its direction
-   while it slips. */
+/* Event function of a friction constraint, which falls through zero: force margin while it sticks, slip along its
+   direction while it slips. */
 MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint);
 
-/* Margin before the event of a row group; MG_MAX where it has none. Slip that has reached slip_speed ends below
-   it; slip that has not yet ends where it reverses as fast. */
+/* Margin before the event of a friction constraint; MG_MAX where it has none. Slip that has reached slip_speed ends
+   below it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint);
 
-/* Mark the row groups whose event has triggered; returns their number. Needs the right-hand side and the gap
+/* Mark the friction constraints whose event has triggered; returns their number. Needs the right-hand side and the gap
    velocities. */
 MG_INTERNAL int mg_mark_friction_events(mg_context *c);
 
-/* True if the event of any row group has triggered; sets no marks. */
+/* True if the event of any friction constraint has triggered; sets no marks. */
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c);
 
-/* First row group whose event has triggered, or -1. */
+/* First friction constraint whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c);
 
 /* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the
@@ -373,7 +373,7 @@ MG_INTERNAL void mg_apply_pose_correction(mg_context *c);
 MG_INTERNAL void mg_apply_velocity_correction(mg_context *c);
 
 /* Project positions and velocities back onto the constraints where they have drifted beyond tolerance. Needs the
-   rows at the run's state and leaves them fresh; returns 0 if an extremum was lost. */
+   rows at the run's state and updates them; returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_drift(mg_context *c);
 
 /* Project the given start onto zero gaps and joint rows until the drift bound holds, in at most five corrections;
@@ -386,7 +386,7 @@ MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
 /* event_margins.c */
 
-/* Number of event margins of one sample: contacts and friction row groups. */
+/* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);
 
 /* Memory of all samples of event margins, in mg_real. */

@@ -1,4 +1,4 @@
-/* Friction cones of the closed contacts: what bounds each friction row group of the friction problem, and its
+/* Friction cones of the closed contacts: what bounds each friction constraint of the friction problem, and its
    coefficients. Reads coefficients and modes; writes the cones, bound kinds and row lists of the friction
    workspace, and sets the mode of groups that had none. */
 #include "forces/forces.h"

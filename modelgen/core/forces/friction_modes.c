@@ -1,11 +1,12 @@
-/* Friction modes: which closed contacts carry force and which of their friction row groups stick or slip, by
+/* Friction modes: which closed contacts carry force and which of their friction constraints stick or slip, by
    Coulomb's law for accelerations. Slip that is under way determines its force; the other groups are bounded by
    the static cone, or by the kinetic cone once they slip. Redundant forces are selected by least norm. Writes the
    active set, the friction modes, slip directions and reference forces of the run; removes residual slip of
    sticking rows from its velocities.
 
-   Friction events: a sticking row group reaches its bound, slip of a slipping one ends or reverses. Reads forces
-   and slip velocities; writes the event marks of friction and, at the start of a step, slip directions and modes. */
+   Friction events: a sticking friction constraint reaches its bound, slip of a slipping one ends or reverses. Reads
+   forces and slip velocities; writes the event marks of friction and, at the start of a step, slip directions and
+   modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/friction/solvers.h"
@@ -22,14 +23,14 @@ static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constrain
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
-/* Magnitude of the slip of a row group. */
+/* Magnitude of the slip of a friction constraint. */
 static mg_real mg_slip_magnitude(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
   mg_slip_along_direction(c, contact, constraint, slip);
   return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
 }
 
-/* Set the slip direction of a row group along its slip, world axes. */
+/* Set the slip direction of a friction constraint along its slip, world axes. */
 static void mg_set_slip_direction(mg_context *c, int contact, int constraint) {
   const mg_real *t = c->rows.tangents + 6 * contact, size = mg_slip_magnitude(c, contact, constraint);
   mg_real slip[2], *direction = c->run->slip_direction + 3 * constraint;
@@ -38,23 +39,23 @@ static void mg_set_slip_direction(mg_context *c, int contact, int constraint) {
   if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) direction[0] = slip[0] > 0 ? 1 : -1;
 }
 
-/* Set the slip direction of a row group; returns 0 where it hardly slips. */
+/* Set the slip direction of a friction constraint; returns 0 where it hardly slips. */
 static int mg_update_slip_direction(mg_context *c, int contact, int constraint) {
   if (!(mg_slip_magnitude(c, contact, constraint) > 2 * mg_slip_velocity_tolerance(c, constraint))) return 0;
   mg_set_slip_direction(c, contact, constraint);
   return 1;
 }
 
-/* Set the friction mode of a row group from its slip velocity before the mode problem is solved: one that hardly
-   slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
+/* Set the friction mode of a friction constraint from its slip velocity before the mode problem is solved: one that
+   hardly slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
    same body. */
 static void mg_initialise_friction_mode(mg_context *c, int contact, int constraint) {
   int *mode = c->run->friction_mode + constraint;
   if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
   else if (*mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, constraint)) *mode = MG_SLIPPING;
   else if (*mode >= MG_SLIP_ONSET) {
-    const int slips =
-        mg_update_slip_direction(c, contact, constraint); /* if its event has fired, it has only left its course */
+    const int slips = mg_update_slip_direction(
+        c, contact, constraint); /* if its event has triggered, only its direction has changed */
     if (c->friction.triggered[constraint] && !slips)
       c->friction.slip_time_left[constraint] = mg_slip_stop_time(c, contact, constraint);
     *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[constraint] &= !slips;
@@ -68,8 +69,8 @@ static mg_real mg_correction_energy_loss(const mg_context *c, int n) {
   return sum;
 }
 
-/* Let the sticking row group with the largest slip, relative to its tolerance, go on slipping; returns 0 if none
-   sticks. */
+/* Let the sticking friction constraint with the largest slip, relative to its tolerance, go on slipping; returns 0 if
+   none sticks. */
 static int mg_release_fastest_sticking(mg_context *c) {
   mg_real most = 0;
   int contact = -1, fastest = -1;
@@ -172,7 +173,7 @@ static mg_real mg_acceleration_noise_bound(const mg_context *c, const mg_frictio
   return 10 * c->settings->friction_bound_margin * size;
 }
 
-/* True if the friction force of a row group of contact k is on its bound and its rows accelerate, so that it
+/* True if the friction force of a friction constraint of contact k is on its bound and its rows accelerate, so that it
    slips. */
 static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_problem *p, int k, int constraint) {
   const int first = p->first[k], row = first + 1 + c->system->friction_row[constraint],
@@ -189,7 +190,7 @@ static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_proble
          sqrt(scaled_square) > (1 - c->settings->event_correction_step) * N;
 }
 
-/* Mark the row groups that the solution lets slip; returns their number. */
+/* Mark the friction constraints that the solution lets slip; returns their number. */
 static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p) {
   int count = 0;
   for (int k = 0; k < p->n_contact; k++) {
@@ -363,7 +364,7 @@ MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
     }
 }
 
-/* Margin N - |f / mu| of a sticking row group. */
+/* Margin N - |f / mu| of a sticking friction constraint. */
 static mg_real mg_friction_force_margin(const mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint);
   const mg_real *mu = c->system->friction_static + 2 * constraint;
@@ -387,7 +388,7 @@ MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, i
   return mg_friction_event_value(c, contact, constraint) - least;
 }
 
-/* True if the event of a row group has triggered. */
+/* True if the event of a friction constraint has triggered. */
 static int mg_has_friction_event(const mg_context *c, int contact, int constraint) {
   return mg_friction_event_margin(c, contact, constraint) < 0;
 }

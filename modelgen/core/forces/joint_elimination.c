@@ -93,8 +93,8 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   return total;
 }
 
-/* J_row M^-1 J_column^T, of the rows now with those of the step before. */
-static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
+/* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
+static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
   const mg_real *J = c->rows.J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->layout.joint_row_begin);
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
@@ -104,10 +104,10 @@ static mg_real mg_product_with_before(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is
-   negative. No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at
-   once do not make up for each other. */
-static int mg_has_turned(mg_real *A, int n) {
+/* True if one of n rows has reversed its direction: a pivot of the product A of the rows with those of the step before
+   is negative. Rows are not exchanged: each pivot belongs to the part of a row that is independent of the rows before
+   it, so that two reversals do not cancel. */
+static int mg_has_reversed_row(mg_real *A, int n) {
   for (int k = 0; k < n; k++) {
     if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
     for (int i = k + 1; i < n; i++) {
@@ -118,9 +118,9 @@ static int mg_has_turned(mg_real *A, int n) {
   return 0;
 }
 
-/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for
-   the next step. */
-static int mg_passed_dead_centre(mg_context *c) {
+/* True if the linkage has passed a dead centre in this step: an independent row has reversed its direction, or the rank
+   has fallen. Stores the rows for the next step. */
+static int mg_has_passed_dead_centre(mg_context *c) {
   const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
   for (int r = 0; r < n; r++)
@@ -130,15 +130,15 @@ static int mg_passed_dead_centre(mg_context *c) {
     if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
   for (int j = 0; j < independent; j++)
     for (int i = 0; i < independent; i++)
-      c->lcp.A[i + independent * j] = mg_product_with_before(c, c->lcp.rows[i], c->lcp.rows[j]);
+      c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
   for (int r = 0; r < n; r++) c->joints.was_independent[r] = c->lcp.joint_mask[r];
   for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
-  return same ? mg_has_turned(c->lcp.A, independent) : !first && lost > 0;
+  return same ? mg_has_reversed_row(c->lcp.A, independent) : !first && lost > 0;
 }
 
-/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway.
- */
-static mg_real mg_left_of(const mg_context *c, int joint) {
+/* Independence of the rows of a joint from those of the joints before it: the product over its rows, except those that
+   have been dependent at every step. */
+static mg_real mg_joint_independence(const mg_context *c, int joint) {
   const int first = c->system->joint_row[joint];
   mg_real product = 1;
   for (int r = first; r < first + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows; r++)
@@ -146,14 +146,14 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
   return product;
 }
 
-/* The joint of which the joints before it leave least, against the most that they have left since the start. */
-static int mg_faintest(mg_context *c, mg_real *least) {
+/* Joint whose independence is least, relative to the largest that it has had since the start; *least receives it. */
+static int mg_least_independent_joint(mg_context *c, mg_real *least) {
   int least_independent = -1;
   *least = 1;
   for (int r = 0; r < c->system->n_joint_row; r++)
     c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
-    const mg_real left = mg_left_of(c, j);
+    const mg_real left = mg_joint_independence(c, j);
     if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
     if (left < *least * c->joints.best_independence[j])
       *least = left / c->joints.best_independence[j], least_independent = j;
@@ -164,8 +164,8 @@ static int mg_faintest(mg_context *c, mg_real *least) {
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;
-  const int rank = mg_rank_joints(c, 0), least_independent = mg_faintest(c, &least);
-  if (mg_passed_dead_centre(c) && !run->dead_centres++)
+  const int rank = mg_rank_joints(c, 0), least_independent = mg_least_independent_joint(c, &least);
+  if (mg_has_passed_dead_centre(c) && !run->dead_centres++)
     run->dead_centre_t = run->t, run->dead_centre = least_independent;
   mg_worst_joint(c, c->rows.d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;

@@ -6,7 +6,7 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_PRESSURE_ROUNDS 40
+#define MG_PRESSURE_ROUNDS 40 /* most iterations between pressure and forces */
 
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch) {
   return c->system->patch_friction[2 * patch + 1] > 0;

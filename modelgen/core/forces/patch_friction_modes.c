@@ -6,9 +6,9 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_DIRECTION_STEPS 40
+#define MG_DIRECTION_STEPS 40 /* most steps in search of the direction of slip */
 
-#define MG_RELEASE_ROUNDS 8
+#define MG_RELEASE_ROUNDS 8 /* most rounds in which sticking patches that yield are released */
 
 /* Slip velocity in m/s below which a patch counts as sticking. */
 static mg_real mg_patch_slip_tolerance(const mg_context *c) {

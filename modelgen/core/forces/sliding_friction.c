@@ -1,11 +1,11 @@
-/* Tangential rows of the contacts and the friction row groups that bound the forces along them: sliding friction
+/* Tangential rows of the contacts and the friction constraints that bound the forces along them: sliding friction
    (two rows), spinning resistance (one row), rolling resistance (two rows). Writes Jacobian rows, Gamma2 and slip
    velocities of the tangential rows.
 
-   Friction forces within one mode: a sticking row group holds its rows like a joint; a slipping one adds -N mu^2
-   s / |mu s| to the normal force N, s being its slip, componentwise in the principal axes of the friction
-   ellipse. The force ratios make the matrix unsymmetric. Writes force ratios, forces and accelerations; does not
-   change modes. */
+   Friction forces within one mode: a sticking friction constraint holds its rows like a joint; a slipping one adds -N
+   mu^2 s / |mu s| to the normal force N, s being its slip, componentwise in the principal axes of the friction ellipse.
+   The force ratios make the matrix unsymmetric. Writes force ratios, forces and accelerations; does not change modes.
+ */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -67,7 +67,7 @@ MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constra
         weighted_slip > 0 ? sign * mu[1] * b / weighted_slip : 0;
 }
 
-/* True if the row group of an active contact slips. */
+/* True if the friction constraint of an active contact slips. */
 static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
   return c->run->active[contact] && c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
 }

@@ -1,11 +1,11 @@
-/* Sequential impacts: of the contacts that approach, the fastest is struck alone, until none approaches fast
-   enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed
-   set and events. */
+/* Sequential impacts: of the contacts that approach, the fastest has an impact alone, until none approaches fast
+   enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed set and
+   events. */
 #include "impact/impact.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-enum { MG_SINGLE_IMPACTS_MAX = 1000 };
+enum { MG_SINGLE_IMPACTS_MAX = 1000 }; /* most impacts at one time */
 
 MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;

@@ -21,16 +21,15 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* changes of the stages, against their scale: below the one the lean is held no longer, above the other it never is
- * found */
-#define MG_COARSE_TOLERANCE 0.05
+#define MG_COARSE_TOLERANCE 0.05 /* relative change of the stages below which the tilt is no longer held */
 
-#define MG_NEWTON_DIVERGED 100
+#define MG_NEWTON_DIVERGED 100 /* relative change of the stages above which the iteration has diverged */
 
+/* Flags of the evaluation of the stages. */
 enum {
-  MG_TILT_HELD = 1,
-  MG_WITH_STIFFNESS = 2
-}; /* how stages are looked at: with the lean as before; for the stiffness as well */
+  MG_TILT_HELD = 1,     /* with the tilt of the iteration before */
+  MG_WITH_STIFFNESS = 2 /* the stiffness is found too */
+};
 
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)

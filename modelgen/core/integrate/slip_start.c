@@ -3,28 +3,31 @@
    1/tau^2: the equations are irregular singular at tau = 0 and stiff for a while. One solution is smooth there;
    Radau collocation finds it, with the slip directions at the stages as unknowns: for given directions the
    right-hand side is smooth and converges by substitution; that the slip lies along its direction is a
-   well-conditioned linear system of seven rows a friction row group. A patch has two unknowns, the components of
+   well-conditioned linear system of seven rows a friction constraint. A patch has two unknowns, the components of
    its direction across the stored one. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_SLIP_ONSET_UNKNOWNS \
-  4 /* unknowns of friction constraints that begin to slip at once; more are left to small explicit steps */
+#define MG_SLIP_ONSET_UNKNOWNS                                                           \
+  4 /* most directions that are unknown at a time; more are left to small explicit steps \
+     */
 
-#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES)
+#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES) /* most unknowns of all stages */
 
+/* Unknown directions of the slip that starts: one of a friction constraint, two of a patch. */
 typedef struct {
-  int count, constraint[MG_SLIP_ONSET_UNKNOWNS],
-      contact[MG_SLIP_ONSET_UNKNOWNS]; /* friction constraint: -1 of a patch, whose first support point the contact is
-                                        */
-  int axis[MG_SLIP_ONSET_UNKNOWNS];    /* of a patch: 1, 2 across the course */
-  mg_real angle[MG_RADAU_STAGES]
-               [MG_SLIP_ONSET_UNKNOWNS]; /* from the course, rad; of a patch its tangent along the axis */
-  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS], across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip */
-  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]
-                   [MG_SLIP_ONSET_UNKNOWNS]; /* of the first's acceleration across by the second's angle */
+  int count;                                               /* unknowns */
+  int constraint[MG_SLIP_ONSET_UNKNOWNS];                  /* friction constraint, or -1: of a patch */
+  int contact[MG_SLIP_ONSET_UNKNOWNS];                     /* its contact; of a patch its first support point */
+  int axis[MG_SLIP_ONSET_UNKNOWNS];                        /* of a patch: axis across the stored direction, 1 or 2 */
+  mg_real angle[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* angle from the stored direction, rad; of a patch its
+                                                              tangent along the axis */
+  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* slip along the direction */
+  mg_real across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip across it */
+  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS]; /* derivative of the acceleration
+                                                               across of the first by the angle of the second */
 } mg_slip_onset;
 
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {

@@ -5,28 +5,32 @@
 #include "integrate/integrate.h"
 #include "model/model.h"
 
-enum { MG_TIME_PARTS = 7, MG_TIME_SAMPLES_MAX = 4096 }; /* parts of a step; looks at most */
+enum {
+  MG_TIME_PARTS = 7,         /* parts of a step between stages that enter its sum */
+  MG_TIME_SAMPLES_MAX = 4096 /* most samples of a step */
+};
 
 static const mg_real mg_sampled[MG_TIME_PARTS + 1] = {
-    /* times of a step, in parts of it, whose slopes count in its sum */
+    /* times of the stages that enter the sum, in parts of the step */
     0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
 
-#define MG_SAMPLE_SPACING (mg_real)0.2667 /* part between two of them */
+#define MG_SAMPLE_SPACING (mg_real)0.2667 /* largest part */
 
+/* Rows of c->step.time_samples, one value per function of time. */
 enum {
-  MG_TIME_FIRST,
-  MG_TIME_LAST,
-  MG_TIME_LOW,
-  MG_TIME_HIGH,
-  MG_TIME_EXCESS,
-  MG_TIME_LEAST,
-  MG_TIME_MOST,
-  MG_TIME_WEIGHT,
-  MG_TIME_ROWS
+  MG_TIME_FIRST,  /* value at the start of a part of the step */
+  MG_TIME_LAST,   /* value at its end */
+  MG_TIME_LOW,    /* least value inside it */
+  MG_TIME_HIGH,   /* largest value inside it */
+  MG_TIME_EXCESS, /* largest excess so far of values inside a part over the range of its ends */
+  MG_TIME_LEAST,  /* least value at the ends of parts */
+  MG_TIME_MOST,   /* largest value at the ends of parts */
+  MG_TIME_WEIGHT, /* weight that turns an excess into a multiple of the tolerance */
+  MG_TIME_ROWS    /* number of rows */
 };
 
 #define MG_EXTRAPOLATED_PART \
-  (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
+  (mg_real)0.1 /* part of its variation in a step by which a function may leave the range of the ends of a part */
 
 /* True if the load depends on time or on the state. */
 static int mg_is_load_variable(const mg_system *s, int load) {

@@ -3,11 +3,14 @@
    (forces/contact_modes.c). Writes the closed and active sets of the run, the event list and the time. */
 #include "model/model.h"
 
-enum { MG_MODE_UNCHANGED = -1, MG_NO_EVENT = -1 };
+enum {
+  MG_MODE_UNCHANGED = -1, /* the contact stays closed or open */
+  MG_NO_EVENT = -1        /* no event is reported */
+};
 
 static const struct {
-  int closed; /* after it: 1, 0, or as before */
-  int event;  /* that is reported, if any */
+  int closed; /* 1: closed afterwards, 0: open, or MG_MODE_UNCHANGED */
+  int event;  /* event that is reported, or MG_NO_EVENT */
 } mg_transitions[] = {
     [MG_IMPACT_INELASTIC] = {1, MG_NO_EVENT},
     [MG_TOUCHES_DOWN] = {1, MG_EVENT_TOUCH_DOWN},

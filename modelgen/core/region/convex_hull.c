@@ -5,7 +5,7 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_HULL_PASSES 60
+#define MG_HULL_PASSES 60 /* most passes in which points of curves are added */
 
 /* Adds a point of an arc at parameter t; returns its number, or -1 if there is no room. */
 static int mg_add_vertex(mg_hull *h, int arc, int crossing, mg_real t) {

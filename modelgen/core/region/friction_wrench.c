@@ -10,20 +10,30 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_FAR_ROTATION_CENTRE 3 /* extents: from there on the centre of rotation is far */
+#define MG_FAR_ROTATION_CENTRE                                                          \
+  3 /* distance of the rotation centre over the reach of the pressure: from here on far \
+     */
 
-#define MG_NEARLY_TRANSLATION 40
+#define MG_NEARLY_TRANSLATION 40 /* the same: from here on few nodes are enough */
 
-typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
-  mg_real centre[2], e[2], ed[3], r, rd[2];
+/* Integrals over the loaded region about the rotation centre, from which a point is at d. */
+typedef struct {
+  mg_real centre[2]; /* rotation centre, axes of the hull, m */
+  mg_real e[2];      /* of e = d / |d| */
+  mg_real ed[3];     /* of e d: xx, xy, yy */
+  mg_real r;         /* of |d| */
+  mg_real rd[2];     /* of |d| d */
 } mg_rotation_integrals;
 
-#define MG_TWIST_STEPS 80
+#define MG_TWIST_STEPS 80 /* most steps of the BFGS method */
 
+/* Twists on which a force has power 1: from + y0 across0 + y1 across1, with torques divided, angular velocities
+   multiplied by the radius. */
 typedef struct {
-  const mg_winkler_pressure_field *press;
-  mg_real radius, from[3],
-      across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
+  const mg_winkler_pressure_field *press; /* pressure */
+  mg_real radius;                         /* radius, m */
+  mg_real from[3];                        /* twist of least size */
+  mg_real across[2][3];                   /* directions of the plane, unit length */
 } mg_search_plane;
 
 /* Adds an element of the boundary at d from the rotation centre, with weight d x dx. */

@@ -2,9 +2,13 @@
 #include "region/region.h"
 #include "base/base.h"
 
-typedef struct { /* the nearest point so far: at parameter t of the curve from u, or at a spot (curve 0) */
-  mg_real distance, t;
-  int edge, vertex, curve;
+/* The nearest point of the boundary of a hull found so far. */
+typedef struct {
+  mg_real distance; /* its distance, m */
+  mg_real t;        /* its curve parameter, on a curved edge */
+  int edge;         /* its edge */
+  int vertex;       /* its vertex, or -1: it is inside the edge */
+  int curve;        /* 1: it is inside a curved edge */
 } mg_nearest_edge;
 
 /* Nearest vertex. */

@@ -4,13 +4,14 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_PENDING_SPAN_PAIRS 128 /* pairs of spans that wait to be split */
+#define MG_PENDING_SPAN_PAIRS 128 /* most pairs of spans on the stack */
 
-#define MG_NEARLY_PARALLEL 0.3 /* rad: spans whose directions differ by less run side by side */
+#define MG_NEARLY_PARALLEL 0.3 /* rad: spans whose directions differ by less are nearly parallel */
 
+/* Pairs of spans that are still to be intersected. */
 typedef struct {
-  int count;
-  mg_arc_span pair[MG_PENDING_SPAN_PAIRS][2];
+  int count;                                  /* pairs */
+  mg_arc_span pair[MG_PENDING_SPAN_PAIRS][2]; /* the pairs */
 } mg_span_pair_stack;
 
 /* Curve parameter t, or that of an end of the arc that coincides with the point. */

@@ -2,8 +2,9 @@
 #include "region/region.h"
 #include "base/base.h"
 
-typedef struct { /* how many of each there is room for */
-  long span, intersection, piece, vertex;
+/* Capacities of a hull. */
+typedef struct {
+  long span, intersection, piece, vertex; /* numbers of each for which there is room */
 } mg_hull_capacity;
 
 /* Capacities for n_arc arcs, of which n_o are o's. */

@@ -2,11 +2,11 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_SPAN_TURN 0.3 /* rad, of a span */
+#define MG_SPAN_TURN 0.3 /* most turn of a span, rad */
 
-#define MG_SPANS_MAX 512 /* spans of an arc at most */
+#define MG_SPANS_MAX 512 /* most spans of an arc */
 
-#define MG_INFLECTION_PARTS 8 /* parts of a span in which an inflection is sought */
+#define MG_INFLECTION_PARTS 8 /* parts of a span between which the sign of the curvature is compared */
 
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};

@@ -4,13 +4,14 @@
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_PRESSURE_STEPS 60
+#define MG_PRESSURE_STEPS 60 /* most steps of Newton's method and of the continuation */
 
-#define MG_HULL_EDGE_PART 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
+#define MG_HULL_EDGE_PART \
+  8192 /* extent of a hull over the least distance of the centre of pressure from its boundary */
 
-#define MG_NEWTON_PART_MIN 1e-6 /* of a Newton step */
+#define MG_NEWTON_PART_MIN 1e-6 /* least part of a Newton step */
 
-#define MG_CONTINUATION_PART_MIN 1e-3 /* of what is left of the way to a centre */
+#define MG_CONTINUATION_PART_MIN 1e-3 /* least part of the rest of the way that the continuation takes in one step */
 
 MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips) {
@@ -250,7 +251,7 @@ static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const
       return 1;
     }
     merit = now, part = 1, last = change,
-    near = change <= coefficients[0] / 16; /* where rounding would tell the merit */
+    near = change <= coefficients[0] / 16; /* there the merit is dominated by rounding */
   }
   return 0;
 }

@@ -5,7 +5,7 @@
 #include "model/model.h"
 #include "timestep/timestep.h"
 
-enum { MG_JOINT_ROWS = 6 }; /* of a joint, at most */
+enum { MG_JOINT_ROWS = 6 }; /* most rows of a joint */
 
 /* Largest magnitude of n values and `size`; MG_MAX if one is not finite. */
 static mg_real mg_largest_magnitude(const mg_real *values, int n, mg_real size) {

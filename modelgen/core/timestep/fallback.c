@@ -9,7 +9,11 @@
 #include "impact/impact.h"
 #include "events/events.h"
 
-enum { MG_FALLBACK_STEPS = 8, MG_FALLBACK_DOUBLINGS = 12, MG_PROGRESS_TRIES = 2000 };
+enum {
+  MG_FALLBACK_STEPS = 8,      /* steps of a fallback */
+  MG_FALLBACK_DOUBLINGS = 12, /* most doublings of that number */
+  MG_PROGRESS_TRIES = 2000    /* tries after which progress is checked */
+};
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;

@@ -7,7 +7,12 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-enum { MG_NOT_NEAR = 0, MG_NEAR = 1, MG_NEAR_SET_ROUNDS = 20, MG_TOUCH_STEP_PARTS = 16 };
+enum {
+  MG_NOT_NEAR = 0,         /* mark in c->events.is_near: the contact does not take part */
+  MG_NEAR = 1,             /* the contact takes part */
+  MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
+  MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
+};
 
 /* Rate at which the relaxed friction law keeps the gap opening, sum of |mu w_t|, at the end of the step. */
 static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real h) {

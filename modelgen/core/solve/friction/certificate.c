@@ -5,7 +5,7 @@
 #include "solve/lcp/solvers.h"
 
 typedef struct {
-  mg_real error, size, force; /* largest of the certificate, of b, of z, all in its units */
+  mg_real error, size, force; /* maxima of the residual, of b and of z, in the units of the residual */
 } mg_friction_measure;
 
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {

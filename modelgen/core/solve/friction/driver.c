@@ -4,11 +4,11 @@
 #include "base/base.h"
 
 enum {
-  MG_FRICTION_ROUNDS = 4,
-  MG_FRICTION_SWEEPS = 6,
-  MG_FRICTION_SWEEP_GROWTH = 4,
-  MG_FRICTION_NEWTON_STEPS = 40,
-  MG_FRICTION_REFINEMENT_STEPS = 3
+  MG_FRICTION_ROUNDS = 4,          /* rounds of sweeps and Newton steps */
+  MG_FRICTION_SWEEPS = 6,          /* sweeps of the first round */
+  MG_FRICTION_SWEEP_GROWTH = 4,    /* factor of the sweeps of the next round */
+  MG_FRICTION_NEWTON_STEPS = 40,   /* most Newton steps of a round */
+  MG_FRICTION_REFINEMENT_STEPS = 3 /* most Newton steps from a solution */
 };
 
 /* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. Returns whether a solution

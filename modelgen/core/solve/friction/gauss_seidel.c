@@ -4,14 +4,21 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_DISC_ROOT_STEPS = 40, MG_DISC_BRACKET_STEPS = 80 };
+enum {
+  MG_DISC_ROOT_STEPS = 40,   /* most steps of the root finder */
+  MG_DISC_BRACKET_STEPS = 80 /* most steps in search of a bracket */
+};
 
-typedef struct { /* T f + c = -alpha f on a disc; N = base + slope.f */
-  int k;
-  mg_real T[4], c[2], slope[2], base;
+/* A disc of friction forces f: T f + c = -alpha f, |f| <= N = base + slope.f; alpha = 0: it sticks. */
+typedef struct {
+  int k;            /* components of f: 1 or 2 */
+  mg_real T[4];     /* matrix, by columns */
+  mg_real c[2];     /* motion without f */
+  mg_real slope[2]; /* derivative of N by f */
+  mg_real base;     /* N without f */
 } mg_disc;
 
-enum { MG_CONTACT_ROWS_MAX = 6 };
+enum { MG_CONTACT_ROWS_MAX = 6 }; /* most rows of a contact */
 
 /* f = -(T + alpha I)^-1 c. Returns 0 if that is singular. */
 static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {

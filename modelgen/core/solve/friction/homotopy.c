@@ -3,25 +3,27 @@
 #include "solve/friction/solvers.h"
 
 enum {
-  MG_FIXED_POINT_STEPS = 12,
-  MG_FIXED_POINT_FAST_STEPS = 8,
-  MG_PATH_STEPS = 60,
-  MG_PATH_NEWTON = 12,
-  MG_PATH_SWEEPS = 200
+  MG_FIXED_POINT_STEPS = 12,     /* steps of the fixed-point iteration */
+  MG_FIXED_POINT_FAST_STEPS = 8, /* of these, steps with little damping */
+  MG_PATH_STEPS = 60,            /* most steps of a continuation */
+  MG_PATH_NEWTON = 12,           /* Newton steps of one step */
+  MG_PATH_SWEEPS = 200           /* sweeps at the start of a continuation */
 };
 
-/* MG_PATH_STEP_MIN  the shortest step along a path, 0..1.
-   MG_PATH_REGULARISATION_MIN   S + delta: delta goes from 1 to this, then to 0. */
-#define MG_PATH_STEP_MIN ((mg_real)1e-4)
+#define MG_PATH_STEP_MIN ((mg_real)1e-4) /* shortest step of a continuation, of 0..1 */
 
-#define MG_PATH_REGULARISATION_MIN (MG_EPS * 1000)
+#define MG_PATH_REGULARISATION_MIN (MG_EPS * 1000) /* S + delta I: delta falls from 1 to this, then to 0 */
 
-#define MG_PATH_DUALITY_GAP (MG_EPS * 1000)
+#define MG_PATH_DUALITY_GAP (MG_EPS * 1000) /* complementarity that the interior-point method aims at */
 
+/* A continuation from a regularised problem, S + delta W and c - delta W anchor, to the given one, delta = 0. */
 typedef struct {
-  mg_scaled_friction *s;
-  mg_real *diagonal, *weight, *anchor, *c; /* of S; of the softness; where it pulls to; c of the problem */
-  mg_real *last;
+  mg_scaled_friction *s; /* the problem */
+  mg_real *diagonal;     /* [m] diagonal of S */
+  mg_real *weight;       /* [m] diagonal of W */
+  mg_real *anchor;       /* [m] solution that the regularisation favours */
+  mg_real *c;            /* [m] c of the given problem */
+  mg_real *last;         /* [m] last solution */
 } mg_path;
 
 /* Number i of a fixed sequence in 0..1, so that results are reproducible. */

@@ -4,9 +4,12 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_INTERIOR_STEPS = 60, MG_LORENTZ_SIZE = 3 };
+enum {
+  MG_INTERIOR_STEPS = 60, /* most steps */
+  MG_LORENTZ_SIZE = 3     /* most components of a cone */
+};
 
-typedef struct { /* one second-order cone: (N, f), f of k rows, and its scaling W = W(w, eta) */
+/* A second-order cone |f| <= N and its scaling W = W(w, eta). */ typedef struct {
   int k, row;
   mg_real x[MG_LORENTZ_SIZE], w[MG_LORENTZ_SIZE], eta;
 } mg_lorentz;

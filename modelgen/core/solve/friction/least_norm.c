@@ -2,7 +2,7 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_LEAST_NORM_HALVINGS = 8 };
+enum { MG_LEAST_NORM_HALVINGS = 8 }; /* most halvings of the step towards the least norm */
 
 /* Adds the entry of row i, in units of N, to a direction; e_i / e_n is the coefficient of friction. */
 static void mg_add_direction_entry(const mg_scaled_friction *s, int contact, int i, mg_real value, mg_real *column,

@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 
+/* Memory: matrices, vectors and integer vectors of the size of the problem. */
 enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
 
 MG_API int mg_friction_work_size(int n, int n_contact) {

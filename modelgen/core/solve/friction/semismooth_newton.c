@@ -5,7 +5,11 @@
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_CONTACT_BLOCK = 6, MG_LINE_SEARCH_HALVINGS = 10, MG_LINE_SEARCH_MEMORY = 4 };
+enum {
+  MG_CONTACT_BLOCK = 6,         /* most rows of a contact */
+  MG_LINE_SEARCH_HALVINGS = 10, /* most halvings of a step */
+  MG_LINE_SEARCH_MEMORY = 4     /* merits of which the largest must be undercut */
+};
 
 typedef struct {
   mg_scaled_friction *s;

@@ -3,7 +3,7 @@
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_LCP_BLOCK = 16 };
+enum { MG_LCP_BLOCK = 16 }; /* rows of a block */
 
 MG_INTERNAL mg_real mg_diagonal_scale(mg_real a) { return a > 0 ? (mg_real)sqrt(a) : (mg_real)1; }
 

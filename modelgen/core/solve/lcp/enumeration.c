@@ -9,7 +9,14 @@
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_ENUMERATE_MAX = 20, MG_CONE_EXCLUDED = 0, MG_CONE_CANDIDATE = 1, MG_CONE_UNDECIDED = 2 };
+enum { MG_ENUMERATE_MAX = 20 }; /* largest size */
+
+/* Result of the test of a cone. */
+enum {
+  MG_CONE_EXCLUDED = 0,  /* -b is not in it */
+  MG_CONE_CANDIDATE = 1, /* x is a candidate for the solution */
+  MG_CONE_UNDECIDED = 2  /* neither */
+};
 
 typedef struct {
   int n;

@@ -4,7 +4,10 @@
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_LEMKE_COVERS = 3, MG_LEMKE_SHORT_PATH = 20 };
+enum {
+  MG_LEMKE_COVERS = 3,     /* covering vectors */
+  MG_LEMKE_SHORT_PATH = 20 /* pivots per row after which another covering vector is tried first */
+};
 
 typedef struct {
   int n, width; /* columns: w (n), z (n), z0, right-hand side */

@@ -10,7 +10,7 @@
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_QP_ROUNDS = 20 };
+enum { MG_QP_ROUNDS = 20 }; /* most proximal steps */
 
 /* Closed form for one unknown. */
 static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report) {
