@@ -1,97 +1,154 @@
-/* The interface between the core and the generated kernels of one scene: sizes by kind, and one function per role
-   that dispatches on the kind. Generated code fills the table; the core calls it through mg_system. The manifest
-   lists the shapes of the arguments. */
+/* The interface between the core and the generated kernels of one scene.
+
+   Bodies, contacts, joints, loads and shapes have kinds. A kind is what several of them have in common apart from
+   numbers; it has generated functions, its kernels. The tables below give the sizes of each kind. For each task there
+   is one function that dispatches on the number of the kind and calls the kernel of that kind. Generated code fills an
+   mg_kernels; the core reaches it through mg_system. Kernels have no state: they read their arguments and write their
+   results. A kernel that a kind does not need is absent; its results are then left as they were.
+
+   Poses are 12 numbers (position, rotation matrix by columns), twists 6 (velocity, world axes; angular velocity, body
+   axes), wrenches 6 (force, world axes; torque about the centre of mass, body axes). Vectors are in world axes, if
+   nothing else is said; units are SI. */
 #ifndef MG_KERNELS_H
 #define MG_KERNELS_H
 
 #include "base/real.h"
 
-enum { MG_FIXED = 0, MG_DRIVEN = 1, MG_POINT = 2, MG_FREE = 3 };
-
-enum { MG_NEAREST_PLANE = 1, MG_NEAREST_SPHERE = 2 };
-
+/* Motion of a body. The order matters: bodies from MG_POINT on are moved by forces. */
 enum {
-  MG_NONE = 0,
-  MG_LOCAL = 1,
-  MG_CHART = 2,
-  MG_CURVE = 3,
-  MG_SIGNED_CURVE = 4,
-  MG_SIGN = 5,
-  MG_TURN = 6
-}; /* MG_TURN: the angle of a joint, whole turns counted */
+  MG_FIXED = 0,  /* does not move */
+  MG_DRIVEN = 1, /* moves on a prescribed path, a function of time */
+  MG_POINT = 2,  /* a point mass: q = position (3), u = velocity (3); its axes do not turn */
+  MG_FREE = 3    /* a rigid body: q = position (3) and quaternion (4), u = twist (6) */
+};
+
+/* Shapes whose nearest point to a given point is known in closed form. */
+enum {
+  MG_NEAREST_PLANE = 1, /* a plane */
+  MG_NEAREST_SPHERE = 2 /* a sphere about the origin of its axes */
+};
+
+/* Parametrisation: what describes the contact point of one feature in eta, and how many entries that takes. */
+enum {
+  MG_NONE = 0,         /* 0: the point follows from the poses */
+  MG_LOCAL = 1,        /* 3: coordinates in the axes of the shape, m */
+  MG_CHART = 2,        /* 2: chart coordinates (u, v) of a surface */
+  MG_CURVE = 3,        /* 1: parameter of a curve */
+  MG_SIGNED_CURVE = 4, /* 3: parameter of the curve, and two signs that select N of two curves */
+  MG_SIGN = 5,         /* 1: a sign that selects N of two straight edges */
+  MG_TURN = 6          /* 1: of a limit of a joint, its angle, with whole turns counted, rad */
+};
 
 typedef struct {
-  int motion; /* MG_FIXED .. MG_FREE */
-  int n_q, n_u, n_parameters;
+  int motion;       /* MG_FIXED .. MG_FREE */
+  int n_q;          /* position coordinates */
+  int n_u;          /* velocity coordinates */
+  int n_parameters; /* parameters; of a fixed body its pose (12) */
 } mg_body_kind;
 
 typedef struct {
-  int n_o, n_f; /* columns of J for each side: 6, 3 or 0 */
-  int n_eta, n_parameters;
-  int parametrisation_o, parametrisation_f; /* what carries the points in eta: MG_NONE .. */
-  int is_convex;                            /* both shapes are convex: mg_contact_aim and mg_contact_seek know it */
-  int rows;                                 /* 1: N; 3: and t1, t2; 6: and spin about N, rolling about t1, t2 */
+  int n_o, n_f;                             /* columns of J for body o and for body f: 6, 3 (point mass) or 0 */
+  int n_eta;                                /* entries of eta */
+  int n_parameters;                         /* parameters */
+  int parametrisation_o, parametrisation_f; /* MG_NONE .. MG_TURN, of features o and f; eta has o's entries first */
+  int is_convex;                            /* 1: both shapes are convex, contact_aim and contact_seek know the kind */
+  int rows;                                 /* 1: N; 3: N, t1, t2; 6: N, t1, t2, spin about N, rolling about t1, t2 */
 } mg_contact_kind;
 
 typedef struct {
-  int n_parameters;
-  int depends_on_time,
-      depends_on_state; /* it depends on time, on where its body is and how it moves, and samples may not show how */
+  int n_parameters;     /* parameters */
+  int depends_on_time;  /* 1: on time, in a way that samples of a step may not show */
+  int depends_on_state; /* 1: on pose and velocity of its bodies, in a way that samples of a step may not show */
 } mg_load_kind;
 
 typedef struct {
-  int n_rows, n_coordinates;
-  int prescribed; /* its rows depend on time: it does work */
+  int n_rows;        /* scalar equations */
+  int n_coordinates; /* coordinates, 0..3 */
+  int prescribed;    /* 1: its rows depend on time, so that it does work */
 } mg_joint_kind;
 
 typedef struct {
   int dimension;     /* 2 surface, 1 curve, 0 point */
-  int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE: the nearest point of a plane, of a sphere about its origin;
-                        else 0 */
-  int may_inflect;   /* a curve that may have inflections */
+  int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE or 0 */
+  int may_inflect;   /* 1: a curve that may have inflections */
 } mg_shape_kind;
 
 typedef struct {
-  int abi;          /* MG_ABI of the header that the table was compiled with */
-  int real_size;    /* sizeof(mg_real), likewise */
-  const char *hash; /* content hash of the library */
-  const mg_body_kind *body_kinds;
-  const mg_contact_kind *contact_kinds;
-  const mg_joint_kind *joint_kinds;
-  const mg_load_kind *load_kinds;
-  const mg_shape_kind *shape_kinds;
+  int abi;                              /* MG_ABI of the header with which the table was compiled */
+  int real_size;                        /* sizeof(mg_real) with which the table was compiled */
+  const char *hash;                     /* content hash of the library */
+  const mg_body_kind *body_kinds;       /* by number of the kind */
+  const mg_contact_kind *contact_kinds; /* by number of the kind */
+  const mg_joint_kind *joint_kinds;     /* by number of the kind */
+  const mg_load_kind *load_kinds;       /* by number of the kind */
+  const mg_shape_kind *shape_kinds;     /* by number of the kind */
+
+  /* Pose of a free body from q. */
   void (*body_pose)(int kind, const mg_real *q, mg_real *pose);
+
+  /* Equations of motion of a body without constraints: q_dot [n_q], u_dot [n_u] under a wrench and gravity (3). */
   void (*body_motion)(int kind, const mg_real *q, const mg_real *u, const mg_real *wrench, const mg_real *gravity,
                       const mg_real *parameters, mg_real *qdot, mg_real *udot);
+
+  /* Kinetic and potential energy, J, momentum (3), kg m/s, and angular momentum about the centre of mass (3),
+     kg m^2/s. */
   void (*body_energy)(int kind, const mg_real *q, const mg_real *u, const mg_real *gravity, const mg_real *parameters,
                       mg_real *kinetic, mg_real *potential, mg_real *momentum, mg_real *spin);
+
+  /* Pose, twist and rate of the twist (6) of a driven body at time t. */
   void (*body_path)(int kind, const mg_real *t, const mg_real *parameters, mg_real *pose, mg_real *twist,
                     mg_real *accel);
+
+  /* Wrenches of a load on its bodies a and b; of a load on one body, only on a. */
   void (*load_wrench)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
                       const mg_real *twist_b, const mg_real *parameters, mg_real *wrench_a, mg_real *wrench_b);
+
+  /* Rows of a joint, equation (2.3): value [n_rows], m or rad; J [12 n_rows], per row the columns of a, then of b;
+     gamma [n_rows], Gamma1; bias [n_rows], partial derivative by time. value_dot = J u + bias, value_ddot = J u_dot +
+     gamma. */
   void (*joint_rows)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
                      const mg_real *twist_b, const mg_real *parameters, mg_real *value, mg_real *J, mg_real *gamma,
-                     mg_real *bias); /* J: 12 a row, a then b */
+                     mg_real *bias);
+
+  /* Coordinates of a joint [n_coordinates], m or rad. */
   void (*joint_coordinates)(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
                             mg_real *coordinate);
-  void (*shape_point)(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point,
-                      mg_real *direction); /* exterior normal, tangent of any length, or nothing */
+
+  /* Point (3) of a shape, in its axes, at chart coordinates or curve parameter uv (2); direction (3): exterior unit
+     normal of a surface, tangent of any length of a curve, nothing of a point. */
+  void (*shape_point)(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point, mg_real *direction);
+
+  /* Rates of a contact at its closest points (eta must solve the extremality equations): gap d; per row of the kind the
+     columns of J for o [n_o] and f [n_f] and the velocity term gamma, d_ddot = J u_dot + gamma; eta_dot [n_eta]; N
+     (3); t1, t2 (6), for kinds with 3 or 6 rows only. */
   void (*contact_rates)(int kind, const mg_real *pose_o, const mg_real *twist_o, const mg_real *pose_f,
                         const mg_real *twist_f, const mg_real *eta, const mg_real *parameters, mg_real *d, mg_real *J_o,
-                        mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal,
-                        mg_real *tangents); /* J: n_o, n_f a row; tangents: with 3 or 6 rows only */
+                        mg_real *J_f, mg_real *gamma, mg_real *eta_dot, mg_real *normal, mg_real *tangents);
+
+  /* One Newton step of the extremality equations from eta to eta_next [n_eta], and at eta: d; residual (2), m along and
+     off the surfaces, 1 for parallelism of the normals; margin (2), 1 and 1/m, distance from a singularity of these
+     equations; N (3); the contact points (3, 3), m. */
   void (*contact_place)(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
                         const mg_real *parameters, mg_real *eta_next, mg_real *d, mg_real *residual, mg_real *margin,
                         mg_real *normal, mg_real *point_o, mg_real *point_f);
+
+  /* Convex kinds: a normal (3) of any length from which to continue from eta; rounding, m: the separation has a single
+     maximum as long as it exceeds -rounding. */
   void (*contact_aim)(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *eta,
                       const mg_real *parameters, mg_real *normal, mg_real *rounding);
+
+  /* Convex kinds, the separation along a unit normal (3): its value d, m; its slope (2) and minus its second derivative
+     (3: 11, 12, 22) on the sphere of normals, m, in the tangents (6) there; eta (6): the support points of both shapes
+     in their axes. */
   void (*contact_seek)(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *normal,
-                       const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *bend, mg_real *tangents,
+                       const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *hessian, mg_real *tangents,
                        mg_real *eta);
 } mg_kernels;
 
-/* The generated library defines these: its table, and its content hash. */
+/* Table of the generated library. */
 MG_API const mg_kernels *mg_kernel_table(void);
+
+/* Content hash of the generated library. */
 MG_API const char *mg_hash(void);
 
 #endif

@@ -1,15 +1,40 @@
-/* Contact dynamics of smooth bodies: the part that runs.
+/* The public interface of the core: multibody dynamics with contact of smooth bodies.
 
-   A program fills an mg_system (the bodies, contacts and loads of one scene, as tables over the kinds that this
-   library was generated with), an mg_settings, an mg_run (the state), gives scratch memory, and calls mg_begin
-   once and mg_advance until it answers MG_DONE. Nothing here allocates, prints or keeps static state.
+   Equations of motion with contacts as in Anitescu, Cremer and Potra (1995): accelerations and contact forces of one
+   state are the solution of (2.6), (2.7); the contact points are described by parameters eta that are part of the
+   state. Coulomb friction, impacts, joints and planar contact are treated beside it.
 
-   Units are SI. Vectors are in world axes except angular velocities and torques, which are in body axes.
-   The state is x = [q of all bodies, u of all bodies, eta of all contacts, work].
+   Use. A program fills
+     - an mg_system: bodies, contacts, joints and loads of one scene, as tables over the kinds of the generated library,
+     - an mg_settings: method, tolerances and choices,
+     - an mg_run: the state and the active set, with arrays for what the run reports,
+     - an mg_events and an mg_record: lists for events and samples,
+   and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory. It calls mg_begin once, then mg_advance
+   as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL (after which it empties the lists
+   and calls again). MG_DONE says that t_stop has been reached. Any other code ends the run; run->failed_contact and
+   run->failed_joint then say where. mg_batch does this for many runs of one system.
+
+   Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
+   nothing. Arrays of an mg_system and an mg_settings are read only. The scratch memory belongs to one run from mg_begin
+   on: mg_advance finds there what the previous call left.
+
+   Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
+   independent if they share nothing but an mg_system and an mg_settings.
+
+   Units and axes. SI units and rad. Vectors are in world axes, except angular velocities and torques, which are in body
+   axes. A pose is 12 numbers: position of the centre of mass and the rotation matrix from body to world axes by
+   columns. A twist is 6 numbers: velocity and angular velocity. The state is x = [q of all bodies, u of all bodies, eta
+   of all contacts, work of all loads and prescribed motions].
+
+   Terms. A contact follows the closest points of one pair of shapes, o and f. Shapes have features (faces, edges,
+   vertices); two features that can touch in a point are a feature pair. A contact is on one feature pair at a time, or
+   on none; it changes to another feature pair of its pair of shapes where a condition of its feature pair fails. N is
+   the unit normal from o to f, d the gap along N, t1 and t2 the tangents.
    A limit of a joint is a contact without shapes, on a feature pair of its own.
-   A patch is a planar region of one shape that may rest on one of another. While it does, a slot holds it: three
-   support points, contacts of points of f on the plane of o, which hold both ways, on the feature pairs of the patch.
- */
+   A friction constraint is one or two rows of a contact whose force is bounded by the normal force.
+   A patch is two flat faces that may rest on each other. While they do, a slot holds the patch: three support points,
+   which are contacts of points of f with the plane of o, act in both directions, and are on the patch's own three
+   feature pairs. In the tables, feature pairs of patches and contacts of slots come last. */
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
@@ -18,353 +43,524 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 10
+#define MG_ABI 10 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
-/* A contact follows the closest points of one pair of shapes. Shapes have features (faces, edges, vertices); two of
-   them that can touch in a point are a feature pair. A contact is on one feature pair at a time, or on none, and walks
-   to another feature pair of its pair where a condition of its own ends. */
+/* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
+   axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
+   function is >= 0. a[0], a[1], .. are the condition's numbers. */
 enum {
-  MG_CONDITION_QUADRIC = 0,
-  MG_CONDITION_PARAMETER = 1,
-  MG_CONDITION_DISC = 2,
-  MG_CONDITION_WING = 3,
-  MG_CONDITION_DIRECTION = 4,
-  MG_CONDITION_TILT = 5
-}; /* conditions: holds at >= 0 */
-enum { MG_BEYOND_ENDS = -1, MG_BEYOND_WATCHED = -2 }; /* beyond it: the contact ends; it stays, but others may begin */
-enum {
-  MG_SEARCH_NEVER = 0,
-  MG_SEARCH_MOVED = 1,
-  MG_SEARCH_ALWAYS = 2,
-  MG_SEARCH_AHEAD = 3
-}; /* in steps within sight */
-enum {
-  MG_FRICTION_SLIP = 0,
-  MG_FRICTION_SPIN = 1,
-  MG_FRICTION_ROLL = 2
-}; /* what a friction constraint holds: slip along t1, t2; spin about N; rolling about t1, t2 */
-enum {
-  MG_FEATURE_PLACEMENT = 0,
-  MG_FEATURE_DOMAIN = 12,
-  MG_FEATURE_BALL_RADIUS = 16,
-  MG_FEATURE_BALL_CENTRE = 17,
-  MG_FEATURE_UV_SCALE = 20
-}; /* of one side of a feature pair:
-shape in body axes (p, R), bounds of u and v (+-MG_MAX: none), radius and centre of a ball around the shape in its
-axes, what u and v are measured against */
-
-typedef struct {
-  const mg_kernels *kernels; /* of the scene's library */
-  int n_body, n_contact, n_load, n_pair, n_feature_pair;
-  int n_q, n_u, n_eta;
-  int closed_capacity;       /* room for so many closed contacts at a time; memory grows with its square */
-  int n_joint, n_joint_row;  /* joints, and the rows of all of them */
-  int n_patch, n_patch_slot; /* patches, with three feature pairs each, the last; how many rest at a time, with three
-                          contacts each, the last */
-  int n_sample_table;        /* sides whose samples are kept */
-  int n_friction, n_friction_row; /* friction constraints of friction and resistance, and the rows of contacts below
-                                     their normal ones */
-  const int *body_kind, *body_q, *body_u, *body_parameters; /* kind; offsets into q, u, parameters */
-  const int *contact_pair, *contact_eta,
-      *contact_feature_pair; /* pair; offset into eta; feature pair at the start or -1: searched */
-  const int *pair_contact, *pair_feature_pair,
-      *pair_search; /* first contact, first feature pair (n_pair + 1); MG_SEARCH_.. */
-  const int *feature_pair_kind, *feature_pair_o, *feature_pair_f, *feature_pair_parameters;
-  const int *feature_pair_owner, *feature_pair_group; /* feature pairs of one flat face of two convex solids, else -1 */
-  const int *feature_pair_condition;                  /* first condition (n_link + 1) */
-  const int *feature_shape, *feature_parameters,
-      *feature_numbers; /* two a feature pair: kind of shape, its parameters, numbers */
-  const int *feature_table,
-      *sample_table_first; /* the table that keeps a side's samples, or -1; its first (n_table + 1) */
-  const int *condition_kind, *condition_feature, *condition_feature_pair,
-      *condition_numbers; /* next: a feature pair, MG_BEYOND_ENDS, MG_BEYOND_WATCHED */
-  const int *load_kind, *load_a, *load_b, *load_parameters;                 /* load_b: -1 for a load on one body */
-  const int *joint_kind, *joint_a, *joint_b, *joint_parameters, *joint_row; /* row: the first of the joint's */
-  const int *patch_pair, *patch_slots; /* the pair whose faces they are; slots, first and end, two a patch */
-  const int *patch_arc, *patch_arc_f;  /* o's region: [patch_arc[p], patch_arc_f[p]), none: a whole plane; f's:
-                                          [patch_arc_f[p], patch_arc[p + 1]) */
-  const int *patch_numbers;            /* placement of o's face in body o, of f's in body f: 12 each */
-  const int *patch_covered,
-      *covered_feature_pair; /* covered[patch_cover[p]] ..: the feature pairs of the pair that lie in the patch */
-  const int *arc_shape, *arc_parameters, *arc_numbers, *arc_loop; /* a curve: its kind and parameters; placement in
-      the axes of its face (12), where it begins and ends (2); arcs of one loop run end to start */
-  const int *contact_friction_row,
-      *contact_friction; /* first of its rows below the normal one; first friction constraint (n_contact + 1) */
-  const int *impact_law; /* one a contact: MG_NEWTON .. */
-  const int *friction_kind, *friction_row,
-      *friction_body;          /* MG_FRICTION_SLIP ..; first row of its contact's; axes of its direction, or -1 */
-  const mg_real *mass_inverse; /* 10 a body: 1/m and the inverse inertia, column-major, body axes */
-  const mg_real *restitution;  /* one a contact, 0..1, in the law of its impact */
-  const mg_real *parameters;
-  const mg_real *numbers; /* of sides and conditions */
-  const mg_real *friction_static,
-      *friction_kinetic; /* two a friction constraint, force (torque, m) over N: along its direction and across */
-  const mg_real *friction_direction; /* three a friction constraint, axes of grip_body */
-  const mg_real *patch_friction;     /* two a patch: static and kinetic coefficient, 0 without friction */
-  const mg_real *pair_normal;        /* three a pair of curves: roughly N at the start; zeros: the second is outside */
-  const mg_real *pair_ball; /* eight a pair: centre (axes of its first feature pair's body o) and radius of a ball
-                               around a shape, < 0: none is; the same of f */
-  const mg_real *scale;     /* one a state: the size against which its error is measured */
-  mg_real gravity[3];
-  mg_real length, mass, time; /* characteristic scales; tolerances below are relative to them */
-} mg_system;
-
-enum { MG_NEWTON = 0, MG_POISSON = 1, MG_STRONGE = 2 }; /* restitution gives back speed, impulse, or energy */
-
-enum { MG_RK4 = 0, MG_DOP853 = 1, MG_TIME_STEPPING = 2 };
-
-/* Of time-stepping: gaps close within a step; what touches stops approaching; the same half a step ahead. */
-enum { MG_STEWART_TRINKLE = 0, MG_ANITESCU_POTRA = 1, MG_MOREAU = 2 };
-
-typedef struct {
-  int method;                /* MG_RK4, MG_DOP853 or MG_TIME_STEPPING */
-  int stepping_scheme;       /* of time-stepping: MG_STEWART_TRINKLE .. */
-  int stepping_friction_law; /* of time-stepping: MG_COULOMB or MG_RELAXED */
-  int fallback;              /* where events cannot be told, time-stepping goes on for a while */
-  int use_gamma;             /* 0 drops Gamma2: what engines that omit it integrate */
-  int newton;                /* corrections of eta: 0 none, 1 once an accepted step, 2 also at every stage */
-  int project;               /* 0 lets d and d_dot drift; n > 0 removes the drift every n accepted steps */
-  int sequential;            /* contacts are struck one after another; 0: all at once where all follow Newton's law */
-  int planar_contacts;       /* faces that lie on each other rest as patches; 0: on single contacts */
-  mg_real step;              /* s: the step of RK4 and of time-stepping; DOP853's first step (0: chosen) */
-  mg_real stepping_theta;    /* Moreau's: the part of a step after the positions at which its rows are taken */
-  mg_real stepping_residual; /* impulses of a step of time-stepping that are found to this residual only will do */
-  mg_real fallback_step;     /* steps of fallback_step * time where time-stepping goes on */
-  mg_real
-      fallback_progress; /* steps that get on by less than crawl * time in many tries, a third refused, cannot go on */
-  mg_real tolerance;     /* DOP853: local error / scale, root mean square */
-  mg_real contact_gap;   /* |d| <= gap * length counts as touching */
-  mg_real start_gap;     /* the same for the given start; deeper penetration is refused */
-  mg_real
-      start_joint_gap; /* joints that fit at the start to start_joint * length are brought together, others refused */
-  mg_real drift_tolerance; /* d beyond drift * length (d_dot: / time) is projected away */
-  mg_real rest_speed;      /* an approach that rebounds below rest_speed * length / time is caught */
-  mg_real slip_speed;      /* slip below slip_speed * length / time sticks, if the forces let it */
-  mg_real
-      friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with this part less */
-  mg_real rest_acceleration; /* separation below rest_acceleration * length / time^2 does not open a contact */
-  mg_real event_tolerance;   /* an event is located to event * time */
-  mg_real extremality_residual;    /* extremality residual (length, 1) to which eta is brought at the start */
-  mg_real slip_stop_speed_ratio;   /* slip is stopped only where that takes no more than a speed arrest * slip_speed *
-                                      length / time has */
-  mg_real separation_speed_factor; /* a step is shortened at whose end a contact moves off faster than leap * tolerance
-                                      * its speed */
-  mg_real
-      rest_loss_factor; /* so many times rest_acceleration: a gap held without force leaves its rest within a step */
-  mg_real event_correction_step; /* beyond this part of the step an event is corrected only while that converges fast */
-  mg_real contact_rank_tolerance; /* a contact whose own part of J M^-1 J^T is less than this is held by the others */
-  mg_real joint_rank_tolerance; /* a row of a joint of which the others leave less than this part is theirs: no force is
-                       sought along it, so that a dead centre is not divided by */
-  mg_real appear_depth;         /* a contact that appears in a run may be below zero by depth * length */
-  mg_real step_min;             /* a step below step_min * time ends the run */
-  mg_real margin_warn;   /* a contact that starts where its margin is zero is excused from bounds on it up to here */
-  mg_real margin_refuse; /* a closed contact whose margin falls below it ends the run */
-  mg_real appear_margin; /* a contact without a feature pair of its own appears in a run only with more margin */
-  mg_real
-      appear_tilt_sine; /* a vertex or edge over a face is taken up while no edge or face beside it leans further out */
-  mg_real search_margin;         /* closest points with less margin are not kept by a search */
-  mg_real search_merge_distance; /* closest points nearer than apart * length are one */
-  mg_real search_gap;            /* gaps below reach * length are followed when a pair is searched in a run */
-  mg_real search_movement;       /* a pair that has moved by search * length is searched again */
-  mg_real flat_angle;     /* a rim nearer to flat on a plane than this angle, rad, stands on points of it instead */
-  mg_real imaginary_edge; /* > 0: over a rim a face turns on a tangent fixed in the body until it leans so far, rad */
-  mg_real boundary_coincidence; /* boundaries of two faces nearer than shared * length are one */
-  mg_real feature_border;       /* a contact walks when a condition falls below -border (angles; lengths: * length) */
-  mg_real time_resolution;      /* what functions of time do within look * time may pass unseen */
-  mg_real step_fraction;        /* part of the longest step allowed; < 1: none leads from event to event */
-  int lcp_iterations;           /* bound on the active-set changes of one complementarity problem */
-  int event_scan_parts;         /* parts of a step in which the first event is sought */
-  int events_at_once_max;       /* transitions within one event tolerance of time before the run gives up */
-} mg_settings;
-
-/* What a friction constraint of a contact that carries force does: it holds; it slips from now on, of the second order
-   in time; it has begun to and is slower yet than slip_speed; it slips along what its rows tell. */
-enum { MG_FRICTION_OFF = 0, MG_STICKING = 1, MG_SLIP_ONSET = 2, MG_SLIP_STARTING = 3, MG_SLIPPING = 4 };
-
-enum {
-  MG_START_NONE = 0,
-  MG_START_FLAT = 1,
-  MG_START_SETTLING = 2, /* a contact that starts from flat; that did, its margin still small */
-  MG_ON_STRAIGHT_EDGE = 3
-}; /* the first support point of a slot: the first two hold a straight side of the hull */
-
-enum {
-  MG_DONE = 0,
-  MG_CONTINUE = 1,
-  MG_LIST_FULL = 2, /* t_stop reached; step limit; record or event list full */
-  MG_PENETRATION = 10,
-  MG_NO_EXTREMUM = 11,
-  MG_NO_OUTSIDE = 12,
-  MG_JOINT_APART = 13, /* the start is refused */
-  MG_MARGIN = 20,
-  MG_STEP_TOO_SMALL = 21,
-  MG_NOT_FINITE = 22,
-  MG_COMPLEMENTARITY = 23,
-  MG_TOO_MANY_EVENTS = 24,
-  MG_TOO_MANY_CLOSED = 25,
-  MG_NO_FRICTION = 26
+  MG_CONDITION_QUADRIC = 0,   /* a0 + (a1, a2, a3).x + a4 x^2 + a5 y^2 + a6 z^2 + a7 xy + a8 xz + a9 yz, m */
+  MG_CONDITION_PARAMETER = 1, /* a1 (w - a2) over the scale of w, with w = u if a0 = 0, w = v if a0 = 1 */
+  MG_CONDITION_DISC = 2,      /* (a0^2 - u^2 - v^2) / a0, with a0 the radius */
+  MG_CONDITION_WING = 3,      /* -N.(a0 T x z + a1 z) on an edge with unit tangent T; the bracket points into a face */
+  MG_CONDITION_DIRECTION = 4, /* -N.(a0, a1, a2) at a vertex; the vector points along an edge */
+  MG_CONDITION_TILT = 5       /* a3 (sine of the angle between N and (a0, a1, a2) - flat_angle) */
 };
 
+/* Where a contact goes when a condition fails, if not to another feature pair. */
 enum {
-  MG_EVENT_IMPACT = 0,
-  MG_EVENT_TOUCH_DOWN = 1,
-  MG_EVENT_LIFT_OFF = 2,
-  MG_EVENT_MARGIN = 3,
-  MG_EVENT_FEATURE_CHANGE = 4,
-  MG_EVENT_APPEAR = 5,
-  MG_EVENT_VANISH = 6,
-  MG_EVENT_FACE_CONTACT = 7,
-  MG_EVENT_TIPPING = 8, /* of the first support point of a slot: its patch rests; turns over its edge */
-  MG_EVENT_SLIP_START = 9,
-  MG_EVENT_SLIP_STOP = 10,
-  MG_EVENT_SLIP_REVERSAL = 11,
-  MG_EVENTS_PER_FRICTION = 3, /* of slip; those of spin and of rolling follow, in this order */
-  MG_EVENT_FALLBACK_START = 18,
-  MG_EVENT_FALLBACK_END = 19
-}; /* events are told no more; again */
+  MG_BEYOND_ENDS = -1,   /* the contact ends */
+  MG_BEYOND_WATCHED = -2 /* the contact stays, and its pair is searched for contacts that begin there */
+};
 
+/* When a pair of shapes is searched for closest points during a run. */
+enum {
+  MG_SEARCH_NEVER = 0,  /* never: its contacts never end */
+  MG_SEARCH_MOVED = 1,  /* after it has moved by search_movement * length */
+  MG_SEARCH_ALWAYS = 2, /* after every accepted step */
+  MG_SEARCH_AHEAD = 3 /* after every accepted step; its contacts do not show all minima, so steps are kept short enough
+                         that the next search finds what comes near */
+};
+
+/* What a friction constraint resists. */
+enum {
+  MG_FRICTION_SLIP = 0, /* slip along t1 and t2: two rows, force in N */
+  MG_FRICTION_SPIN = 1, /* spin about N: one row, torque in N m */
+  MG_FRICTION_ROLL = 2  /* rolling about t1 and t2: two rows, torque in N m */
+};
+
+/* Offsets into the numbers of a feature (22 per feature). */
+enum {
+  MG_FEATURE_PLACEMENT = 0,    /* 12: origin and rotation matrix by columns of the shape in body axes */
+  MG_FEATURE_DOMAIN = 12,      /* 4: least and greatest u, least and greatest v; +-MG_MAX where there is no bound */
+  MG_FEATURE_BALL_RADIUS = 16, /* 1: radius of a ball that contains the feature, m; MG_MAX where there is none */
+  MG_FEATURE_BALL_CENTRE = 17, /* 3: centre of that ball in the shape's axes, m */
+  MG_FEATURE_UV_SCALE = 20     /* 2: scales of u and v, by which their differences are divided */
+};
+
+/* One scene, read only. Shapes of the arrays are in brackets. "Offset" is an index of the first of several numbers. A
+   range array of n + 1 entries gives entry k the range [a[k], a[k + 1]). */
 typedef struct {
-  mg_real t, h;      /* time and the next step to try, s */
-  mg_real *x;        /* n_q + n_u + n_eta + 1 */
-  int *feature_pair; /* per contact: the feature pair it is on, or -1 */
-  mg_real *point;    /* per contact 3: of a support point or a fresh rim, the point of f, in its body's axes */
-  mg_real *moved_since_search;   /* per pair: relative movement since it was searched, m */
-  int *closed;                   /* per contact: its gap is held at zero */
-  int *active;                   /* per contact: closed and carrying force */
-  int *friction_mode;            /* per friction constraint: MG_FRICTION_OFF .. */
-  mg_real *slip_direction;       /* three a friction constraint: where it slips, world, unit length; of spin: +-1 */
-  int *patch_mode;               /* per slot: the same of a patch with friction, slip and spin together */
-  mg_real *patch_slip_direction; /* four a slot: where its first support point's point slips, world, and spin by the
-                                    radius of the support points; unit length */
-  mg_real *reference_force;      /* per contact, a spare, per row of joints, per row below: forces from which the least
-                          change is sought while redundant */
-  mg_real *force;                /* per contact, N, at t */
-  mg_real *margin;               /* per contact, at t */
-  int *rolling_start;            /* per contact: MG_START_NONE, MG_START_FLAT, MG_START_SETTLING, MG_ON_STRAIGHT_EDGE */
-  mg_real
-      *tilt_direction; /* per contact 3: of a fresh one, the way it falls: along the plane, out of the hull (world) */
-  long steps, rejected, rhs_evals, lcp_solves, since_projection, events_at_t;
-  long progress_tries, progress_rejected;  /* steps when it was last looked whether they get on */
-  long fallbacks, fallback_steps_left;     /* back on time-stepping: how often; steps to go */
-  long loose_solutions, relaxed_solutions; /* problems of time-stepping solved to settings->stepping_residual only; by
-                          the relaxation for want of a solution of Coulomb's law */
-  long singular_passages;                  /* places passed where a closed contact was singular */
-  long redundant_max; /* most active contacts beyond the rank of their rows: forces then are of minimum norm */
-  mg_real t_event;    /* time of the last transition */
-  mg_real t_roundoff; /* s: what rounding has left out of t */
-  mg_real energy_0, energy_error_max, kinetic_max; /* J; error = |E - E_0 - work| */
-  mg_real gap_max, complementarity_max, margin_min, lcp_residual_max;
-  mg_real joint_error_max,
-      joint_speed;       /* m: off the joints, at the start and after steps; m/s: off them at the start */
-  mg_real dead_centre_t; /* the end of the step in which the first was passed */
-  mg_real joint_margin_min, joint_margin_t; /* least that others left of a joint's rows against the most, 0..1; when */
-  mg_real progress_t;                       /* s, then */
-  mg_real fallback_first, fallback_end,
-      fallback_time; /* s: when the run first fell back, ceased to last, how long in all */
-  mg_real impact_gain_max, impact_gain_t, chain_impact_t,
-      painleve_t;                /* J: the most energy that one contact made in an impact; s: when; when
-a blow first reached a contact at rest; when forces were first indeterminate */
-  int failed_contact;            /* the contact an outcome speaks of, or -1 */
-  int failed_joint;              /* the joint that fits worst at the start, or -1 */
-  int joint_margin;              /* the joint with the least margin, or -1 */
-  int rank_min, rank_max;        /* of the rows of all joints, at accepted steps */
-  int dead_centres, dead_centre; /* passed; the joint that was nearest to losing a row at the first */
-  int impact_gain_contact, chain_impact_contact,
-      painleve_contact;                   /* the contacts of gain_max, chain_t and paradox_t, or -1 */
-  int fallback_cause, fallback_doublings; /* the outcome that the first fall avoided; of the steps of the last one */
-  int passage_contact;                    /* the contact of the first of the vaults, or -1 */
-  int forces_redundant;                   /* forces are not unique: `share` says which are meant */
+  const mg_kernels *kernels; /* kernels of the generated library */
+  int n_body;                /* bodies, those included that do not move */
+  int n_contact;             /* contacts, limits of joints and support points included */
+  int n_load;                /* loads */
+  int n_pair;                /* pairs of shapes */
+  int n_feature_pair;        /* feature pairs */
+  int n_q;                   /* position coordinates of all bodies */
+  int n_u;                   /* velocity coordinates of all bodies */
+  int n_eta;                 /* contact parameters of all contacts */
+  int closed_capacity;       /* most contacts closed at a time; scratch memory grows with its square */
+  int n_joint;               /* joints */
+  int n_joint_row;           /* rows (scalar equations) of all joints */
+  int n_patch;               /* patches; each has three feature pairs, the last 3 n_patch of all */
+  int n_patch_slot;          /* slots; each has three contacts, the last 3 n_patch_slot of all */
+  int n_sample_table;        /* tables of samples of features that are kept between searches */
+  int n_friction;            /* friction constraints of all contacts */
+  int n_friction_row;        /* rows of all contacts other than their normal rows */
+
+  const int *body_kind;       /* [n_body] body kind of the library */
+  const int *body_q;          /* [n_body] offset into q */
+  const int *body_u;          /* [n_body] offset into u */
+  const int *body_parameters; /* [n_body] offset into parameters */
+
+  const int *contact_pair;         /* [n_contact] pair of shapes */
+  const int *contact_eta;          /* [n_contact] offset into eta; ascending, the room reaches to the next contact's */
+  const int *contact_feature_pair; /* [n_contact] the contact's own feature pair, or -1: any of its pair of shapes */
+
+  const int *pair_contact;      /* [n_pair + 1] range of contacts */
+  const int *pair_feature_pair; /* [n_pair + 1] range of feature pairs */
+  const int *pair_search;       /* [n_pair] MG_SEARCH_NEVER .. MG_SEARCH_AHEAD */
+
+  const int *feature_pair_kind;       /* [n_feature_pair] contact kind of the library */
+  const int *feature_pair_o;          /* [n_feature_pair] body o */
+  const int *feature_pair_f;          /* [n_feature_pair] body f */
+  const int *feature_pair_parameters; /* [n_feature_pair] offset into parameters */
+  const int *feature_pair_owner;      /* [n_feature_pair] pair of shapes that it belongs to */
+  const int *feature_pair_group;      /* [n_feature_pair] of two convex solids: number of the flat face of one of them
+                                         that is paired with a feature of the other; else -1 */
+  const int *feature_pair_condition;  /* [n_feature_pair + 1] range of conditions */
+
+  const int *feature_shape;      /* [2 n_feature_pair] features o, f: shape kind of the library */
+  const int *feature_parameters; /* [2 n_feature_pair] features o, f: offset into parameters */
+  const int *feature_numbers; /* [2 n_feature_pair] features o, f: offset into numbers, see MG_FEATURE_PLACEMENT .. */
+  const int *feature_table;   /* [2 n_feature_pair] features o, f: table that keeps its samples, or -1 */
+  const int *sample_table_first; /* [n_sample_table + 1] range of samples */
+
+  const int *condition_kind;         /* [all conditions] MG_CONDITION_QUADRIC .. */
+  const int *condition_feature;      /* [all conditions] feature whose point, coordinates, N it is about: 0 o, 1 f */
+  const int *condition_feature_pair; /* [all conditions] next feature pair, MG_BEYOND_ENDS or MG_BEYOND_WATCHED */
+  const int *condition_numbers;      /* [all conditions] offset into numbers */
+
+  const int *load_kind;       /* [n_load] load kind of the library */
+  const int *load_a;          /* [n_load] first body */
+  const int *load_b;          /* [n_load] second body, or -1 */
+  const int *load_parameters; /* [n_load] offset into parameters */
+
+  const int *joint_kind;       /* [n_joint] joint kind of the library */
+  const int *joint_a;          /* [n_joint] first body */
+  const int *joint_b;          /* [n_joint] second body */
+  const int *joint_parameters; /* [n_joint] offset into parameters */
+  const int *joint_row;        /* [n_joint] its first row, counted over the rows of all joints */
+
+  const int *patch_pair;    /* [n_patch] pair of shapes whose faces they are */
+  const int *patch_slots;   /* [2 n_patch] first slot that may hold it, and the slot after the last */
+  const int *patch_arc;     /* [n_patch + 1] range of arcs of both regions; o's come first */
+  const int *patch_arc_f;   /* [n_patch] first arc of f's region; patch_arc[p] if o's is the whole plane */
+  const int *patch_numbers; /* [n_patch] offset into numbers: placement of o's face in body o (12), of f's face in
+                               body f (12) */
+  const int *patch_covered; /* [n_patch + 1] range of covered_feature_pair */
+  const int *covered_feature_pair; /* [all covered] feature pairs that lie in the patch, to be replaced by it */
+
+  const int *arc_shape;      /* [all arcs] shape kind of the curve */
+  const int *arc_parameters; /* [all arcs] offset into parameters of the curve */
+  const int *arc_numbers; /* [all arcs] offset into numbers: placement of the curve in the axes of its face (12), first
+                             and last curve parameter */
+  const int *arc_loop;    /* [all arcs] number of its loop; the arcs of a loop are consecutive, each begins where the
+                             one before it ends */
+
+  const int *contact_friction_row; /* [n_contact + 1] range of friction rows, counted over those of all contacts */
+  const int *contact_friction;     /* [n_contact + 1] range of friction constraints */
+  const int *impact_law;           /* [n_contact] MG_NEWTON, MG_POISSON or MG_STRONGE */
+
+  const int *friction_kind; /* [n_friction] MG_FRICTION_SLIP, MG_FRICTION_SPIN or MG_FRICTION_ROLL */
+  const int *friction_row;  /* [n_friction] its first row, counted from the contact's first friction row */
+  const int *friction_body; /* [n_friction] body in whose axes friction_direction is, or -1: isotropic */
+
+  const mg_real *mass_inverse;     /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
+                                      zeros for bodies that forces do not move */
+  const mg_real *restitution;      /* [n_contact] coefficient of restitution of impact_law, 0..1 */
+  const mg_real *parameters;       /* parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
+  const mg_real *numbers;          /* numbers of features, conditions, patches and arcs */
+  const mg_real *friction_static;  /* [2 n_friction] static coefficients along the direction and across it; 1 for
+                                      slip, m for spin and rolling */
+  const mg_real *friction_kinetic; /* [2 n_friction] the same, kinetic */
+  const mg_real *friction_direction; /* [3 n_friction] principal direction of anisotropic friction, axes of
+                                        friction_body */
+  const mg_real *patch_friction;     /* [2 n_patch] static and kinetic coefficient; 0 without friction */
+  const mg_real *pair_normal;        /* [3 n_pair] of a pair of curves: approximate N at the start; zeros: not given */
+  const mg_real *pair_ball;          /* [8 n_pair] ball around the shape of o, then of f: centre, m, in the axes of the
+                                        body of the pair's first feature pair, and radius, m, < 0 where unbounded */
+  const mg_real *scale;              /* [length of x] size of each state, against which its error is measured */
+
+  mg_real gravity[3]; /* m/s^2, world axes */
+  mg_real length;     /* characteristic length, m; settings refer to it as "length" */
+  mg_real mass;       /* characteristic mass, kg */
+  mg_real time;       /* characteristic time, s; settings refer to it as "time" */
+} mg_system;
+
+/* Law of restitution; the coefficient e is the ratio of what is restored to what was there before. */
+enum {
+  MG_NEWTON = 0,  /* ratio of normal velocities */
+  MG_POISSON = 1, /* ratio of normal impulses of restitution and compression */
+  MG_STRONGE = 2  /* e^2 is the ratio of the works of the normal impulse in restitution and compression */
+};
+
+/* Method of integration. */
+enum {
+  MG_RK4 = 0,          /* classical Runge-Kutta method with a fixed step, order 4; events are located */
+  MG_DOP853 = 1,       /* Dormand and Prince's method with step control, order 8; events are located */
+  MG_TIME_STEPPING = 2 /* impulses over fixed steps, order 1; events are not located */
+};
+
+/* Scheme of time-stepping: which gap rate d_dot is demanded at the end of a step h. */
+enum {
+  MG_STEWART_TRINKLE = 0, /* d + h d_dot >= 0: the gap may close within the step */
+  MG_ANITESCU_POTRA = 1,  /* d_dot >= 0 where d <= 0 */
+  MG_MOREAU = 2           /* the same, at positions (1 - stepping_theta) h ahead of the start of the step */
+};
+
+/* Choices and tolerances of a run, read only. Tolerances are dimensionless unless a unit is given; "length" and "time"
+   are the characteristic ones of mg_system. */
+typedef struct {
+  int method;                /* MG_RK4, MG_DOP853 or MG_TIME_STEPPING */
+  int stepping_scheme;       /* time-stepping: MG_STEWART_TRINKLE, MG_ANITESCU_POTRA or MG_MOREAU */
+  int stepping_friction_law; /* time-stepping: MG_COULOMB or MG_RELAXED */
+  int fallback;              /* 1: where events cannot be located, the run goes on by time-stepping for a while */
+  int use_gamma;             /* 0: the velocity term Gamma2 of the gap acceleration is dropped, for comparison */
+  int newton;                /* Newton corrections of eta: 0 none, 1 one per accepted step, 2 one per stage as well */
+  int project;               /* n > 0: drift of d and d_dot is projected away every n accepted steps; 0: never */
+  int sequential;            /* 1: impacts at several contacts are treated one after another, the fastest first; 0: all
+                                at once, where all follow Newton's law */
+  int planar_contacts;       /* 1: flat faces that lie on each other rest as patches; 0: on single contacts */
+
+  mg_real step;              /* s: step of RK4 and of time-stepping; first step of DOP853, 0: chosen by the program */
+  mg_real stepping_theta;    /* Moreau's scheme: part of a step that follows the positions of its rows, 0..1 */
+  mg_real stepping_residual; /* time-stepping: impulses with no more than this residual are accepted */
+  mg_real fallback_step;     /* fallback: steps of fallback_step * time */
+  mg_real fallback_progress; /* an event-driven run falls back where many tries advance t by less than
+                                fallback_progress * time and a third of them is rejected */
+  mg_real tolerance;         /* DOP853: bound of the local error over scale, root mean square */
+  mg_real contact_gap;       /* gaps |d| <= contact_gap * length count as touching */
+  mg_real start_gap;         /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
+                                is refused */
+  mg_real start_joint_gap;   /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
+  mg_real drift_tolerance;   /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
+                                time */
+  mg_real rest_speed;        /* contacts that approach slower than rest_speed * length / time do not rebound */
+  mg_real slip_speed;        /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
+                                the forces permit it */
+  mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
+                                    is smaller by this part */
+  mg_real rest_acceleration;     /* gap accelerations below rest_acceleration * length / time^2 do not open a contact */
+  mg_real event_tolerance;       /* events are located to event_tolerance * time */
+  mg_real extremality_residual;  /* eta is converged at the start until the residual of the extremality equations is <=
+                                    extremality_residual * length (lengths), extremality_residual (angles) */
+  mg_real slip_stop_speed_ratio; /* slip is stopped only if this takes no more energy than a speed of
+                                    slip_stop_speed_ratio * slip_speed * length / time has */
+  mg_real separation_speed_factor; /* a step is shortened if at its end the gap rate of a loaded contact exceeds
+                                      separation_speed_factor * tolerance times length / time and times the
+                                      approach bound of the pair */
+  mg_real rest_loss_factor;        /* a gap held without force opens within a step where its acceleration exceeds
+                                      rest_loss_factor * rest_acceleration * length / time^2 */
+  mg_real event_correction_step;   /* an event later in the step than this part of it is corrected by further steps only
+                                      while the correction converges fast */
+  mg_real contact_rank_tolerance; /* a contact row depends on the rows of other constraints if no more than this part of
+                                     its diagonal entry of J M^-1 J^T is independent of them */
+  mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
+                                     entry of J M^-1 J^T is independent of them; it then gets no force */
+  mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * length */
+  mg_real step_min;               /* a step below step_min * time ends the run */
+  mg_real margin_warn;            /* a contact that starts at a zero of its margin has no bound on it up to here */
+  mg_real margin_refuse;          /* a closed contact whose margin falls below this ends the run */
+  mg_real appear_margin;    /* a contact without a feature pair of its own appears in a run only with a margin above
+                               this */
+  mg_real appear_tilt_sine; /* a closest point on a vertex or edge is accepted if no watched condition of it, the
+                               sine of a tilt, is below -appear_tilt_sine */
+  mg_real search_margin;    /* a search drops closest points with a margin below this */
+  mg_real search_merge_distance; /* closest points nearer to each other than search_merge_distance * length are one */
+  mg_real search_gap;            /* contacts that appear in a run are followed from gaps below search_gap * length */
+  mg_real search_movement;      /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * length */
+  mg_real flat_angle;           /* rad: faces within this angle of parallel lie flat on each other */
+  mg_real imaginary_edge;       /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
+                                   tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
+  mg_real boundary_coincidence; /* boundaries of two faces nearer than boundary_coincidence * length coincide */
+  mg_real feature_border;       /* a condition fails where it is below -feature_border (lengths: times length) */
+  mg_real time_resolution;      /* functions of time are sampled every time_resolution * time */
+  mg_real step_fraction;        /* step over the longest step permitted, 0..1; below 1 a step never leads from one event
+                                   to the next */
+
+  int lcp_iterations;     /* bound of the active-set changes of one complementarity problem */
+  int event_scan_parts;   /* parts into which a step is divided to find its first event */
+  int events_at_once_max; /* bound of the transitions within one event_tolerance * time; more end the run */
+} mg_settings;
+
+/* Mode of a friction constraint. */
+enum {
+  MG_FRICTION_OFF = 0,  /* the contact carries no force */
+  MG_STICKING = 1,      /* the relative velocity is held at zero */
+  MG_SLIP_ONSET = 2,    /* slip begins now; its speed is of second order in time */
+  MG_SLIP_STARTING = 3, /* slip has begun and is still slower than slip_speed */
+  MG_SLIPPING = 4       /* slip along the direction of the relative velocity */
+};
+
+/* Start of rolling of a contact whose body lay flat and tilts onto its rim; for the first support point of a slot, the
+   kind of edge that its first two support points hold. */
+enum {
+  MG_START_NONE = 0,      /* an ordinary contact */
+  MG_START_FLAT = 1,      /* still flat: the next step is a first step from flat */
+  MG_START_SETTLING = 2,  /* tilted, with a margin that is still small */
+  MG_ON_STRAIGHT_EDGE = 3 /* first support point of a slot: a straight side of the hull is held */
+};
+
+/* Outcome of mg_begin and mg_advance. */
+enum {
+  MG_DONE = 0,             /* t_stop has been reached; of mg_begin: the run can be advanced */
+  MG_CONTINUE = 1,         /* max_steps have been taken: call mg_advance again */
+  MG_LIST_FULL = 2,        /* the list of events has no room for another step: empty it and call mg_advance again */
+  MG_PENETRATION = 10,     /* start refused: failed_contact penetrates */
+  MG_NO_EXTREMUM = 11,     /* start refused: no closest points are found for failed_contact */
+  MG_NO_OUTSIDE = 12,      /* start refused: it is not known on which side of each other two curves are that touch */
+  MG_JOINT_APART = 13,     /* start refused: failed_joint is not assembled */
+  MG_MARGIN = 20,          /* failed_contact is too near to a singularity of its closest-point equations */
+  MG_STEP_TOO_SMALL = 21,  /* the step is below step_min, or the run does not advance */
+  MG_NOT_FINITE = 22,      /* a state or a function of time is not finite; see mg_unbounded */
+  MG_COMPLEMENTARITY = 23, /* a complementarity problem has no solution, or none was found */
+  MG_TOO_MANY_EVENTS = 24, /* more than events_at_once_max transitions at one time */
+  MG_TOO_MANY_CLOSED = 25, /* more than closed_capacity contacts are closed */
+  MG_NO_FRICTION = 26      /* no forces satisfy Coulomb's law, or none were found */
+};
+
+/* Kind of an event of a contact; slip events are of friction constraints, with the contact that they belong to. */
+enum {
+  MG_EVENT_IMPACT = 0,          /* an impact from which the contact separates */
+  MG_EVENT_TOUCH_DOWN = 1,      /* the contact closes and stays closed */
+  MG_EVENT_LIFT_OFF = 2,        /* the contact opens */
+  MG_EVENT_MARGIN = 3,          /* the margin of the contact ended the run */
+  MG_EVENT_FEATURE_CHANGE = 4,  /* the contact changes to another feature pair */
+  MG_EVENT_APPEAR = 5,          /* a search has found new closest points, which the contact follows */
+  MG_EVENT_VANISH = 6,          /* the closest points of the contact have ceased to exist */
+  MG_EVENT_FACE_CONTACT = 7,    /* first support point of a slot: its patch rests */
+  MG_EVENT_TIPPING = 8,         /* first support point of a slot: its patch tips over an edge */
+  MG_EVENT_SLIP_START = 9,      /* slip begins; for spin add MG_EVENTS_PER_FRICTION, for rolling twice that */
+  MG_EVENT_SLIP_STOP = 10,      /* slip ends; spin, rolling: as above */
+  MG_EVENT_SLIP_REVERSAL = 11,  /* slip changes to another direction at once; spin, rolling: as above */
+  MG_EVENTS_PER_FRICTION = 3,   /* not an event: number of slip events, the step from slip to spin to rolling */
+  MG_EVENT_FALLBACK_START = 18, /* the run goes on by time-stepping */
+  MG_EVENT_FALLBACK_END = 19    /* events are located again */
+};
+
+/* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
+   program), x (eta: 0 or a guess), feature_pair (-1) and the pointers; it fills the other arrays with zeros. */
+typedef struct {
+  mg_real t;         /* time, s */
+  mg_real h;         /* next step to try, s */
+  mg_real *x;        /* [n_q + n_u + n_eta + 1] state */
+  int *feature_pair; /* [n_contact] feature pair that the contact is on, or -1 */
+  mg_real *point;    /* [3 n_contact] of a support point or a contact that starts from flat: the point of f, m,
+                        in the axes of its body */
+  mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
+  int *closed;                 /* [n_contact] 1: the gap is held at zero */
+  int *active;                 /* [n_contact] 1: closed and carrying force */
+  int *friction_mode;          /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */
+  mg_real *slip_direction;     /* [3 n_friction] direction of slip or rolling, unit vector; of spin, +-1 in the first */
+  int *patch_mode;             /* [n_patch_slot] mode of the friction of its patch, MG_FRICTION_OFF .. MG_SLIPPING */
+  mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity of the first support
+                                    point (3) and spin times the radius of the support points; unit length */
+  mg_real *reference_force;      /* [n_contact + 1 + n_joint_row + n_friction_row] per row: force, N or N m, from which
+                                    forces that are not unique deviate least */
+  mg_real *force;                /* [n_contact] normal force at t, N */
+  mg_real *margin;               /* [n_contact] distance from a singularity of the closest-point equations at t, 1 */
+  int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
+  mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
+                                    along the plane and out of the hull, unit vector */
+
+  long steps;               /* accepted steps */
+  long rejected;            /* rejected steps */
+  long rhs_evals;           /* evaluations of the right-hand side */
+  long lcp_solves;          /* complementarity and friction problems solved */
+  long since_projection;    /* accepted steps since drift was projected away */
+  long events_at_t;         /* transitions within one event tolerance of t_event */
+  long progress_tries;      /* steps and rejected when progress was last checked */
+  long progress_rejected;   /* rejected when progress was last checked */
+  long fallbacks;           /* how often the run has fallen back on time-stepping */
+  long fallback_steps_left; /* steps left of the present fallback */
+  long loose_solutions;     /* time-stepping: problems solved to stepping_residual only */
+  long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
+  long singular_passages;   /* places passed at which a closed contact is singular */
+  long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
+
+  mg_real t_event;             /* time of the last transition, s */
+  mg_real t_roundoff;          /* rounding error of t so far, s: the exact time is t + t_roundoff */
+  mg_real energy_0;            /* energy at the start, J */
+  mg_real energy_error_max;    /* largest |energy - energy_0 - work|, J */
+  mg_real kinetic_max;         /* largest kinetic energy, J */
+  mg_real gap_max;             /* largest |d| of a closed contact, m */
+  mg_real complementarity_max; /* largest |min(d / length, force / (mass length / time^2))| */
+  mg_real margin_min;          /* least margin of a closed contact */
+  mg_real lcp_residual_max;    /* largest residual of a complementarity or friction problem */
+  mg_real joint_error_max;     /* largest error of a joint row, at the start and after accepted steps, m or rad */
+  mg_real joint_speed;         /* largest velocity error of a joint row at the start, m/s or rad/s */
+  mg_real dead_centre_t;       /* end of the step in which the first dead centre was passed, s */
+  mg_real joint_margin_min;    /* least independence of the rows of a joint over the largest of that joint, 0..1 */
+  mg_real joint_margin_t;      /* time of joint_margin_min, s */
+  mg_real progress_t;          /* t when progress was last checked, s */
+  mg_real fallback_first;      /* start of the first fallback, s */
+  mg_real fallback_end;        /* end of the last fallback, s */
+  mg_real fallback_time;       /* duration of all fallbacks, s */
+  mg_real impact_gain_max;     /* most energy that one contact has added in an impact, J */
+  mg_real impact_gain_t;       /* time of impact_gain_max, s */
+  mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
+  mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
+
+  int failed_contact;       /* contact of the outcome, or -1 */
+  int failed_joint;         /* joint with the largest error at the start, or -1 */
+  int joint_margin;         /* joint of joint_margin_min, or -1 */
+  int rank_min;             /* least rank of the rows of all joints at accepted steps; -1 before the first */
+  int rank_max;             /* largest rank of the rows of all joints at accepted steps */
+  int dead_centres;         /* dead centres passed */
+  int dead_centre;          /* joint nearest to the loss of a row at the first dead centre, or -1 */
+  int impact_gain_contact;  /* contact of impact_gain_max, or -1 */
+  int chain_impact_contact; /* contact of chain_impact_t, or -1 */
+  int painleve_contact;     /* contact of painleve_t, or -1 */
+  int fallback_cause;       /* outcome that the first fallback avoided */
+  int fallback_doublings;   /* how often the length of the last fallback was doubled */
+  int passage_contact;      /* contact of the first singular passage, or -1 */
+  int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 
-typedef struct { /* caller's arrays for the samples; t is given, count advances */
-  int capacity, count;
-  const mg_real *t;
-  mg_real *pose, *twist;                                   /* 12 and 6 a body */
-  mg_real *eta, *force, *gap, *normal, *point_o, *point_f; /* n_eta; per contact 1, 1, 3, 3, 3; gap of none: NAN */
-  int *feature_pair;                                       /* per contact */
-  int *patch;                                              /* per slot: what it holds, or -1 */
-  mg_real *pressure;       /* 4 a slot: resultant force of its patch, centre of pressure, world */
-  mg_real *patch_friction; /* 8 a slot: friction on f, world; its torque about N through the centre of pressure; slip of
-                   f past o there, world; spin past o about N */
-  mg_real *friction, *torque, *slip; /* 3 a contact, world, on f or of f past o: N; N m; m/s */
+/* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's
+   arrays hold capacity rows. */
+typedef struct {
+  int capacity;      /* rows of every array */
+  int count;         /* rows filled; the library counts it up */
+  const mg_real *t;  /* times of the samples, s, ascending; given by the caller */
+  mg_real *pose;     /* [12 n_body] pose */
+  mg_real *twist;    /* [6 n_body] twist */
+  mg_real *eta;      /* [n_eta] contact parameters */
+  mg_real *force;    /* [n_contact] normal force, N */
+  mg_real *gap;      /* [n_contact] gap d, m; this and the next three: NAN on no feature pair */
+  mg_real *normal;   /* [3 n_contact] N */
+  mg_real *point_o;  /* [3 n_contact] contact point of o, m */
+  mg_real *point_f;  /* [3 n_contact] contact point of f, m */
+  int *feature_pair; /* [n_contact] feature pair, or -1 */
+  int *patch;        /* [n_patch_slot] patch that the slot holds, or -1 */
+  mg_real *pressure; /* [4 n_patch_slot] resultant normal force, N, and centre of pressure, m */
   mg_real
-      *joint_wrench;   /* 6 a joint, on its second body: force, world, and torque about its centre of mass, body axes */
-  mg_real *coordinate; /* 3 a joint: angles within half a turn, displacements; NAN where there are fewer */
-  mg_real *energy, *work;
+      *patch_friction;   /* [8 n_patch_slot] friction force on f, N; its torque about N through the centre of pressure,
+                            N m; velocity of f relative to o there, m/s; spin of f relative to o about N, rad/s */
+  mg_real *friction;     /* [3 n_contact] friction force on f, N */
+  mg_real *torque;       /* [3 n_contact] torque of spinning and rolling resistance on f, N m, world axes */
+  mg_real *slip;         /* [3 n_contact] slip velocity of f relative to o, m/s */
+  mg_real *joint_wrench; /* [6 n_joint] on the second body: force, N, and torque about its centre of mass, N m */
+  mg_real *coordinate;   /* [3 n_joint] joint coordinates: angles within half a turn, rad, displacements, m; NAN
+                            where a joint has fewer than three */
+  mg_real *energy;       /* [1] kinetic and potential energy, J */
+  mg_real *work;         /* [1] work of loads and prescribed motions since the start, J */
 } mg_record;
 
+/* List of events; the caller's arrays have capacity entries. */
 typedef struct {
-  int capacity, count;
-  mg_real *t;
-  int *kind, *contact, *feature_pair; /* the feature pair after the event */
-  mg_real *speed;                     /* approach speed of an impact or touch-down, m/s, else 0 */
+  int capacity;      /* entries of every array */
+  int count;         /* entries filled; the library counts it up, the caller sets it back to 0 */
+  mg_real *t;        /* time, s */
+  int *kind;         /* MG_EVENT_IMPACT .. MG_EVENT_FALLBACK_END */
+  int *contact;      /* contact */
+  int *feature_pair; /* feature pair of the contact after the event, or -1 */
+  mg_real *speed;    /* approach speed of an impact or touch-down, m/s; else 0 */
 } mg_events;
 
+/* What mg_closest knows of the points that it found. */
 enum {
-  MG_CLOSEST_NOT_FOUND = 0, /* no extremum was found */
-  MG_CLOSEST_STATIONARY = 1,
-  MG_CLOSEST_LOCAL = 2, /* a saddle or a maximum of the distance; a local minimum */
-  MG_CLOSEST_GLOBAL = 3
-}; /* the least of all, by certificate or closed form */
+  MG_CLOSEST_NOT_FOUND = 0,  /* no extremum of the distance was found */
+  MG_CLOSEST_STATIONARY = 1, /* a saddle or a maximum of the distance */
+  MG_CLOSEST_LOCAL = 2,      /* a local minimum of the distance */
+  MG_CLOSEST_GLOBAL = 3      /* the global minimum, by a certificate or in closed form */
+};
 
-typedef struct { /* n pairs of poses of one contact kind; caller's arrays, one row a pair */
-  const mg_kernels *kernels;
-  int kind, n;
-  int is_warm_start; /* convex shapes: eta is near, and below contact the extremum that continues it is meant;
-               other kinds always start from eta */
-  long stride;       /* from the parameters of one pair to those of the next; 0: the same for all */
-  const mg_real *parameters, *pose_o, *pose_f; /* of the kind; 12; 12 */
-  const mg_real *step_limit;                   /* n_eta: how far each entry of eta may go in one step; MG_MAX: signs */
-  mg_real length, residual; /* the extremality residual (length, 1) that is asked for is residual * length, residual */
-  mg_real *eta;             /* n_eta */
-  mg_real *d, *normal, *point_o, *point_f, *margin; /* 1, 3, 3, 3, 2: as the place kernel gives them */
-  int *outcome;                                     /* 1: MG_CLOSEST_NOT_FOUND .. MG_CLOSEST_GLOBAL */
+/* Closest points of n pairs of poses of one contact kind; the caller's arrays, one row for each pair of poses. */
+typedef struct {
+  const mg_kernels *kernels; /* kernels of the generated library */
+  int kind;                  /* contact kind */
+  int n;                     /* pairs of poses */
+  int is_warm_start;         /* convex shapes: 1 if eta is near the solution; where shapes overlap, the extremum that
+                                continues eta is sought. Other kinds always start from eta */
+  long stride;               /* distance in parameters from one row to the next; 0: the same parameters for all */
+  const mg_real *parameters; /* [stride] parameters of the contact kind */
+  const mg_real *pose_o;     /* [12] pose of o */
+  const mg_real *pose_f;     /* [12] pose of f */
+  const mg_real *step_limit; /* [n_eta], one row for all: bound of the change of each entry of eta in one Newton step;
+                                MG_MAX marks an entry that is a sign */
+  mg_real length;            /* length to which residual refers, m */
+  mg_real residual; /* the extremality residual is brought below residual * length (lengths), residual (angles) */
+  mg_real *eta;     /* [n_eta] guess on entry, result on return */
+  mg_real *d;       /* [1] distance, m */
+  mg_real *normal;  /* [3] N */
+  mg_real *point_o; /* [3] point of o, m */
+  mg_real *point_f; /* [3] point of f, m */
+  mg_real *margin;  /* [2] the two margins of the place kernel: 1 and 1/m */
+  int *outcome;     /* [1] MG_CLOSEST_NOT_FOUND .. MG_CLOSEST_GLOBAL */
 } mg_closest_queries;
 
+/* Value of MG_ABI with which the library was compiled. */
 MG_API int mg_abi(void);
-MG_API int mg_real_size(void);
-MG_API long mg_work_size(const mg_system *system);  /* in mg_real */
-MG_API long mg_iwork_size(const mg_system *system); /* in int */
 
-/* Brings eta to the extremum, decides which contacts are closed, takes first impacts. */
+/* Size of mg_real in bytes. */
+MG_API int mg_real_size(void);
+
+/* Length of the scratch array `work` of all functions below, in mg_real. */
+MG_API long mg_work_size(const mg_system *system);
+
+/* Length of the scratch array `iwork` of all functions below, in int. */
+MG_API long mg_iwork_size(const mg_system *system);
+
+/* Begins a run at run->t from run->x: finds the closest points of all pairs, decides which contacts are closed,
+   assembles the joints, resolves impacts at the start and determines the contact modes. Resets what the run reports.
+   Returns MG_DONE, or the outcome that refuses the start. */
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
                     int *iwork);
 
-/* Runs to t_stop or for max_steps accepted steps. MG_LIST_FULL: empty the lists and call again. */
+/* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events.
+   Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 entries at every step. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
 
-/* n independent runs from their own starts to t_stop; outcome (n) holds their codes. `events` is scratch. */
+/* Begins n independent runs and advances each to t_stop. outcome [n] receives their codes. `events` is emptied as
+   often as needed; no samples are taken. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
 
-/* n steps of RK4 without event search, projection or ledger: the smooth part alone. */
+/* Takes n steps of RK4 of settings->step with a fixed active set: no events, no projection, no diagnostics. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
                       int *iwork);
 
-/* The right-hand side at (t, x) with the run's active set; x_dot has the length of x. */
+/* Evaluates the right-hand side x_dot [length of x] at time t and state x [length of x] with the active set of the run.
+   Writes run->force. */
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t, const mg_real *x,
                         mg_real *x_dot, mg_real *work, int *iwork);
 
-/* How many rows of each joint are independent of those of the joints before it, at the run's state. */
+/* Writes into rank [n_joint] how many rows of each joint are independent of the rows of the joints before it, at the
+   run's state. */
 MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings, mg_run *run, int *rank, mg_real *work,
                            int *iwork);
 
-/* Of a run that ended as MG_NOT_FINITE: the first function of time that is not finite where it ended, or has a pole
-   there, or -1. Loads are counted first, then bodies for their paths, then joints for their motions. */
+/* After MG_NOT_FINITE: returns the first function of time that is not finite or has a pole where the run ended, or -1.
+   Loads are numbered first, then bodies (their prescribed paths), then joints (their prescribed motions). */
 MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork);
 
-/* The poses of all bodies at the run's state, 12 a body. */
+/* Writes the poses of all bodies at the run's state into pose [12 n_body]. */
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,
                         int *iwork);
 
-/* Newton from the given eta of one contact until its residual is below settings->extremality_residual or 50 steps are
-   taken. Returns the number of steps, or -1. d, margin, normal, points as the place kernel gives them. */
+/* Solves the extremality equations of one contact at the run's poses by Newton's method, from the given eta, until the
+   residual is below settings->extremality_residual. Writes eta, d [1], residual [2], margin [2], normal [3], point_o
+   [3] and point_f [3] as the place kernel gives them. Returns the number of steps, or -1 after 50. The run is not
+   changed. */
 MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const mg_run *run, int contact, mg_real *eta,
                      mg_real *d, mg_real *residual, mg_real *margin, mg_real *normal, mg_real *point_o,
                      mg_real *point_f, mg_real *work, int *iwork);
 
-/* The closest points of n pairs of poses, one contact kind. */
+/* Finds the closest points of n pairs of poses of one contact kind. */
 MG_API void mg_closest(const mg_closest_queries *queries);
 
 #include "region/region_queries.h"

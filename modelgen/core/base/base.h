@@ -1,4 +1,5 @@
-/* Vectors, scratch memory and dense factorisations. May use: nothing of the core. */
+/* Small vectors, parts of the scratch memory, and factorisations of small dense matrices. Matrices are column-major.
+   May use: nothing of the core. */
 #ifndef MG_BASE_H
 #define MG_BASE_H
 
@@ -6,8 +7,8 @@
 
 #include "base/real.h"
 
-/* MG_LCP_TIKHONOV  added to the unit diagonal of S while the active set is sought.
-   MG_LCP_CAP       no answer with residual above it is called solved (see mg_lcp_tolerance). */
+/* MG_LCP_TIKHONOV  regularisation: added to the unit diagonal of S while the active set is sought.
+   MG_LCP_CAP       largest residual of a solution (see mg_lcp_tolerance). */
 #if defined(MG_REAL_LONG)
 #define MG_LCP_TIKHONOV 1e-12L
 #define MG_LCP_CAP 1e-12L
@@ -19,52 +20,114 @@
 #define MG_LCP_CAP 1e-9
 #endif
 
-/* Pivots of S below this fraction of 1 count as zero: rounding of A leaves about n eps there. */
+/* Pivots of S, whose diagonal is 1, that are below this count as zero: rounding of A leaves about n eps there. */
 #define MG_LCP_RANK(n) ((mg_real)1e3 * (mg_real)(n) * MG_EPS)
 
-/* Cholesky pivots all above it: the factor is used as it is, with one refinement. */
+/* If all Cholesky pivots are above this, the factor is used as it is, with one step of iterative refinement. */
 #define MG_LCP_REGULAR ((mg_real)1e4 * MG_LCP_TIKHONOV)
 
-/* A symmetric positive semidefinite k by k matrix P L L' P', and Q R = L where the rank is below k. */
+/* Factors of a symmetric positive semidefinite k by k matrix S: P' S P = L L', and L = Q R where the rank is below k.
+ */
 typedef struct {
-  int k, rank;
-  mg_real *L, *Q, *R;
-  int *order;
+  int k;      /* size */
+  int rank;   /* rank */
+  mg_real *L; /* [k rank] lower trapezoid */
+  mg_real *Q; /* [k rank] orthonormal columns */
+  mg_real *R; /* [rank rank] upper triangle */
+  int *order; /* [k] row of S in each row of P' S P */
 } mg_factor;
 
 /* vectors.c */
+
+/* True if all numbers are finite. */
 MG_INTERNAL int mg_all_finite(int count, const mg_real *x);
+
+/* Largest absolute value. */
 MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x);
+
+/* Scalar product of two vectors in the plane. */
 MG_INTERNAL mg_real mg_dot2(const mg_real *a, const mg_real *b);
+
+/* Vector product of two vectors in the plane: its component normal to the plane. */
 MG_INTERNAL mg_real mg_cross2(const mg_real *a, const mg_real *b);
+
+/* Distance of two points in the plane. */
 MG_INTERNAL mg_real mg_distance2(const mg_real *a, const mg_real *b);
+
+/* out = R^T x, with R by columns; out may be x. */
 MG_INTERNAL void mg_rotate_back(const mg_real *R, const mg_real *x, mg_real *out);
+
+/* Scalar product of two vectors. */
 MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
+
+/* Scalar product of two vectors of six components. */
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
+
+/* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);
+
+/* Transforms a point (is_point = 1) or a direction (0) from the axes of a pose to world axes. */
 MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point, mg_real *out);
+
+/* Transforms a point from world axes to the axes of a pose. */
 MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *world, mg_real *local);
+
+/* out = a x b; out must not be a or b. */
 MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out);
 
 /* memory.c */
+
+/* Number of mg_real that n items of `size` bytes take, a multiple of the alignment of pointers. */
 MG_INTERNAL long mg_count_reals(long n, size_t size);
+
+/* Takes n items of `size` bytes from the memory, which then begins behind them. */
 MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size);
+
+/* Takes n mg_real from the memory, which then begins behind them. */
 MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long n);
+
+/* Takes n int from the memory, which then begins behind them. */
 MG_INTERNAL int *mg_take_ints(int **next, long n);
+
+/* Sets n numbers to zero. */
 MG_INTERNAL void mg_zero_reals(mg_real *a, long n);
 
 /* cholesky.c */
+
+/* Replaces the lower triangle of L, k by k, by its Cholesky factor, with the reciprocals of its diagonal. Returns
+   the smallest pivot; pivots below MG_LCP_TIKHONOV are replaced by it. */
 MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L);
+
+/* Replaces x by the solution of L L' z = x for a factor of mg_cholesky. */
 MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x);
+
+/* Replaces L, full and symmetric, by the lower trapezoid of P' S P, k by rank. Returns the rank, the number of
+   pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
 MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance);
+
+/* Least-norm solution y (2) of S y = -c for S = [1 s; s 1]. Returns the rank of S. */
 MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
+
+/* Least-norm solution y (k) of S y = -c, refined once. The diagonal of S is 1, or not positive. Returns the rank
+   of S, the number of pivots above `floor`. work: 3 k^2 + 3 k; order: k. */
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                                 int *order);
 
 /* lu.c */
+
+/* Replaces A by R A C with columns of largest entry 1 and b by R b / max|R b|. z of the scaled problem times
+   `column` is z. R and C are diagonal and positive, so that complementary bases and signs stay what they are. */
 MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column);
+
+/* Replaces U, k by k, by its LU factors with row exchanges, which `swap` [k] records. Returns the smallest pivot,
+   or 0 if U is singular. */
 MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap);
+
+/* Replaces x by the solution of U z = x for factors of mg_lu. */
 MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
+
+/* Solves A_BB z_B = -b_B, refined once, with z = 0 outside B; active[i] != 0 marks B. Returns the smallest pivot
+   (A has entries up to 1), or 0 if A_BB is singular, with z = 0. work: n^2 + n; iwork: 2 n. */
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                                    mg_real *work, int *iwork);
 

@@ -1,9 +1,9 @@
-/* Cholesky factors of small dense matrices, column-major, in place: plain, and with diagonal pivoting. */
-/* y = -S^+ c for S symmetric positive semidefinite: P' S P = L L', L = Q R, S^+ = P Q R^-T R^-1 Q' P'. */
+/* Cholesky factorisation of small dense symmetric positive semidefinite matrices, column-major, in place: plain, and
+   with diagonal pivoting (Golub and Van Loan, Matrix Computations, section 4.2).
+
+   Least-norm solution y = -S^+ c: with P' S P = L L' and L = Q R the pseudoinverse is S^+ = P Q R^-T R^-1 Q' P'. */
 #include "base/base.h"
 
-/* The lower triangle of L becomes the factor, with the reciprocals of its diagonal. Returns the smallest
-   pivot; a pivot below the Tikhonov term is replaced by it. */
 MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L) {
   mg_real smallest = MG_MAX;
   for (int j = 0; j < k; ++j) {
@@ -35,7 +35,9 @@ MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x) {
   }
 }
 
-static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, int b) {
+/* Exchanges rows and columns a and b of a symmetric matrix of which the columns before `from` are factored, and
+   their labels in `order`. */
+static void mg_swap_rows_and_columns(int k, mg_real *L, int *order, int from, int a, int b) {
   int label = order[a];
   if (a == b) return;
   order[a] = order[b];
@@ -52,8 +54,6 @@ static void mg_symmetric_swap(int k, mg_real *L, int *order, int from, int a, in
   }
 }
 
-/* L, full and symmetric on entry, becomes the lower trapezoid of P' S P, k by rank; returns the rank: the
-   number of pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
 MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance) {
   for (int j = 0; j < k; ++j) order[j] = j;
   for (int j = 0; j < k; ++j) {
@@ -62,7 +62,7 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real toler
     for (int i = j + 1; i < k; ++i)
       if (L[i + i * k] > L[largest + largest * k]) largest = i;
     if (!(L[largest + largest * k] > tolerance)) return j;
-    mg_symmetric_swap(k, L, order, j, j, largest);
+    mg_swap_rows_and_columns(k, L, order, j, j, largest);
     reciprocal = 1 / (mg_real)sqrt(column[j]);
     for (int i = j; i < k; ++i) column[i] *= reciprocal;
     for (int c = j + 1; c < k; ++c)
@@ -71,7 +71,8 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real toler
   return k;
 }
 
-/* Gram-Schmidt, twice over, of the trapezoid L (k by rank): Q orthonormal, R upper triangular. */
+/* Factors the trapezoid L (k by rank) into Q with orthonormal columns and an upper triangle R, by modified
+   Gram-Schmidt with reorthogonalisation. */
 static void mg_orthonormalise(mg_factor *f) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
@@ -92,8 +93,8 @@ static void mg_orthonormalise(mg_factor *f) {
   }
 }
 
-/* t becomes L^-T L^-1 t, for L of full rank. */
-static void mg_solve_full(const mg_factor *f, mg_real *t) {
+/* Replaces t by L^-T L^-1 t, for L of full rank. */
+static void mg_solve_full_rank(const mg_factor *f, mg_real *t) {
   int k = f->k;
   for (int j = 0; j < k; ++j) {
     t[j] /= f->L[j + j * k];
@@ -105,8 +106,8 @@ static void mg_solve_full(const mg_factor *f, mg_real *t) {
   }
 }
 
-/* t becomes Q R^-T R^-1 Q' t; s is scratch of k. */
-static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
+/* Replaces t by Q R^-T R^-1 Q' t; s is scratch of k. */
+static void mg_solve_rank_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
     s[j] = 0;
@@ -125,15 +126,14 @@ static void mg_solve_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
     for (int i = 0; i < k; ++i) t[i] += f->Q[i + j * k] * s[j];
 }
 
-/* y -= S^+ residual; residual and s are scratch of k. */
-static void mg_correct(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s) {
+/* y -= S^+ residual; t and s are scratch of k. */
+static void mg_subtract_pseudoinverse(const mg_factor *f, const mg_real *residual, mg_real *y, mg_real *t, mg_real *s) {
   for (int i = 0; i < f->k; ++i) t[i] = residual[f->order[i]];
-  if (f->rank == f->k) mg_solve_full(f, t);
-  else mg_solve_deficient(f, t, s);
+  if (f->rank == f->k) mg_solve_full_rank(f, t);
+  else mg_solve_rank_deficient(f, t, s);
   for (int i = 0; i < f->k; ++i) y[f->order[i]] -= t[i];
 }
 
-/* The same in closed form for k = 2 and unit diagonal. */
 MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
   mg_real determinant = (1 - s) * (1 + s);
   if (determinant > MG_LCP_RANK(2)) {
@@ -152,26 +152,26 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
   return 1;
 }
 
-static void mg_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
+/* residual = S y + c. */
+static void mg_linear_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
   for (int i = 0; i < k; ++i) residual[i] = c[i];
   for (int j = 0; j < k; ++j)
     for (int i = 0; i < k; ++i) residual[i] += S[i + j * k] * y[j];
 }
 
-/* S far from singular: the plain factor does. Returns 0 where it is not. */
+/* Solves S y = -c by the plain factor with one step of iterative refinement. Returns 0 if S is too near to
+   singular for that. */
 static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *L, mg_real *residual) {
   for (int i = 0; i < k * k; ++i) L[i] = S[i];
   if (!(mg_cholesky(k, L) > MG_LCP_REGULAR)) return 0;
   for (int i = 0; i < k; ++i) y[i] = -c[i];
   mg_cholesky_solve(k, L, y);
-  mg_residual(k, S, c, y, residual);
+  mg_linear_residual(k, S, c, y, residual);
   mg_cholesky_solve(k, L, residual);
   for (int i = 0; i < k; ++i) y[i] -= residual[i];
   return 1;
 }
 
-/* Least |y| with S y = -c, refined once; returns the rank of S, the number of pivots above `floor`. The diagonal of S
-   is 1, or not positive. */
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                                 int *order) {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};
@@ -182,8 +182,8 @@ MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_re
   f.rank = mg_cholesky_pivoted(k, f.L, order, floor);
   if (f.rank < k) mg_orthonormalise(&f);
   for (int i = 0; i < k; ++i) y[i] = 0;
-  mg_correct(&f, c, y, t, s);
-  mg_residual(k, S, c, y, residual);
-  mg_correct(&f, residual, y, t, s);
+  mg_subtract_pseudoinverse(&f, c, y, t, s);
+  mg_linear_residual(k, S, c, y, residual);
+  mg_subtract_pseudoinverse(&f, residual, y, t, s);
   return f.rank;
 }

@@ -1,6 +1,8 @@
-/* Complementary bases of a general matrix: scaling by rows and columns, and the solution of one basis. */
+/* LU factorisation of small dense matrices with row exchanges, and the solution of one complementary basis of a
+   general matrix, scaled by rows and columns (Golub and Van Loan, Matrix Computations, section 3.4). */
 #include "base/base.h"
 
+/* Scales rows by the square root of their largest entry, then columns by their largest entry. */
 static void mg_equilibrate_pass(int n, mg_real *A, mg_real *row, mg_real *column) {
   for (int i = 0; i < n; ++i) {
     mg_real largest = 0, factor;
@@ -18,8 +20,6 @@ static void mg_equilibrate_pass(int n, mg_real *A, mg_real *row, mg_real *column
   }
 }
 
-/* A becomes R A C with columns of largest entry 1, b becomes R b / max|R b|; z of the scaled problem times
-   `column` is z. Positive diagonal R, C leave the complementary bases and their signs as they are. */
 MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_real *column) {
   mg_real scale;
   for (int i = 0; i < n; ++i) row[i] = column[i] = 1;
@@ -32,7 +32,6 @@ MG_INTERNAL void mg_equilibrate(int n, mg_real *A, mg_real *b, mg_real *row, mg_
   }
 }
 
-/* Elimination with row pivoting, in place; `swap` records the rows. Returns the smallest pivot, or 0. */
 MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap) {
   mg_real smallest = 1;
   for (int j = 0; j < k; ++j) {
@@ -68,8 +67,6 @@ MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *
   }
 }
 
-/* A_BB z_B = -b_B refined once, z = 0 off B. Returns the smallest pivot (of a matrix with entries up to 1);
-   0: singular, z is 0. Scratch: n^2 + n reals, 2 n ints. */
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                                    mg_real *work, int *iwork) {
   int *index = iwork, *swap = iwork + n, k = 0;

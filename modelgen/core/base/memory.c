@@ -1,4 +1,4 @@
-/* Blocks of the caller's memory: sizes in mg_real, and consecutive parts of it. May use: nothing of the core. */
+/* Parts of the caller's scratch memory. */
 #include "base/base.h"
 
 MG_INTERNAL long mg_count_reals(long n, size_t size) {

@@ -1,4 +1,7 @@
-/* The one real type of the core. Build with -DMG_REAL_FLOAT or -DMG_REAL_LONG for another precision. */
+/* The real type of the core, and the linkage of its functions.
+
+   mg_real is double; -DMG_REAL_FLOAT or -DMG_REAL_LONG select float or long double. MG_EPS is its rounding unit, MG_MAX
+   its largest finite value, which also stands for "no bound". */
 #ifndef MG_REAL_H
 #define MG_REAL_H
 

@@ -1,10 +1,11 @@
-/* Small vectors: products, norms, frames, and tests for finite numbers. May use: nothing of the core. */
+/* Vectors of two, three and six components, and transformations between axes. A pose is a position (3) and a
+   rotation matrix by columns (9). */
 #include "base/base.h"
 
 MG_INTERNAL int mg_all_finite(int count, const mg_real *x) {
-  int bad = 0;
-  for (int i = 0; i < count; ++i) bad |= !(fabs(x[i]) <= MG_MAX);
-  return !bad;
+  int nonfinite_count = 0;
+  for (int i = 0; i < count; ++i) nonfinite_count |= !(fabs(x[i]) <= MG_MAX);
+  return !nonfinite_count;
 }
 
 MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x) {
@@ -22,7 +23,6 @@ MG_INTERNAL mg_real mg_distance2(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot2(d, d));
 }
 
-/* R^T x, R column-major. */
 MG_INTERNAL void mg_rotate_back(const mg_real *R, const mg_real *x, mg_real *out) {
   const mg_real a = x[0], b = x[1], d = x[2];
   for (int k = 0; k < 3; k++) out[k] = R[3 * k] * a + R[3 * k + 1] * b + R[3 * k + 2] * d;
@@ -34,7 +34,6 @@ MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b) {
   return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5]);
 }
 
-/* Brings a direction to unit length; returns 0 where it has none. */
 MG_INTERNAL int mg_normalise3(mg_real *n) {
   const mg_real length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), scale = 1 / length;
   for (int k = 0; k < 3; k++) n[k] *= scale;
@@ -46,13 +45,11 @@ MG_INTERNAL void mg_to_world(const mg_real *pose, const mg_real *x, int is_point
     out[k] = (mg_real)is_point * pose[k] + pose[3 + k] * x[0] + pose[6 + k] * x[1] + pose[9 + k] * x[2];
 }
 
-/* Transform a point from world axes to the axes of a pose. */
 MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *world, mg_real *local) {
   const mg_real arm[3] = {world[0] - pose[0], world[1] - pose[1], world[2] - pose[2]};
   mg_rotate_back(pose + 3, arm, local);
 }
 
-/* Cross product of two vectors. */
 MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }

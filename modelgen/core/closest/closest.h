@@ -1,54 +1,125 @@
-/* Closest points of two features: search from samples, Newton's method, certificates. May use: base, model. */
+/* Closest points of two features or shapes: search from samples, Newton's method, separation of convex shapes, and
+   singular contacts. May use: base, model. */
 #ifndef MG_CLOSEST_H
 #define MG_CLOSEST_H
 
 #include "model/context.h"
 
 /* convex_separation.c */
+
+/* Ascends from v->normal, and if that ends below `floor`, from other normals too. v then is the first maximum
+   above floor; else the highest, or the first if `keep`. Returns 0 if rounding left it inexact. */
 MG_INTERNAL int mg_maximise_separation(const mg_shape_pair *p, mg_real floor, int keep, mg_separation_view *v);
 
 /* damped_newton.c */
+
+/* Evaluates contact_place of a pair of shapes at eta; `placed` has the layout of c->search.placement. */
 MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_real *next, mg_real *placed);
+
+/* True if the residual is below the goal, or as small as rounding of the positions permits. */
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed);
+
+/* Newton's method from eta until the residual is below the goal. Returns the number of steps, or -1; `placed`
+   holds the placement at eta. */
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed);
+
+/* True if the distance is a minimum, and not only stationary: the margin is positive. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta);
+
+/* Finds closest points on a feature pair from any eta; of convex shapes without a start. Returns -1 if it fails.
+   c->search.placement holds the placement. */
+MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta);
 
 /* sampling.c */
+
+/* Dimension of a feature: 2 surface, 1 curve, 0 point. */
 MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side);
+
+/* Sample of a feature at uv at the present pose. */
 MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_sample *at);
+
+/* Bounds (u0, u1, v0, v1) within which a feature is sampled: its domain, cut at `reach` where it is unbounded. */
 MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_real reach, mg_real *window);
+
+/* Samples a feature on a grid of n by n over the window (a curve at n^2 points, a point once). Returns the number
+   of samples. */
 MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
                                   mg_sample *out);
+
+/* Shrinks a window to a tenth about a centre. */
 MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
+
+/* Distance within which an unbounded feature is sampled, m: it contains the other feature as seen from either
+   body. */
 MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 
 /* start_selection.c */
+
+/* Eta for a sample of each feature. */
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
                               mg_real *eta);
+
+/* Finds starts on a feature pair from n by n samples of each feature, with `zooms` refinements around the best. */
 MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept);
 
 /* minima_search.c */
+
+/* Puts the spare contact, numbered n_contact, on a feature pair; returns its number. */
 MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
+
+/* Reverses N of two curves, by the signs in eta. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);
+
+/* Copies distance, point and normal of the placement evaluated last. Point and normal refer to the body with the
+   smaller number, so that they do not depend on the order of the bodies in the feature pair. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
+
+/* True if two minima have the same point and normal, on whatever feature pairs (charts overlap). Two curves
+   without an outside have one contact at a point, whatever the direction of N. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b);
+
+/* Describes the minimum at eta, which solves the extremality equations. Returns 0 if it is singular or violates a
+   condition of the feature pair. */
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found);
+
+/* Inserts a minimum in order of |d|, unless it is known. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
+
+/* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the
+   features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
+
+/* Adds the minima of a feature pair with d >= least to those kept; n samples per side of a chart, `zooms`
+   refinements of the grid. */
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
                                         mg_minima *kept);
+
+/* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
 
 /* closest_batch.c */
-MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+
+/* Closest points of two convex shapes: the maximum of the separation function, then Newton's method where this
+   maximum is not sharp. warm: eta is near the solution. Returns MG_CLOSEST_NOT_FOUND .. ; eta and `placed` receive
+   the result. */
+MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                                   mg_real *placed);
 
 /* singularities.c */
+
+/* Extrapolate the state by a short time with the slope at the run's state and set the poses there. */
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c);
+
+/* True if the conditions of the minimum's feature pair will be broken a short time later. */
 MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minimum *found);
+
+/* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
+
+/* Margin at which a contact ends at a fold. */
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
+
+/* True if a closed contact is too near to where its extremum is lost, unless it starts from there. */
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact);
 
 #endif

@@ -1,22 +1,24 @@
-/* Closest points of many pairs of poses. */
+/* Closest points of one pair of shapes at given poses: of convex shapes by the separation function, of others by
+   Newton's method. Public queries of many pairs of poses (mg_closest). */
 #include "closest/closest.h"
 #include "base/base.h"
 
-/* Where to begin: the normal that continues eta, else the line between the bodies. Returns 1 in the first case. */
-static int mg_begin_at(const mg_shape_pair *p, const mg_real *eta, int warm, mg_real *normal, mg_real *rounding) {
+/* Normal to start from: that which continues eta, else the direction between the bodies. Returns 1 in the first
+   case. */
+static int mg_start_normal(const mg_shape_pair *p, const mg_real *eta, int is_warm_start, mg_real *normal,
+                           mg_real *rounding) {
   p->kernels->contact_aim(p->kind, p->pose_o, p->pose_f, eta, p->parameters, normal, rounding);
-  if (warm && mg_normalise3(normal)) return 1;
+  if (is_warm_start && mg_normalise3(normal)) return 1;
   for (int k = 0; k < 3; k++) normal[k] = p->pose_f[k] - p->pose_o[k];
   if (!mg_normalise3(normal)) normal[0] = normal[1] = 0, normal[2] = 1;
   return 0;
 }
 
-/* Convex shapes: the separation function; the extremality system after it where the maximum is not sharp. */
-MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                                   mg_real *placed) {
   mg_real rounding, next[MG_MAX_ETA];
   mg_separation_view v;
-  const int known = mg_begin_at(p, eta, warm, v.normal, &rounding);
+  const int known = mg_start_normal(p, eta, is_warm_start, v.normal, &rounding);
   const int found = mg_maximise_separation(p, -rounding - goal->tolerance * goal->length, known, &v);
   for (int k = 0; k < 6; k++) eta[k] = v.eta[k];
   mg_place_pair(p, eta, next, placed);
@@ -31,9 +33,10 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
   return mg_is_minimum(placed) ? MG_CLOSEST_LOCAL : MG_CLOSEST_STATIONARY;
 }
 
-static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int warm, mg_real *eta,
+/* Closest points of any contact kind; returns MG_CLOSEST_NOT_FOUND .. */
+static int mg_closest_pair(const mg_shape_pair *p, const mg_newton_goal *goal, int is_warm_start, mg_real *eta,
                            mg_real *placed) {
-  if (p->kernels->contact_kinds[p->kind].is_convex) return mg_closest_convex(p, goal, warm, eta, placed);
+  if (p->kernels->contact_kinds[p->kind].is_convex) return mg_closest_convex(p, goal, is_warm_start, eta, placed);
   if (mg_damped_newton(p, goal, eta, placed) < 0) return MG_CLOSEST_NOT_FOUND;
   if (p->kernels->contact_kinds[p->kind].n_eta == 0) return MG_CLOSEST_GLOBAL;
   return mg_is_minimum(placed) ? MG_CLOSEST_LOCAL : MG_CLOSEST_STATIONARY;

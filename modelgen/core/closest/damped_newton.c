@@ -1,4 +1,5 @@
-/* Newton's method on the extremality system of any contact kind, damped so that it does not run away. */
+/* Damped Newton's method on the extremality equations of any contact kind (section 2 of Anitescu, Cremer and
+   Potra, 1995), with bounded steps and step halving, for starts that are not near. */
 #include "closest/closest.h"
 #include "model/model.h"
 
@@ -7,19 +8,19 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
                             placed + 5, placed + 8, placed + 11);
 }
 
-/* The residual is as small as is asked for, or as rounding of the positions lets it be. */
 MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
-  mg_real far = 0;
-  for (int k = 0; k < 3; k++) far += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
-  return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * far && placed[2] <= goal->tolerance;
+  mg_real size = 0;
+  for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
+  return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * size && placed[2] <= goal->tolerance;
 }
 
-static mg_real mg_merit_of(const mg_newton_goal *goal, const mg_real *placed) {
+/* Residual as one dimensionless number. */
+static mg_real mg_newton_merit(const mg_newton_goal *goal, const mg_real *placed) {
   return placed[1] / goal->length + placed[2];
 }
 
-/* The part of the way to `next` that keeps each entry within its reach; 0 if the step is not finite. */
-static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
+/* Part of the step from eta to `next` that keeps each entry within its limit; 0 if the step is not finite. */
+static mg_real mg_bounded_step_part(const mg_newton_goal *goal, const mg_real *eta, const mg_real *next, int n) {
   mg_real part = 1;
   for (int k = 0; k < n; k++) {
     const mg_real step = fabs(next[k] - eta[k]);
@@ -29,62 +30,65 @@ static mg_real mg_bounded(const mg_newton_goal *goal, const mg_real *eta, const 
   return part;
 }
 
-/* Halves the step until the merit falls; returns 0 if it does not. Entries without bounds are signs: they jump. */
-static int mg_damped(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *next, mg_real *placed) {
+/* Halves the step until the merit falls; returns 0 if it does not. Entries without limit are signs and are taken
+   whole. */
+static int mg_damped_step(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *next,
+                          mg_real *placed) {
   const int n = p->kernels->contact_kinds[p->kind].n_eta;
-  const mg_real before = mg_merit_of(goal, placed);
-  mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded(goal, eta, next, n);
+  const mg_real before = mg_newton_merit(goal, placed);
+  mg_real there[MG_MAX_ETA], after[MG_MAX_ETA] = {0}, part = mg_bounded_step_part(goal, eta, next, n);
   for (int halving = 0; halving < 12 && part > 0; halving++, part /= 2) {
     for (int k = 0; k < n; k++) there[k] = goal->step_limit[k] < MG_MAX ? eta[k] + part * (next[k] - eta[k]) : next[k];
     mg_place_pair(p, there, after, placed);
-    if (!(mg_merit_of(goal, placed) < (1 - part / 1000) * before)) continue;
+    if (!(mg_newton_merit(goal, placed) < (1 - part / 1000) * before)) continue;
     for (int k = 0; k < n; k++) eta[k] = there[k], next[k] = after[k];
     return 1;
   }
   return 0;
 }
 
-/* From eta until the residual is small. Returns the number of steps, or -1; `placed` holds what the place kernel
-   gives at eta, in the order of place.c. */
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed) {
   mg_real next[MG_MAX_ETA] = {0};
   mg_place_pair(p, eta, next, placed);
   for (int step = 0; step < 100; step++) {
     if (mg_is_residual_small(p, goal, placed)) return step;
-    if (!mg_damped(p, goal, eta, next, placed)) break;
+    if (!mg_damped_step(p, goal, eta, next, placed)) break;
   }
   mg_place_pair(p, eta, next, placed);
   return -1;
 }
 
-/* The distance is least there, not only stationary: the sign of the margin. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
-/* How far each entry of eta on a feature pair may go in one step. */
-static void mg_eta_reach(const mg_context *c, int feature_pair, mg_real *reach) {
+/* Limits of the change of each entry of eta in one step. */
+static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
   mg_eta_scale(c, feature_pair, reach);
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
-    const int signs = carrier == MG_SIGN ? 1 : carrier == MG_SIGNED_CURVE ? 2 : 0;
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
+    const int signs = parametrisation == MG_SIGN ? 1 : parametrisation == MG_SIGNED_CURVE ? 2 : 0;
     for (int k = 0; k < n; k++, reach++)
-      *reach = k >= n - signs ? MG_MAX : *reach * (carrier == MG_LOCAL ? 2 : carrier == MG_TURN ? 16 : 1) / 4;
+      *reach = k >= n - signs ? MG_MAX
+                              : *reach *
+                                    (parametrisation == MG_LOCAL  ? 2
+                                     : parametrisation == MG_TURN ? 16
+                                                                  : 1) /
+                                    4;
   }
 }
 
-static mg_shape_pair mg_couple_of(const mg_context *c, int contact) {
-  const mg_shape_pair couple = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
-                                c->bodies.pose + 12 * c->contacts.f[contact],
-                                c->system->parameters + c->contacts.parameters[contact]};
-  return couple;
+/* Shapes and poses of a contact. */
+static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
+  const mg_shape_pair shape_pair = {c->kernels, c->contacts.kind[contact], c->bodies.pose + 12 * c->contacts.o[contact],
+                                    c->bodies.pose + 12 * c->contacts.f[contact],
+                                    c->system->parameters + c->contacts.parameters[contact]};
+  return shape_pair;
 }
 
-/* As mg_newton_on_feature_pair, from anywhere; convex shapes from nothing. c->search.placement says whether it is a
- * minimum. */
-MG_INTERNAL int mg_settle_from_anywhere(mg_context *c, int feature_pair, mg_real *eta) {
-  const mg_shape_pair p = mg_couple_of(c, mg_use_spare_contact(c, feature_pair));
+MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
+  const mg_shape_pair p = mg_shape_pair_of(c, mg_use_spare_contact(c, feature_pair));
   mg_real reach[MG_MAX_ETA];
   const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, reach};
-  mg_eta_reach(c, feature_pair, reach);
+  mg_eta_step_limit(c, feature_pair, reach);
   if (p.kernels->contact_kinds[p.kind].is_convex)
     return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;
   return mg_damped_newton(&p, &goal, eta, c->search.placement);

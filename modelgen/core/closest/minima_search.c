@@ -1,35 +1,35 @@
-/* All local minima of the distance of a pair: every feature pair sampled, refined by Newton's method, kept where its
-   conditions hold. */
+/* All local minima of the distance of a pair of shapes: every feature pair is sampled, the samples are refined by
+   Newton's method, and results are kept if the conditions of the feature pair hold. Writes c->search; at the start
+   also feature pairs and eta of the contacts. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
 
-/* Puts the spare contact, behind the last one, on a feature pair. */
 MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair) {
   mg_place_on_feature_pair(c, c->system->n_contact, feature_pair);
   return c->system->n_contact;
 }
 
-/* Turns the normal of two curves round. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta) {
   if (mg_parametrisation(c, feature_pair, 0) == MG_SIGN) eta[0] = -eta[0];
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
 
-/* Two curves alone have no outside: the side of the pair's normal, else the side on which the second lies. */
+/* Two curves by themselves have no outside: True if N disagrees with the normal given for the pair, or, if none is
+   given, if the second curve is not on the positive side. */
 static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
-  const mg_real along = mg_dot3(hint, c->search.placement + 5);
+  const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
+  const mg_real along = mg_dot3(given_normal, c->search.placement + 5);
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
-static int mg_undecided(const mg_context *c, int feature_pair) {
-  const mg_real *hint = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
-  return mg_dot3(hint, hint) == 0 && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
+/* True if two curves touch and no normal is given. */
+static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
+  const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
+  return mg_dot3(given_normal, given_normal) == 0 &&
+         fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
 }
 
-/* The normal and the point of the first body as placed last, on the side of a body that does not depend on which of
-   the two the feature pair takes first. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   const int turned = mg_feature_body(c, found->feature_pair, 0) > mg_feature_body(c, found->feature_pair, 1);
   found->d = c->search.placement[0];
@@ -39,33 +39,31 @@ MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   }
 }
 
-/* The same point and the same normal: one contact, be it on two feature pairs where charts overlap. Two curves without
-   an outside have one contact at a point, whichever way its normal is turned. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0;
   for (int k = 0; k < 3; k++) {
     apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
-  const int sided = !(a->feature_pair == b->feature_pair && mg_has_signs(c, a->feature_pair) &&
+  const int sided = !(a->feature_pair == b->feature_pair && mg_has_normal_sign(c, a->feature_pair) &&
                       mg_has_no_outside(c, a->feature_pair));
   apart += (a->d - b->d) * (a->d - b->d);
   return sqrt(apart) < c->settings->search_merge_distance * c->system->length &&
          (!sided || sqrt(turned) < c->settings->search_merge_distance);
 }
 
-/* Fills in what was found at eta, which is on the extremum; returns 0 where it is none of the feature pair's own. */
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
-  const int spare = mg_use_spare_contact(c, feature_pair), alone = mg_has_no_outside(c, feature_pair);
+  const int spare = mg_use_spare_contact(c, feature_pair), has_no_outside = mg_has_no_outside(c, feature_pair);
   int which;
   mg_real next[6];
   mg_place_contact(c, spare, eta, next);
-  if (mg_has_signs(c, feature_pair)) {
-    const int wrong = alone ? mg_is_on_wrong_side(c, feature_pair)
-                            : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
-    if (wrong) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
+  if (mg_has_normal_sign(c, feature_pair)) {
+    const int is_wrong_side =
+        has_no_outside ? mg_is_on_wrong_side(c, feature_pair)
+                       : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
+    if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
-  found->undecided = mg_has_signs(c, feature_pair) && alone && mg_undecided(c, feature_pair);
+  found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
   if (!(mg_placement_margin(c) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
@@ -75,7 +73,6 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   return fabs(found->d) <= MG_MAX;
 }
 
-/* Keeps the found in order of |d|, each once. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_is_same_minimum(c, kept->list + i, found)) return;
@@ -85,11 +82,9 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
   if (at < MG_MINIMA) kept->list[at] = *found;
 }
 
-/* Two convex solids are apart by no less than any plane of theirs parts them: the largest over their flat faces of
-   the least gap to the other; -MG_MAX where no face is known. An extremum below it is none. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  mg_real eta[6] = {0}, next[6], parting = -MG_MAX;
+  mg_real eta[6] = {0}, next[6], separation = -MG_MAX;
   int groups = 0;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++) {
     const int group = s->feature_pair_group[feature_pair];
@@ -99,12 +94,13 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
     if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
-    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > parting) parting = c->search.merit[k];
-  return parting;
+    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > separation) separation = c->search.merit[k];
+  return separation;
 }
 
-/* It was left in this step, and goes on leaving: a closed curve comes back at its other end, and a blow may turn it. */
-static int mg_was_left(mg_context *c, const mg_minimum *found) {
+/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may
+   be accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
+static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
     if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
@@ -114,7 +110,6 @@ static int mg_was_left(mg_context *c, const mg_minimum *found) {
   return 0;
 }
 
-/* Adds to what is kept the extrema of a feature pair that are above `least`. */
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
                                         mg_minima *kept) {
   const int n_eta = c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].n_eta;
@@ -127,18 +122,20 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, 
   for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
   if (!known) mg_find_newton_starts(c, feature_pair, n, zooms, starts);
   for (int i = 0; i < starts->count; i++) {
-    if (mg_settle_from_anywhere(c, feature_pair, starts->eta[i]) < 0) continue;
-    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_left(c, &found))
+    if (mg_converge_from_any_start(c, feature_pair, starts->eta[i]) < 0) continue;
+    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_abandoned(c, &found))
       continue;
     mg_insert_minimum(c, kept, &found);
   }
 }
 
-/* ---- the start ---- */
-static int mg_touches(const mg_context *c, mg_real d) { return d >= -c->settings->start_gap * c->system->length; }
+/* True if the gap is not below -start_gap. */
+static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
+  return d >= -c->settings->start_gap * c->system->length;
+}
 
-/* Each contact of the pair has a feature pair of its own. */
-static int mg_start_each(mg_context *c, int pair) {
+/* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
+static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
@@ -152,8 +149,9 @@ static int mg_start_each(mg_context *c, int pair) {
   return MG_DONE;
 }
 
-/* The contacts of the pair share its feature pairs: the nearest first, others only within reach. */
-static int mg_start_shared(mg_context *c, int pair) {
+/* Start of a pair whose contacts share its feature pairs: the nearest minimum is followed, others only within
+   search_gap. Returns an outcome. */
+static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
@@ -167,7 +165,7 @@ static int mg_start_shared(mg_context *c, int pair) {
     return MG_NO_EXTREMUM;
   int k = 0;
   for (int i = first; i < end; i++) {
-    while (k > 0 && k < found.count && !mg_touches(c, found.list[k].d)) k++;
+    while (k > 0 && k < found.count && !mg_is_start_gap_allowed(c, found.list[k].d)) k++;
     const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->search_gap * s->length);
     if (fits && found.list[k].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
@@ -178,7 +176,8 @@ static int mg_start_shared(mg_context *c, int pair) {
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) {
-    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_each(c, pair) : mg_start_shared(c, pair);
+    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
+                                                          : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
     c->run->moved_since_search[pair] = 0;
   }

@@ -1,4 +1,5 @@
-/* Both sides of a feature pair sampled over their domains. */
+/* Samples of a feature over its domain, in the axes of its body; those of bounded features are kept between
+   searches. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -7,9 +8,9 @@ MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int 
   return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].dimension;
 }
 
-/* A point of a side in the axes of its shape, in those of its body, and the direction there in those of its body, of
-   length 0 where the shape has none. */
-static void mg_sample_in(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
+/* Sample of a feature at uv (MG_SAMPLE_SIZE numbers): point in the axes of the shape, point in the axes of the
+   body, direction in the axes of the body, of length 0 where there is none. */
+static void mg_sample_in_body(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_real *in) {
   const mg_system *s = c->system;
   const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT;
   mg_real direction[3] = {0, 0, 0};
@@ -20,7 +21,8 @@ static void mg_sample_in(mg_context *c, int feature_pair, int side, const mg_rea
   mg_to_world(place, in, 1, in + 3), mg_to_world(place, direction, 0, in + 6);
 }
 
-static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
+/* Transforms a stored sample to world axes. */
+static void mg_sample_to_world(const mg_real *pose, const mg_real *uv, const mg_real *in, mg_sample *at) {
   for (int k = 0; k < 3; k++) at->local[k] = in[k];
   mg_to_world(pose, in + 3, 1, at->point), mg_to_world(pose, in + 6, 0, at->direction);
   at->uv[0] = uv[0], at->uv[1] = uv[1];
@@ -28,19 +30,19 @@ static void mg_sample_out(const mg_real *pose, const mg_real *uv, const mg_real 
 
 MG_INTERNAL void mg_sample_at(mg_context *c, int feature_pair, int side, const mg_real *uv, mg_sample *at) {
   mg_real in[MG_SAMPLE_SIZE];
-  mg_sample_in(c, feature_pair, side, uv, in);
-  mg_sample_out(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
+  mg_sample_in_body(c, feature_pair, side, uv, in);
+  mg_sample_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), uv, in, at);
 }
 
-/* The parameter at which a curve without ends is farther than `reach` on both sides. */
-static mg_real mg_far_along(mg_context *c, int feature_pair, int side, mg_real reach) {
+/* Parameter at which both ends of an unbounded curve are farther than `reach` from its origin. */
+static mg_real mg_parameter_beyond(mg_context *c, int feature_pair, int side, mg_real reach) {
   const mg_system *s = c->system;
   const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side], zero[2] = {0, 0};
   mg_real x[3], T[3];
   c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], zero, parameters, x, T);
-  mg_real far = reach / sqrt(mg_dot3(T, T));
-  for (int doubling = 0; doubling < 30; doubling++, far *= 2) {
-    const mg_real ends[2][2] = {{-far, 0}, {far, 0}};
+  mg_real bound = reach / sqrt(mg_dot3(T, T));
+  for (int doubling = 0; doubling < 30; doubling++, bound *= 2) {
+    const mg_real ends[2][2] = {{-bound, 0}, {bound, 0}};
     int outside = 0;
     for (int end = 0; end < 2; end++) {
       c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], ends[end], parameters, x, T);
@@ -48,49 +50,48 @@ static mg_real mg_far_along(mg_context *c, int feature_pair, int side, mg_real r
     }
     if (outside == 2) break;
   }
-  return far;
+  return bound;
 }
 
-/* The bounds (u0, u1, v0, v1) to sample a side within; where it has none, cut at `reach`. */
 MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_real reach, mg_real *window) {
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 4; k++) window[k] = domain[k];
   const int endless = fabs(domain[0]) >= MG_MAX / 2 || fabs(domain[1]) >= MG_MAX / 2;
-  const mg_real far =
-      endless && mg_feature_dimension(c, feature_pair, side) == 1 ? mg_far_along(c, feature_pair, side, reach) : reach;
+  const mg_real bound = endless && mg_feature_dimension(c, feature_pair, side) == 1
+                            ? mg_parameter_beyond(c, feature_pair, side, reach)
+                            : reach;
   for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? far : -far;
+    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
 }
 
-/* Where the samples of a whole side are kept that do not change in its body's axes; `fresh` if they are yet to be
-   taken; 0 where none are kept of so many within this window. */
+/* Memory of the samples of a whole feature; *is_unfilled: they must still be computed. 0 if none are kept for this
+   window and count. */
 static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const mg_real *window, int count,
-                                int *fresh) {
+                                int *is_unfilled) {
   const mg_system *s = c->system;
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   const int table = s->n_sample_table ? s->feature_table[2 * feature_pair + side] : -1;
   if (table < 0 || s->sample_table_first[table + 1] - s->sample_table_first[table] != count) return 0;
   for (int k = 0; k < 4; k++)
     if (window[k] != domain[k]) return 0;
-  *fresh = !c->search.table_filled[table], c->search.table_filled[table] = 1;
+  *is_unfilled = !c->search.table_filled[table], c->search.table_filled[table] = 1;
   return c->search.table + (long)MG_SAMPLE_SIZE * s->sample_table_first[table];
 }
 
-/* A grid of n by n samples over the window, as many along a curve, one of a point. */
 MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
                                   mg_sample *out) {
   const int dimension = mg_feature_dimension(c, feature_pair, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
-  int count = 0, fresh = 1;
-  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &fresh);
+  int count = 0, is_unfilled = 1;
+  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &is_unfilled);
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
       const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
       mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : single;
-      if (fresh) mg_sample_in(c, feature_pair, side, uv, in);
-      mg_sample_out(pose, uv, in, out + count++);
+      if (is_unfilled) mg_sample_in_body(c, feature_pair, side, uv, in);
+      mg_sample_to_world(pose, uv, in, out + count++);
     }
   return count;
 }

@@ -1,16 +1,15 @@
-/* Singular contacts: crossings of curved edges, the margin at which a contact ends, and minima that are about to leave
-   their features. Reads the poses and margins of the run; `mg_extrapolate_poses` writes the poses of a moment ahead. */
+/* Singular contacts (sections 4.1.1, 4.2.2 and 4.3 of Anitescu, Cremer and Potra, 1995): crossings of curved
+   edges, the margin at which a contact ends, and minima that are about to leave their feature pairs. Reads the
+   poses and margins of the run; mg_extrapolate_poses writes poses a short time ahead. */
 #include "closest/closest.h"
 #include "model/model.h"
 
-/* Extrapolate the state by a short time with the slope at the run's state and set the poses there. */
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c) {
   const mg_real moment = sqrt(c->settings->event_tolerance) * c->system->time;
   for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = c->run->x[i] + moment * c->step.slopes[i];
   mg_update_poses(c, c->run->t + moment, c->step.stage);
 }
 
-/* True if the conditions of the minimum's feature pair will be broken a short time later. */
 MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minimum *found) {
   mg_real eta[6], next[6];
   int which;
@@ -28,11 +27,10 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
 
 /* True if the side of the feature pair is parametrised as a curve. */
 static int mg_is_feature_a_curve(const mg_context *c, int feature_pair, int side) {
-  const int carrier = mg_parametrisation(c, feature_pair, side);
-  return carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
+  return parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
-/* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair) {
   if (mg_feature_dimension(c, feature_pair, 0) != 1 || mg_feature_dimension(c, feature_pair, 1) != 1 ||
       mg_has_no_outside(c, feature_pair))
@@ -40,13 +38,11 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
   return mg_is_feature_a_curve(c, feature_pair, 0) || mg_is_feature_a_curve(c, feature_pair, 1);
 }
 
-/* Margin at which a contact ends at a fold. */
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact) {
   const int crossing = c->run->closed[contact] && mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
   return crossing ? c->settings->search_margin : c->settings->margin_refuse;
 }
 
-/* True if a closed contact is too near to where its extremum is lost, unless it starts from there. */
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact) {
   const mg_real margin = c->run->margin[contact];
   if (!c->run->closed[contact] || c->run->rolling_start[contact] || margin >= c->settings->margin_refuse) return 0;

@@ -1,113 +1,119 @@
-/* Where to start the search of closest points on a feature pair: the likeliest pairs of samples. */
+/* Starts of Newton's method on a feature pair: pairs of samples with small merit |P_f - P_o| + size * mismatch of
+   the directions, at local minima over the grid of samples. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
 
-typedef struct { /* a plane or sphere: its sample at (0, 0); of a sphere the centre and the radius, else 0 */
-  mg_sample base;
-  mg_real centre[3], radius;
-} mg_ground;
+/* A plane or a sphere. */
+typedef struct {
+  mg_sample base;    /* its sample at (0, 0) */
+  mg_real centre[3]; /* centre of a sphere, world axes, m */
+  mg_real radius;    /* radius of a sphere, m; 0: a plane */
+} mg_nearest_point_shape;
 
-/* How far the directions are from opposed normals, or from tangent and normal at right angles; 0..2. */
-static inline mg_real mg_skew(const mg_sample *o, const mg_sample *f, int curves) {
+/* Deviation of two directions from opposite normals, or of a tangent and a normal from perpendicular; 0..2. */
+static inline mg_real mg_direction_mismatch(const mg_sample *o, const mg_sample *f, int curves) {
   if (curves == 2) return 0;
   const mg_real cosine = mg_dot3(o->direction, f->direction);
   return curves == 0 ? 1 + cosine : fabs(cosine);
 }
 
-static inline mg_real mg_between(const mg_sample *a, const mg_sample *b) {
+/* Distance of two samples. */
+static inline mg_real mg_sample_distance(const mg_sample *a, const mg_sample *b) {
   const mg_real span[3] = {b->point[0] - a->point[0], b->point[1] - a->point[1], b->point[2] - a->point[2]};
   return sqrt(mg_dot3(span, span));
 }
 
-/* |P_f - P_o| + size skew. */
-static inline mg_real mg_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
-  return mg_between(o, f) + size * mg_skew(o, f, curves);
+/* |P_f - P_o| + size * mismatch. */
+static inline mg_real mg_sample_merit(const mg_sample *o, const mg_sample *f, int curves, mg_real size) {
+  return mg_sample_distance(o, f) + size * mg_direction_mismatch(o, f, curves);
 }
 
-/* A plane or a sphere knows its point nearest to another by itself: it needs no samples. */
-static int mg_has_foot(const mg_context *c, int feature_pair, int side) {
-  const int carrier = mg_parametrisation(c, feature_pair, side);
+/* True if the nearest point of the feature to any point is known in closed form (plane, sphere), so that it needs
+   no samples. */
+static int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
   return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point &&
-         (carrier == MG_NONE || carrier == MG_LOCAL);
+         (parametrisation == MG_NONE || parametrisation == MG_LOCAL);
 }
 
-static void mg_lay_ground(mg_context *c, int feature_pair, int side, mg_ground *ground) {
+/* Sets the plane or sphere of a feature at its present pose. */
+static void mg_set_nearest_point_shape(mg_context *c, int feature_pair, int side, mg_nearest_point_shape *shape) {
   const mg_real zero[2] = {0, 0};
   mg_real arm[3], turned[3];
-  mg_sample_at(c, feature_pair, side, zero, &ground->base);
-  ground->radius = 0;
+  mg_sample_at(c, feature_pair, side, zero, &shape->base);
+  shape->radius = 0;
   if (c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point == MG_NEAREST_PLANE)
     return;
-  ground->radius = sqrt(mg_dot3(ground->base.local, ground->base.local));
-  mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, ground->base.local, 0, arm);
+  shape->radius = sqrt(mg_dot3(shape->base.local, shape->base.local));
+  mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, shape->base.local, 0, arm);
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), arm, 0, turned);
-  for (int k = 0; k < 3; k++) ground->centre[k] = ground->base.point[k] - turned[k];
+  for (int k = 0; k < 3; k++) shape->centre[k] = shape->base.point[k] - turned[k];
 }
 
-/* The foot of a point; its coordinates in the shape's axes are left out. */
-static void mg_foot(const mg_ground *ground, const mg_real *point, mg_sample *foot) {
-  const mg_sample *base = &ground->base;
+/* Point of a plane or sphere nearest to a point, without its coordinates in the axes of the shape. */
+static void mg_find_nearest_point(const mg_nearest_point_shape *shape, const mg_real *point, mg_sample *nearest) {
+  const mg_sample *base = &shape->base;
   mg_real span[3];
-  *foot = *base;
-  if (ground->radius > 0) {
-    for (int k = 0; k < 3; k++) span[k] = base->point[k] - ground->centre[k];
+  *nearest = *base;
+  if (shape->radius > 0) {
+    for (int k = 0; k < 3; k++) span[k] = base->point[k] - shape->centre[k];
     const mg_real sign = mg_dot3(span, base->direction) < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++) span[k] = point[k] - ground->centre[k];
+    for (int k = 0; k < 3; k++) span[k] = point[k] - shape->centre[k];
     const mg_real distance = sqrt(mg_dot3(span, span));
     for (int k = 0; k < 3 && distance > 0; k++)
-      foot->direction[k] = sign * span[k] / distance,
-      foot->point[k] = ground->centre[k] + ground->radius * span[k] / distance;
+      nearest->direction[k] = sign * span[k] / distance,
+      nearest->point[k] = shape->centre[k] + shape->radius * span[k] / distance;
   } else {
     for (int k = 0; k < 3; k++) span[k] = point[k] - base->point[k];
     const mg_real height = mg_dot3(span, base->direction);
-    for (int k = 0; k < 3; k++) foot->point[k] = point[k] - height * base->direction[k];
+    for (int k = 0; k < 3; k++) nearest->point[k] = point[k] - height * base->direction[k];
   }
 }
 
-/* For each of the n samples of the rows the best of the others: its merit and index. The mate of the row before is
-   tried first; as many of the others are passed over as lie too far away, no two in a row being farther apart than
-   `widest`. */
-static void mg_match(mg_context *c, int n, int others, int curves, mg_real size) {
+/* Finds for each of n samples of the first feature the best of the samples of the other: merit and index. The
+   partner of the sample before is tried first; samples are skipped that must be too far away, because neighbours
+   are no farther apart than spacing_max. */
+static void mg_match_nearest(mg_context *c, int n, int others, int curves, mg_real size) {
   const mg_sample *other = c->search.samples + MG_SAMPLES;
-  mg_real widest = 0;
-  int mate = 0;
+  mg_real spacing_max = 0;
+  int partner = 0;
   for (int j = 1; j < others; j++) {
-    const mg_real wide = mg_between(other + j - 1, other + j);
-    if (!(wide <= widest)) widest = wide;
+    const mg_real spacing = mg_sample_distance(other + j - 1, other + j);
+    if (!(spacing <= spacing_max)) spacing_max = spacing;
   }
   for (int i = 0; i < n; i++) {
     const mg_sample *own = c->search.samples + i;
-    mg_real best = mg_merit(own, other + mate, curves, size);
+    mg_real best = mg_sample_merit(own, other + partner, curves, size);
     if (!(best <= MG_MAX)) best = MG_MAX;
     for (int j = 0; j < others; j++) {
-      const mg_real apart = mg_between(own, other + j), passed = (apart - best) / widest;
+      const mg_real apart = mg_sample_distance(own, other + j), passed = (apart - best) / spacing_max;
       if (passed >= others) break;
       if (passed >= 1) j += (int)passed - 1;
       if (passed >= 0) continue;
-      const mg_real merit = apart + size * mg_skew(own, other + j, curves);
-      if (merit < best) best = merit, mate = j;
+      const mg_real merit = apart + size * mg_direction_mismatch(own, other + j, curves);
+      if (merit < best) best = merit, partner = j;
     }
-    c->search.merit[i] = best, c->search.mate[i] = mate;
+    c->search.merit[i] = best, c->search.partner[i] = partner;
   }
 }
 
-/* The same where the other side is a plane or sphere; `size` is the extent of the rows. */
-static void mg_match_feet(mg_context *c, int feature_pair, int side, int n, int curves, mg_real size) {
-  mg_ground ground;
-  mg_lay_ground(c, feature_pair, side, &ground);
-  const mg_real width = 2 * ground.radius;
+/* The same if the nearest point of the other feature is known in closed form; size: extent of the samples. */
+static void mg_match_nearest_points(mg_context *c, int feature_pair, int side, int n, int curves, mg_real size) {
+  mg_nearest_point_shape shape;
+  mg_set_nearest_point_shape(c, feature_pair, side, &shape);
+  const mg_real width = 2 * shape.radius;
   if (width > 0 && (width < size || !(size > 0))) size = width;
   for (int i = 0; i < n; i++) {
-    mg_foot(&ground, c->search.samples[i].point, c->search.samples + MG_SAMPLES + i);
-    c->search.mate[i] = i,
-    c->search.merit[i] = mg_merit(c->search.samples + i, c->search.samples + MG_SAMPLES + i, curves, size);
+    mg_find_nearest_point(&shape, c->search.samples[i].point, c->search.samples + MG_SAMPLES + i);
+    c->search.partner[i] = i,
+    c->search.merit[i] = mg_sample_merit(c->search.samples + i, c->search.samples + MG_SAMPLES + i, curves, size);
     if (!(c->search.merit[i] <= MG_MAX)) c->search.merit[i] = MG_MAX;
   }
 }
 
-/* True if no neighbour of sample i on the grid of rows has a smaller merit. */
-static int mg_is_lowest(const mg_context *c, int i, int n, int across) {
+/* True if no neighbour of sample i on the grid has a smaller merit. */
+static int mg_is_local_minimum(const mg_context *c, int i, int n, int across) {
   const int row = i / across, column = i % across, rows = n / across;
   for (int a = -1; a <= 1; a++)
     for (int b = -1; b <= 1; b++) {
@@ -144,7 +150,8 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
   }
 }
 
-static mg_real mg_extent_of(const mg_context *c, int from, int n) {
+/* Largest side of the box around n samples. */
+static mg_real mg_sample_extent(const mg_context *c, int from, int n) {
   mg_real low[3], high[3], extent = 0;
   for (int k = 0; k < 3; k++) low[k] = MG_MAX, high[k] = -MG_MAX;
   for (int i = from; i < from + n; i++)
@@ -158,8 +165,8 @@ static mg_real mg_extent_of(const mg_context *c, int from, int n) {
   return extent;
 }
 
-/* Inserts into the MG_STARTS starts kept in order of merit. */
-static void mg_keep_start(mg_newton_starts *kept, mg_real merit, const mg_real *eta) {
+/* Inserts a start in order of merit. */
+static void mg_insert_start(mg_newton_starts *kept, mg_real merit, const mg_real *eta) {
   int at = kept->count < MG_STARTS ? kept->count++ : MG_STARTS;
   for (; at > 0 && kept->merit[at - 1] > merit; at--)
     if (at < MG_STARTS) {
@@ -171,31 +178,35 @@ static void mg_keep_start(mg_newton_starts *kept, mg_real merit, const mg_real *
   for (int k = 0; k < 6; k++) kept->eta[at][k] = eta[k];
 }
 
-/* Matches the samples within the windows; returns the number of rows, whose side is `row`. */
-static int mg_match_samples(mg_context *c, int feature_pair, int row, int feet, int n, mg_real window[2][4]) {
+/* Samples both features within their windows and matches them. Returns the number of samples of the first feature,
+   numbered `row`. */
+static int mg_match_in_windows(mg_context *c, int feature_pair, int row, int has_nearest_point, int n,
+                               mg_real window[2][4]) {
   const int curves = (mg_feature_dimension(c, feature_pair, 0) < 2) + (mg_feature_dimension(c, feature_pair, 1) < 2);
   const int rows = mg_sample_feature(c, feature_pair, row, window[row], n, c->search.samples);
-  const mg_real own = mg_extent_of(c, 0, rows);
-  if (feet) {
-    mg_match_feet(c, feature_pair, 1 - row, rows, curves, own);
+  const mg_real own = mg_sample_extent(c, 0, rows);
+  if (has_nearest_point) {
+    mg_match_nearest_points(c, feature_pair, 1 - row, rows, curves, own);
     return rows;
   }
   const int others = mg_sample_feature(c, feature_pair, 1 - row, window[1 - row], n, c->search.samples + MG_SAMPLES);
-  const mg_real size = mg_extent_of(c, MG_SAMPLES, others);
-  mg_match(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
+  const mg_real size = mg_sample_extent(c, MG_SAMPLES, others);
+  mg_match_nearest(c, rows, others, curves, own < size && own > 0 ? own : size > 0 ? size : own);
   return rows;
 }
 
-/* The samples lie as densely as once zoomed: along curves alone, and where the other side has feet. */
-static int mg_is_dense(const mg_context *c, int feature_pair, int feet) {
-  return feet || (mg_feature_dimension(c, feature_pair, 0) < 2 && mg_feature_dimension(c, feature_pair, 1) < 2);
+/* True if samples are as dense as after one refinement: along curves, or if the nearest point of the other feature
+   is known. */
+static int mg_are_samples_dense(const mg_context *c, int feature_pair, int has_nearest_point) {
+  return has_nearest_point ||
+         (mg_feature_dimension(c, feature_pair, 0) < 2 && mg_feature_dimension(c, feature_pair, 1) < 2);
 }
 
-/* A contact of the pair is on the feature pair already, with its points next to sample i of the rows and its mate. */
+/* True if a contact of the pair is on the feature pair already, with its points next to sample i and its partner. */
 static int mg_is_known_start(mg_context *c, int feature_pair, int row, int i, int rows, int across) {
   const int pair = c->system->feature_pair_owner[feature_pair], beside = i + across < rows ? i + across : i - across;
-  const mg_sample *own = c->search.samples + i, *mate = c->search.samples + MG_SAMPLES + c->search.mate[i];
-  const mg_real near = beside >= 0 ? mg_between(own, c->search.samples + beside) : 0;
+  const mg_sample *own = c->search.samples + i, *partner = c->search.samples + MG_SAMPLES + c->search.partner[i];
+  const mg_real near = beside >= 0 ? mg_sample_distance(own, c->search.samples + beside) : 0;
   mg_real next[6];
   for (int k = mg_pair_first_contact(c, pair); k < mg_pair_first_contact(c, pair + 1); k++) {
     if (!mg_is_on_feature_pair(c, k) || c->run->feature_pair[k] != feature_pair) continue;
@@ -203,33 +214,36 @@ static int mg_is_known_start(mg_context *c, int feature_pair, int row, int i, in
     const mg_real *points[2] = {c->search.placement + 8, c->search.placement + 11}, *p = points[row],
                   *q = points[1 - row];
     const mg_real a[3] = {own->point[0] - p[0], own->point[1] - p[1], own->point[2] - p[2]};
-    const mg_real b[3] = {mate->point[0] - q[0], mate->point[1] - q[1], mate->point[2] - q[2]};
+    const mg_real b[3] = {partner->point[0] - q[0], partner->point[1] - q[1], partner->point[2] - q[2]};
     if (mg_dot3(a, a) <= near * near && mg_dot3(b, b) <= 4 * near * near) return 1;
   }
   return 0;
 }
 
-/* Likely starts on a feature pair from n by n samples a side, `zooms` times again around the best. */
 MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept) {
-  const int row = mg_has_foot(c, feature_pair, 0), feet = row || mg_has_foot(c, feature_pair, 1);
-  const int across = mg_feature_dimension(c, feature_pair, row) != 2 ? 1 : feet ? MG_GRID : n;
+  const int row = mg_has_nearest_point(c, feature_pair, 0),
+            has_nearest_point = row || mg_has_nearest_point(c, feature_pair, 1);
+  const int across = mg_feature_dimension(c, feature_pair, row) != 2 ? 1 : has_nearest_point ? MG_GRID : n;
   mg_real window[2][4], eta[6] = {0};
   kept->count = 0;
   for (int side = 0; side < 2; side++)
     mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window[side]);
   for (int level = 0; level <= zooms; level++) {
-    const int rows = mg_match_samples(c, feature_pair, row, feet, feet ? MG_GRID : n, window);
+    const int rows =
+        mg_match_in_windows(c, feature_pair, row, has_nearest_point, has_nearest_point ? MG_GRID : n, window);
     int best = 0;
     for (int i = 0; i < rows; i++) {
-      mg_sample *own = c->search.samples + i, *other = c->search.samples + MG_SAMPLES + c->search.mate[i];
+      mg_sample *own = c->search.samples + i, *other = c->search.samples + MG_SAMPLES + c->search.partner[i];
       if (c->search.merit[i] < c->search.merit[best]) best = i;
-      if (!mg_is_lowest(c, i, rows, across)) continue;
-      if (feet) mg_point_in_shape_axes(c, feature_pair, 1 - row, other->point, other->local);
+      if (!mg_is_local_minimum(c, i, rows, across)) continue;
+      if (has_nearest_point) mg_point_in_shape_axes(c, feature_pair, 1 - row, other->point, other->local);
       mg_start_eta(c, feature_pair, row ? other : own, row ? own : other, eta);
-      mg_keep_start(kept, c->search.merit[i], eta);
+      mg_insert_start(kept, c->search.merit[i], eta);
     }
-    if (mg_is_dense(c, feature_pair, feet) && mg_is_known_start(c, feature_pair, row, best, rows, across)) return;
+    if (mg_are_samples_dense(c, feature_pair, has_nearest_point) &&
+        mg_is_known_start(c, feature_pair, row, best, rows, across))
+      return;
     mg_shrink_window(window[row], c->search.samples[best].uv);
-    mg_shrink_window(window[1 - row], c->search.samples[MG_SAMPLES + c->search.mate[best]].uv);
+    mg_shrink_window(window[1 - row], c->search.samples[MG_SAMPLES + c->search.partner[best]].uv);
   }
 }

@@ -7,11 +7,13 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-#define MG_EVENT_CORRECTIONS 8 /* of the time of an event at most */
+#define MG_EVENT_CORRECTIONS 8 /* most corrections of the time of an event */
 
-#define MG_EVENT_COARSE_PART 1e-6 /* of a step: an event alone is found so near before its zero is sought */
+#define MG_EVENT_COARSE_PART                                                              \
+  1e-6 /* part of the step to which a single event is bracketed before its zero is sought \
+        */
 
-typedef struct { /* an event: its function and the rate of that where it was seen; the time of a step to try first */
+/* An event: its function and the rate of this where it was seen; the time in the step to try first. */ typedef struct {
   int contact, cause;
   mg_real value, slope, start;
 } mg_located_event;
@@ -24,8 +26,6 @@ static int mg_is_closed_without_force(const mg_context *c, int contact) {
   return c->run->closed[contact] && !c->run->active[contact];
 }
 
-/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
-   border, else 0; stores the condition that is broken. */
 MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
   const int feature_pair = c->run->feature_pair[contact];
   if (feature_pair < 0 || c->run->rolling_start[contact] || mg_is_unconditional_feature_pair(c, feature_pair) ||
@@ -60,8 +60,6 @@ static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
   return then > now;
 }
 
-/* Mark the closed or nearly closed contacts that are within their watched borders; a contact beyond one has its
-   pair searched. Needs the poses at the run's state. */
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   int which;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -80,8 +78,6 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   }
 }
 
-/* Mark all events that have triggered at the state x: feature pair exits, closing gaps, tensile forces, unforced gaps
-   that accelerate, patches, friction; returns their number. Needs the right-hand side and gap velocities at x. */
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   const mg_real deep = -c->settings->contact_gap * c->system->length,
                 rest = -c->settings->rest_speed * mg_speed_scale(c);
@@ -103,12 +99,11 @@ MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   return c->system->n_friction ? count + mg_mark_friction_events(c) : count;
 }
 
-/* Evaluate the interpolant at theta and mark the events that have triggered there; returns their number. */
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta) {
   mg_interpolate(c, c->run->x, theta, c->step.stage);
   mg_normalise_quaternions(c, c->step.stage);
   mg_right_hand_side(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   return mg_mark_triggered_events(c, c->step.stage);
 }
 
@@ -119,14 +114,14 @@ static int mg_first_triggered_contact(const mg_context *c) {
   return -1;
 }
 
-/* Number of the first triggered event, or -1: contacts first, then friction row groups. */
+/* Number of the first triggered event, or -1: contacts first, then friction constraints. */
 static int mg_first_triggered_event(const mg_context *c) {
   const int first = mg_first_triggered_contact(c),
             constraint = first < 0 && c->system->n_friction ? mg_first_friction_event(c) : -1;
   return constraint < 0 ? first : c->system->n_contact + constraint;
 }
 
-/* True if the event number is that of a friction row group. */
+/* True if the event number is that of a friction constraint. */
 static int mg_is_friction_event(const mg_context *c, int event) { return event >= c->system->n_contact; }
 
 /* Condition that the contact passes when it leaves its feature pair, with eta of the state x corrected to the extremum.
@@ -255,7 +250,7 @@ static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
   const mg_real part = (mg_real)1 / c->settings->event_scan_parts;
   for (int j = 1; j <= c->settings->event_scan_parts; j++) {
     const mg_real at = (mg_real)j / c->settings->event_scan_parts;
-    const int fired = mg_mark_triggered_events_at(c, h, at), dips = mg_mark_gap_minima(c, part * h);
+    const int triggered = mg_mark_triggered_events_at(c, h, at), dips = mg_mark_gap_minima(c, part * h);
     mg_store_gaps(c);
     mg_sample_event_margins(c, j % MG_MARGIN_SAMPLES);
     const mg_real hidden_event = j > 1 ? mg_first_hidden_event(c, h, j - 1, j + 1, part, low) : 0;
@@ -263,7 +258,7 @@ static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
     *low = at - part;
     const mg_real dip = dips ? mg_first_gap_minimum_event(c, h, *low, at) : 0;
     if (dip > 0) return dip;
-    if (fired) return at;
+    if (triggered) return at;
   }
   return mg_first_hidden_event(c, h, c->settings->event_scan_parts, c->settings->event_scan_parts + 1, part, low);
 }
@@ -311,9 +306,6 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
   return 1;
 }
 
-/* Locate the first event within the step h just tried; returns the step to it with its end state and its marks, 0
-   if there is none. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
-   interpolant and the marked gap minima. */
 MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed) {
   mg_real low = 0, high = passed ? mg_scan_step_for_events(c, h, &low) : mg_first_gap_minimum_event(c, h, 0, 1);
   if (high == 0) return 0;

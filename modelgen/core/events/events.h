@@ -5,38 +5,95 @@
 
 #include "model/context.h"
 
-enum { MG_GAP_MAY_CLOSE = 1, MG_GAP_OSCILLATES = 2 };
+/* Marks in c->events.gap_dips. */
+enum {
+  MG_GAP_MAY_CLOSE = 1, /* the gap has a minimum inside the step that may be negative */
+  MG_GAP_OSCILLATES = 2 /* the gap has more than one extremum inside the step */
+};
 
 /* step_limits.c */
+
+/* Longest step in s after which no open gap, at its present acceleration, is deeper than the characteristic
+   length. */
 MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c);
+
+/* Store gaps and gap velocities at the start of a part of the step. */
 MG_INTERNAL void mg_store_gaps(mg_context *c);
+
+/* Mark the gaps that may have closed within the last h; returns the larger of their classes. */
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h);
 
 /* event_location.c */
+
+/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
+   border, else 0; stores the condition that is broken. */
 MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x);
+
+/* Mark the closed or nearly closed contacts that are within their watched borders; a contact beyond one has its
+   pair searched. Needs the poses at the run's state. */
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c);
+
+/* Mark all events that have triggered at the state x: feature pair exits, closing gaps, tensile forces, unforced gaps
+   that accelerate, patches, friction; returns their number. Needs the right-hand side and gap velocities at x. */
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x);
+
+/* Evaluate the interpolant at theta and mark the events that have triggered there; returns their number. */
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta);
+
+/* Locate the first event within the step h just tried; returns the step to it with its end state and its marks, 0
+   if there is none. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
+   interpolant and the marked gap minima. */
 MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed);
 
 /* interior_minima.c */
+
+/* True if an event margin may be below zero between the samples of the step. Needs the right-hand side and the
+   gap velocities at its end. */
 MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c);
+
+/* First hidden event of all event margins within one part of the step, as a share of the step; 0 where there is
+   none. */
 MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low);
 
 /* mode_changes.c */
+
+/* Choose which closed contacts carry force and which friction sticks, open the contacts that separate and report
+   the events. Contacts whose event has triggered are tried open first. */
 MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events);
+
+/* True if a closed contact without force has a gap acceleration beyond the tolerance, so that the active set must
+   be chosen again. */
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c);
+
+/* False if more contacts are closed than the caller gave memory for. */
 MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c);
+
+/* Open the closed contacts whose gap, after a change of feature, is wider than start_gap or widens faster than
+   rest_speed. */
 MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events);
+
+/* Contacts at zero gap that already separate are open. */
 MG_INTERNAL void mg_open_separating(mg_context *c);
+
+/* What an event left on the contacts that stay closed, too slow to open them, is removed at once. A contact that
+   appeared below zero is lifted; what that does to the energy is booked as work. */
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events);
 
 /* velocity_jump.c */
+
+/* Time in s that counts as one instant of a velocity jump. */
 MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c);
+
+/* Find the first velocity jump of all driven bodies within a step h. */
 MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *before, mg_real *after);
+
+/* Advance the run over a velocity jump and choose the contact modes after it. */
 MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *events);
 
 /* singular_passage.c */
+
+/* Cross the singular places of closed contacts, then merge or split contacts and choose the modes; returns
+   MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_events *events);
 
 #endif

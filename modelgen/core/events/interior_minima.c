@@ -4,10 +4,8 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-enum { MG_MARGIN_LOOKS = 20 }; /* at a part of a step that seems to go below zero */
+enum { MG_MARGIN_LOOKS = 20 }; /* most evaluations in a part of a step in which a margin may be negative */
 
-/* True if an event margin may be below zero between the samples of the step. Needs the right-hand side and the
-   gap velocities at its end. */
 MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
   mg_margin_sample p[4];
   mg_real theta;
@@ -43,8 +41,6 @@ static mg_real mg_find_hidden_event(mg_context *c, int which, mg_real h, mg_marg
   return 0;
 }
 
-/* First hidden event of all event margins within one part of the step, as a share of the step; 0 where there is
-   none. */
 MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low) {
   mg_margin_sample p[4];
   mg_real first = 0, from = 0;

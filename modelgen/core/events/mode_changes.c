@@ -58,8 +58,6 @@ static int mg_is_contact_opening(mg_context *c, int contact) {
   return c->events.triggered[contact] && !mg_is_contact_redundant(c, contact);
 }
 
-/* Choose which closed contacts carry force and which friction sticks, open the contacts that separate and report
-   the events. Contacts whose event has triggered are tried open first. */
 MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
   const int m = c->system->n_contact;
   int held = 0;
@@ -80,8 +78,6 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
   return MG_DONE;
 }
 
-/* True if a closed contact without force has a gap acceleration beyond the tolerance, so that the active set must
-   be chosen again. */
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !c->run->active[i] && fabs(mg_row_acceleration(c, i)) > mg_acceleration_tolerance(c))
@@ -97,15 +93,12 @@ static int mg_has_too_many_events(mg_context *c) {
   return ++run->events_at_t > c->settings->events_at_once_max;
 }
 
-/* False if more contacts are closed than the caller gave memory for. */
 MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++) n += c->run->closed[i] != 0;
   return n <= c->system->closed_capacity;
 }
 
-/* Open the closed contacts whose gap, after a change of feature, is wider than start_gap or widens faster than
-   rest_speed. */
 MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events) {
   const mg_real far = c->settings->start_gap * c->system->length,
                 rest = c->settings->rest_speed * c->system->length / c->system->time;
@@ -166,7 +159,7 @@ static void mg_mark_exits_before_impact(mg_context *c) {
 }
 
 /* Process all triggered events at the run's state: end patches, change features, close gaps, resolve impacts and
-   choose new contact modes. Needs fresh rows. */
+   choose new contact modes. Needs the rows at the run's state. */
 static int mg_process_contact_events(mg_context *c, mg_events *events) {
   if (mg_has_too_many_events(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_evaluate_run_state(c);
@@ -196,15 +189,12 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
   return settled;
 }
 
-/* Contacts at zero gap that already separate are open. */
 MG_INTERNAL void mg_open_separating(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && c->rows.d_dot[i] > c->settings->rest_speed * c->system->length / c->system->time)
       c->run->closed[i] = 0;
 }
 
-/* What an event left on the contacts that stay closed, too slow to open them, is removed at once. A contact that
-   appeared below zero is lifted; what that does to the energy is booked as work. */
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {
   const int outcome = mg_process_contact_events(c, events);
   if (outcome || !c->settings->project) return outcome;

@@ -12,9 +12,13 @@
 #include "integrate/integrate.h"
 #include "features/features.h"
 
-enum { MG_PASSAGES_MAX = 400, MG_PASSAGE_ROUNDS = 6, MG_PASSAGE_STEP_CUT = 4 };
+enum {
+  MG_PASSAGES_MAX = 400,  /* most passages in succession */
+  MG_PASSAGE_ROUNDS = 6,  /* iterations of one passage */
+  MG_PASSAGE_STEP_CUT = 4 /* factor by which a passage that fails is shortened */
+};
 
-static const mg_real mg_longest_passage = (mg_real)1e-4; /* times the characteristic time */
+static const mg_real mg_longest_passage = (mg_real)1e-4; /* longest passage over the characteristic time */
 
 /* List the rows that hold: active contacts, joints, sticking friction; returns their number. */
 static int mg_list_held_rows(mg_context *c) {
@@ -30,7 +34,7 @@ static void mg_add_body_impulse(const mg_context *c, int row, const mg_real *col
                                 mg_real *per_body) {
   for (int k = 0; k < 12; k++) {
     const int body = k < 6 ? c->contacts.o[row] : c->contacts.f[row];
-    if (mg_moves(c, body)) per_body[6 * body + k % 6] += column[k] * amount;
+    if (mg_is_moved_by_forces(c, body)) per_body[6 * body + k % 6] += column[k] * amount;
   }
 }
 
@@ -52,7 +56,7 @@ static mg_real mg_load_power(const mg_context *c, const mg_real *slope) {
 }
 
 /* Store what the passage starts from: columns, row velocities, accelerations without these forces, points, load
-   power. Needs fresh rows at the run's state. */
+   power. Needs the rows at the run's state. */
 static void mg_store_passage_start(mg_context *c) {
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);
@@ -154,7 +158,7 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
   }
   *row_change = 0;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++) {
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++) {
       const int at = s->n_q + s->body_u[b] + k;
       const mg_real size = fabs(change[6 * b + k]) * (k < 3 ? s->time / s->length : s->time);
       if (!(size <= *row_change)) *row_change = size;
@@ -211,7 +215,7 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
     distance = mg_place_points_after_passage(c, t, x);
     if (!(distance < MG_MAX)) return MG_MAX;
     mg_right_hand_side(c, t, x, c->step.slopes + c->layout.n_states);
-    mg_gap_rates(c);
+    mg_update_gap_rates(c);
     mg_update_passage_impulses(c);
     mg_set_passage_velocities(c, tau, x, &row_change);
   }
@@ -237,9 +241,9 @@ static mg_real mg_choose_passage_step(mg_context *c) {
 static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
   for (int k = 0; k < c->layout.n_states; k++) c->run->x[k] = x[k];
   c->run->t = t;
-  const int sound = mg_place_all_contacts(c, t, c->run->x);
+  const int is_valid = mg_place_all_contacts(c, t, c->run->x);
   mg_evaluate_run_state(c);
-  return sound;
+  return is_valid;
 }
 
 /* Record the samples due during the passage: bodies extrapolated back, forces and points as after it. */
@@ -250,7 +254,7 @@ static void mg_record_passage(mg_context *c, mg_record *record) {
     for (int k = 0; k < c->system->n_q; k++) c->step.stage[k] += back * c->step.slopes[k];
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_poses(c, c->run->t + back, c->step.stage);
-    mg_record_row(c, record, c->step.stage);
+    mg_record_sample(c, record, c->step.stage);
     mg_evaluate_run_state(c);
   }
 }
@@ -281,8 +285,6 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   return crossed;
 }
 
-/* Cross the singular places of closed contacts, then merge or split contacts and choose the modes; returns
-   MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_events *events) {
   int singular = 0;
   while (singular < c->system->n_contact && !mg_is_contact_singular(c, singular)) singular++;

@@ -4,8 +4,6 @@
 #include "events/events.h"
 #include "forces/forces.h"
 
-/* Longest step in s after which no open gap, at its present acceleration, is deeper than the characteristic
-   length. */
 MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
@@ -20,7 +18,6 @@ MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
   return longest_step;
 }
 
-/* Store gaps and gap velocities at the start of a part of the step. */
 MG_INTERNAL void mg_store_gaps(mg_context *c) {
   for (int i = 0; i < c->layout.support_begin; i++)
     c->events.gap_before[2 * i] = c->rows.d[i], c->events.gap_before[2 * i + 1] = c->rows.d_dot[i];
@@ -41,7 +38,6 @@ static int mg_classify_gap_minimum(const mg_context *c, int contact, mg_real h) 
   return (rises && triple_change < slope_sum) || (falls && triple_change > slope_sum) ? MG_GAP_OSCILLATES : 0;
 }
 
-/* Mark the gaps that may have closed within the last h; returns the larger of their classes. */
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h) {
   int most = 0;
   for (int i = 0; i < c->layout.support_begin; i++) {

@@ -6,7 +6,7 @@
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-enum { MG_JUMP_PARTS_MAX = 4096 }; /* parts of a step in which one is looked for */
+enum { MG_JUMP_PARTS_MAX = 4096 }; /* most parts of a step in which a jump is sought */
 
 typedef struct {
   mg_real t, twist[6], accel[6];
@@ -34,7 +34,6 @@ static mg_real mg_velocity_jump(const mg_context *c, const mg_driven_state *from
   return unexplained > total / 2 ? unexplained : 0;
 }
 
-/* Time in s that counts as one instant of a velocity jump. */
 MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c) {
   const mg_real close = c->settings->event_tolerance * c->system->time, seen = 8 * MG_EPS * fabs(c->run->t);
   return close > seen ? close : seen;
@@ -72,7 +71,6 @@ static int mg_find_body_velocity_jump(const mg_context *c, int body, mg_real h, 
   return 0;
 }
 
-/* Find the first velocity jump of all driven bodies within a step h. */
 MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *before, mg_real *after) {
   int found = 0;
   for (int b = 0; b < c->system->n_body && c->layout.n_driven; b++)
@@ -82,7 +80,6 @@ MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *b
   return found;
 }
 
-/* Advance the run over a velocity jump and choose the contact modes after it. */
 MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *events) {
   mg_advance_time(c->run, after - c->run->t);
   mg_evaluate_run_state(c);

@@ -4,8 +4,6 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-/* Search minima too near to eta for a sampled search: Newton's method from both sides, at distances of the order
-   of the square root of the margin. */
 MG_INTERNAL void mg_search_near_contact_point(mg_context *c, int contact, const mg_real *eta, mg_real margin,
                                               mg_minima *kept) {
   const int feature_pair = c->run->feature_pair[contact], n = c->contacts.n_eta[contact];
@@ -20,7 +18,6 @@ MG_INTERNAL void mg_search_near_contact_point(mg_context *c, int contact, const 
   }
 }
 
-/* Merge contacts of a pair whose points have become one; the result is closed if one of them is. */
 MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
   mg_minimum found;
   mg_real next[6];
@@ -36,7 +33,6 @@ MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
     }
 }
 
-/* Add contacts where one point of a pair has become several that all touch, and mark them as just closed. */
 MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   const mg_real touching = c->settings->contact_gap * c->system->length;
@@ -54,7 +50,6 @@ MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact)
   }
 }
 
-/* Release a singular contact where other points of its pair touch or penetrate; returns 1 if it was released. */
 MG_INTERNAL int mg_replace_singular_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   if (c->system->pair_search[pair] == MG_SEARCH_NEVER) return 0;

@@ -12,7 +12,6 @@ static int mg_is_contact_at_fold(const mg_context *c, int contact) {
   return !c->run->closed[contact] || mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
 }
 
-/* Release the contacts at folds; their pairs are searched at once. Returns their number. */
 MG_INTERNAL int mg_release_folded_contacts(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->layout.support_begin; i++) {

@@ -5,24 +5,55 @@
 
 #include "model/context.h"
 
-/* feature_walk.c */
+/* feature_changes.c */
+
+/* True if another contact of the pair is at this minimum, or converges to it. */
 MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found);
+
+/* Take a contact off its feature pair, remember its point for the search, and report that it vanishes. */
 MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact);
+
+/* Change the feature of all contacts marked to leave theirs, and request a search for those that pass a border;
+   returns how many changed. */
 MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events);
+
+/* Contact of the pair to use for a minimum: its own, an empty one or the open one farthest away; -1 if there is
+   none. */
 MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found);
+
+/* True if a search during a run takes up the minimum: within reach unless it limits the step, not too deep, not
+   about to end. */
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found);
+
+/* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair);
+
+/* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c);
+
+/* After an accepted step of length h, release contacts that end and search the pairs for new ones; returns how
+   many changed. */
 MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h);
 
 /* extremum_bifurcation.c */
+
+/* Release the contacts at folds; their pairs are searched at once. Returns their number. */
 MG_INTERNAL int mg_release_folded_contacts(mg_context *c, mg_events *events);
 
 /* contact_merging.c */
+
+/* Search minima too near to eta for a sampled search: Newton's method from both sides, at distances of the order
+   of the square root of the margin. */
 MG_INTERNAL void mg_search_near_contact_point(mg_context *c, int contact, const mg_real *eta, mg_real margin,
                                               mg_minima *kept);
+
+/* Merge contacts of a pair whose points have become one; the result is closed if one of them is. */
 MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events);
+
+/* Add contacts where one point of a pair has become several that all touch, and mark them as just closed. */
 MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact);
+
+/* Release a singular contact where other points of its pair touch or penetrate; returns 1 if it was released. */
 MG_INTERNAL int mg_replace_singular_contact(mg_context *c, mg_events *events, int contact);
 
 #endif

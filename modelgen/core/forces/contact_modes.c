@@ -3,13 +3,10 @@
 #include "forces/forces.h"
 #include "solve/lcp/solvers.h"
 
-/* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
   return c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
 }
 
-/* Mark the closed support contacts of patches as active and write the accelerations of their rows; returns their
-   number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c) {
   int count = 0;
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) {
@@ -20,8 +17,6 @@ MG_INTERNAL int mg_activate_supports(mg_context *c) {
   return count;
 }
 
-/* Choose the active set among the closed contacts that `skip` does not mark, from the complementarity problem of
-   accelerations; returns MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   const int m = c->system->n_contact;
   if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);

@@ -1,4 +1,5 @@
-/* What a run owes: energy against work, gaps of closed contacts, complementarity, margins. */
+/* Diagnostics of a run: energy against work, gaps of closed contacts, complementarity, joint errors and margins.
+   Writes the statistics of the run. */
 #include "forces/forces.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -9,34 +10,34 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
   *kinetic = 0;
   for (int b = 0; b < s->n_body; b++) {
     mg_real moving, height, momentum[3], spin[3];
-    if (!mg_moves(c, b)) continue;
-    c->kernels->body_energy(mg_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b], s->gravity,
-                            s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
+    if (!mg_is_moved_by_forces(c, b)) continue;
+    c->kernels->body_energy(mg_body_kind_of(c, b), c->run->x + s->body_q[b], c->run->x + s->n_q + s->body_u[b],
+                            s->gravity, s->parameters + s->body_parameters[b], &moving, &height, momentum, spin);
     total += moving + height;
     *kinetic += moving;
   }
   return total;
 }
 
-static void mg_raise(mg_real *largest, mg_real value) {
+/* Raises a maximum. */
+static void mg_update_maximum(mg_real *largest, mg_real value) {
   if (value > *largest) *largest = value;
 }
 
-/* Needs the rows at run->x. */
 MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   const mg_system *s = c->system;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
   const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->layout.work_state];
-  mg_raise(&run->energy_error_max, fabs(error));
-  mg_raise(&run->kinetic_max, kinetic);
+  mg_update_maximum(&run->energy_error_max, fabs(error));
+  mg_update_maximum(&run->kinetic_max, kinetic);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
-    if (!mg_is_support_contact(c, i)) mg_raise(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (!run->closed[i]) continue;
-    mg_raise(&run->gap_max, fabs(c->rows.d[i]));
+    mg_update_maximum(&run->gap_max, fabs(c->rows.d[i]));
     if (run->rolling_start[i] || run->margin[i] >= run->margin_min ||
         mg_is_curved_edge_crossing(c, run->feature_pair[i]))
       continue;

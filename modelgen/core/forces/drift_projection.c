@@ -4,7 +4,6 @@
 #include "forces/forces.h"
 #include "model/model.h"
 
-/* Largest magnitude of a row value over closed contacts, joints and sticking friction. */
 MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -22,8 +21,6 @@ static void mg_clear_body_corrections(mg_context *c) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
-/* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
-   Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value) {
   const int n = mg_hold_rows(c, marked, value, c->solution.impulse);
   mg_clear_body_corrections(c);
@@ -32,7 +29,6 @@ MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const 
   return n;
 }
 
-/* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   const mg_real x = angle[0] / 2, y = angle[1] / 2, z = angle[2] / 2;
   const mg_real q0 = e[0], q1 = e[1], q2 = e[2], q3 = e[3];
@@ -42,30 +38,26 @@ MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-/* Add the corrections to positions and orientations of the run's state and normalise. */
 MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
-    if (!mg_moves(c, b)) continue;
+    if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
-    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
+    if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
   mg_normalise_quaternions(c, c->run->x);
   mg_clear_body_corrections(c);
 }
 
-/* Add the corrections to the velocities of the run's state. */
 MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
   mg_clear_body_corrections(c);
 }
 
-/* Project positions and velocities back onto the constraints where they have drifted beyond tolerance. Needs the
-   rows at the run's state and leaves them fresh; returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_drift(mg_context *c) {
   const mg_real drift = c->settings->drift_tolerance * c->system->length;
   if (mg_largest_held_violation(c, c->rows.d) > drift) {
@@ -82,8 +74,6 @@ MG_INTERNAL int mg_project_drift(mg_context *c) {
   return 1;
 }
 
-/* Project the given start onto zero gaps and joint rows until the drift bound holds, in at most five corrections;
-   returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
   for (int round = 0; round < 5; round++) {
     if (mg_largest_held_violation(c, c->rows.d) <= c->settings->drift_tolerance * c->system->length) return 1;
@@ -104,8 +94,6 @@ static void mg_project_joint_velocities(mg_context *c) {
   mg_evaluate_run_state(c);
 }
 
-/* Record the joint errors of the given start and project it onto the joints; returns 0 where the error is beyond
-   start_joint. Needs the rows at the run's state. */
 MG_INTERNAL int mg_project_initial_joints(mg_context *c) {
   mg_run *run = c->run;
   if (!c->system->n_joint_row) return 1;

@@ -11,21 +11,16 @@ static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
 
 static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
 
-/* Number of event margins of one sample: contacts and friction row groups. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
 
-/* Memory of all samples of event margins, in mg_real. */
 MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
   return mg_count_reals((MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
 }
 
-/* Event margins of one sample. */
 MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample) {
   return c->events.margins + (long)sample * mg_event_margin_count(c->system);
 }
 
-/* Store the present event margins as a sample of the step; those of slots are stored already. Needs the
-   right-hand side and the gap velocities. */
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
@@ -40,13 +35,11 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   for (int support = c->layout.support_begin; support < s->n_contact; support++) taken[support] = now[support];
 }
 
-/* Sample the event margins at the start of a step. Needs the forces there. */
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
   mg_sample_event_margins(c, 0);
 }
 
-/* Sample the event margins at a stage, unless an event has been seen. */
 MG_INTERNAL void mg_sample_margins_at_stage(mg_context *c, int stage) {
   if (mg_margin_sample_of_stage[stage] > 0 && !c->step.sign_changed)
     mg_sample_event_margins(c, mg_margin_sample_of_stage[stage]);
@@ -57,9 +50,6 @@ static mg_real mg_margin_slope(const mg_margin_sample *a, mg_real from, const mg
   return (to - from) / (b->theta - a->theta);
 }
 
-/* Lower bound of an event margin between the inner two of four samples, by the lines through neighbouring samples
-   of a convex function, and its place; 0 or more where nothing is below zero. A margin known only between bounds
-   is taken at its lower bound and its neighbours at their upper bounds, unless all are uncertain. */
 MG_INTERNAL mg_real mg_interior_margin_bound(const mg_margin_sample *p, mg_real *theta) {
   const mg_real left_margin = p[1].left.lower, right_margin = p[2].left.lower, width = p[2].theta - p[1].theta;
   const int before = p[0].theta >= 0, after = p[3].theta <= 1;
@@ -83,7 +73,6 @@ MG_INTERNAL mg_real mg_interior_margin_bound(const mg_margin_sample *p, mg_real 
   return left > right ? left : right;
 }
 
-/* Collect four samples about one part of the step. */
 MG_INTERNAL void mg_collect_margin_samples(const mg_context *c, int which, int end, int n, mg_real part,
                                            mg_margin_sample *p) {
   for (int k = 0; k < 4; k++) {
@@ -93,7 +82,6 @@ MG_INTERNAL void mg_collect_margin_samples(const mg_context *c, int which, int e
   }
 }
 
-/* True if an event margin varies so little over the samples that it cannot be below zero between them. */
 MG_INTERNAL int mg_is_margin_nearly_constant(const mg_context *c, int which) {
   mg_real low = MG_MAX, high = -MG_MAX;
   for (int sample = 0; sample < MG_MARGIN_SAMPLES; sample++) {

@@ -1,5 +1,5 @@
 /* Forces and accelerations at one state: the active set of normal forces, friction and its modes, planar contacts with
-   pressure, elimination of joints, projection of drift. May use: base, solve, region, model, closest. */
+   pressure, elimination of joints, projection of drift, diagnostics. May use: base, solve, region, model, closest. */
 #ifndef MG_FORCES_H
 #define MG_FORCES_H
 
@@ -8,169 +8,424 @@
 #include "solve/friction/solvers.h"
 #include "solve/lcp/solvers.h"
 
-enum { MG_MARGIN_SAMPLES = 7 }; /* samples of a step */
+enum { MG_MARGIN_SAMPLES = 7 }; /* samples of event margins in a step */
 
+/* What determines the force of a friction constraint. */
 enum {
-  MG_BOUND_SLIP = 0,
-  MG_BOUND_STATIC = 1,
-  MG_BOUND_KINETIC = 2
-}; /* what bounds a friction constraint: its slip, or a cone */
-
-enum {
-  MG_PATCH_ROWS = 3
-}; /* below the first support point's normal row: slip of its point along t1, t2, spin about N */
-
-struct mg_patch_friction { /* a patch with friction in a slot */
-  int slips;               /* it slips */
-  int centre_known, partly_unloaded,
-      force_outside; /* of the pressure: `centre` is known; it leaves part of the face alone; the force is beyond it */
-  mg_real centre[2], extent;             /* of pressure, axes of the hull; m, of what is pressed about it */
-  mg_real mean_distance, mean_point[2];  /* m, mean distance of the pressure from that centre, its own; 0: not known */
-  mg_real force_ratio[MG_PATCH_ROWS][3]; /* force along a row by that on a support point, with the sign changed */
-  int triggered, mode_before, slip_stopped; /* its event has fired; its mode before; slip has died */
-  mg_real slip_time_left;                   /* s, slip that was stopped had left */
-  mg_real slip_direction[2]; /* while slip begins: its direction is the course and so much of each across it */
+  MG_BOUND_SLIP = 0,   /* its slip: kinetic friction opposite to it */
+  MG_BOUND_STATIC = 1, /* an unknown bounded by the static cone */
+  MG_BOUND_KINETIC = 2 /* an unknown bounded by the kinetic cone */
 };
 
-typedef struct { /* rows and axes of a hull: t1, t2 and the support points in it, N along its z or against */
-  mg_real pose[12], t[2][2], support[3][2], sign;
+enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first support point along t1, t2, spin about N */
+
+/* Friction of the patch in a slot. */
+struct mg_patch_friction {
+  int slips;                             /* 1: it slips */
+  int centre_known;                      /* 1: `centre` is known */
+  int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap */
+  int force_outside;                     /* 1: the centre of pressure is outside the hull */
+  mg_real centre[2];                     /* centre of pressure, axes of the hull, m */
+  mg_real extent;                        /* extent of the loaded region about it, m */
+  mg_real mean_distance, mean_point[2];  /* mean distance of the pressure from its centre, m, and that centre; 0: not
+                                            known */
+  mg_real force_ratio[MG_PATCH_ROWS][3]; /* friction along a row over minus the force of each support point */
+  int triggered;                         /* 1: its event has triggered */
+  int mode_before;                       /* its mode at the start of the step */
+  int slip_stopped;                      /* 1: its slip has ended in this step */
+  mg_real slip_time_left;                /* time that slip which was stopped would have lasted, s */
+  mg_real slip_direction[2];             /* while slip begins: components of its direction across the stored one */
+};
+
+/* Rows of a patch in the axes of its hull. */
+typedef struct {
+  mg_real pose[12];      /* pose of the hull's axes */
+  mg_real t[2][2];       /* t1 and t2 */
+  mg_real support[3][2]; /* support points, m */
+  mg_real sign;          /* 1: N is the z axis of the hull, -1: opposite */
 } mg_patch_frame;
 
+/* An event margin at a time of a step. */
 typedef struct {
-  mg_real theta;
-  mg_event_margin left;
-} mg_margin_sample; /* theta < 0 or > 1: no sample */
+  mg_real theta;        /* time in the step, 0..1; < 0 or > 1: no sample */
+  mg_event_margin left; /* bounds of the margin */
+} mg_margin_sample;
 
 /* smooth_dynamics.c */
+
+/* True if the prescribed path of a driven body is not finite at the present time. */
 MG_INTERNAL int mg_has_nonfinite_driven_path(const mg_context *c);
+
+/* Power in W that driven bodies and prescribed joint motions put into the moving bodies through contacts and
+   joints; INFINITY where a prescribed path is not finite. */
 MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c);
+
+/* Evaluate x_dot = f(t, x) with the active set and the friction modes of the run; writes poses, rows, forces and
+   accelerations of the context. */
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+
+/* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
+   computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
+
+/* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
+   Leaves the rows in c->lcp.rows and returns their number. */
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
+
+/* Evaluate the right-hand side and the gap velocities at the state of the run; writes the slope to the first row
+   of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c);
 
 /* joint_elimination.c */
+
+/* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n);
+
+/* Solve 0 <= z, 0 <= A z + value, complementary, over the n listed contacts with supports and joints held. Starts
+   from the given active set, leaves that of the solution, appends supports and joints to the list; returns the
+   solver's outcome. */
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
+
+/* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
+   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and
+   the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
+
+/* Updates rank, margin and dead centres of the joints. Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 
 /* patch_elimination.c */
+
+/* Solve the friction problem; where patches slip, eliminate the bilateral rows first, because the friction solver
+   eliminates symmetric rows only. Needs the listed rows, those of contacts first. */
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report);
+
+/* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
+   number of pivots above `floor`. */
 MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor);
+
+/* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
 MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
+
+/* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
+
+/* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
 
 /* sliding_friction.c */
+
+/* Contact that a friction constraint belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);
+
+/* Number of rows of a friction constraint: 1 for spin, 2 for slip and rolling. */
 MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint);
+
+/* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n);
+
+/* Characteristic slip velocity of a friction constraint: m/s; rad/s for spin and rolling. */
 MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint);
+
+/* Slip velocity below which a friction constraint counts as sticking. */
 MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint);
+
+/* Slip components s of a friction constraint, and as value s . e along its stored slip direction e. */
 MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip);
+
+/* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
+   points against its stored direction, so that the force stays smooth through zero slip, and is that direction
+   where rounding would turn it. */
 MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint);
+
+/* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c);
+
+/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
+
+/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row);
+
+/* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
+   carries both; the matrix is then not symmetric. */
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n);
+
+/* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
+   forces. */
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount);
+
+/* Compute the friction forces of slipping contacts and patches from their normal forces and add them to the
+   accelerations. */
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c);
+
+/* Power in W that friction puts into the moving bodies; residual slip of sticking friction does no work. */
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c);
+
+/* Direction at an angle from the stored slip direction, in the components of its rows. */
 MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
                                             mg_real *along);
 
 /* patch_pressure.c */
+
+/* Position of a support point in world axes. */
 MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world);
+
+/* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
 MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+
+/* Largest number of boundary arcs of a patch in the system. */
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
+
+/* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
+   hull is then constant. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
+
+/* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
+   edges. */
 MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch);
-MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink);
+
+/* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
+   the faces share nothing. Remembers the deepest point found in a hull that does not change. */
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest);
+
+/* Force in N that counts as zero: acceleration tolerance times the mass scale. */
 MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
+
+/* Cause for which a patch ends with the given amounts on its supports, or 0, and the distance of the centre of
+   pressure inside the hull. */
 MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
+
+/* Event margins of a slot: force, centre of pressure inside the hull, friction. */
 MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot);
+
+/* Event of the patch in a slot at the last right-hand side, or 0; stores the margins before its events. */
 MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot);
+
+/* Mark the slots whose patch events have triggered at the last right-hand side; returns their number. */
 MG_INTERNAL int mg_mark_patch_events(mg_context *c);
+
+/* True if an event of a patch has triggered at the last right-hand side. */
 MG_INTERNAL int mg_has_patch_event(mg_context *c);
+
+/* Event function of a patch, for the given cause. */
 MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int support, int cause);
 
 /* patch_friction.c */
+
+/* True if the patch has a kinetic friction coefficient above zero. */
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch);
+
+/* True if the slot holds an active patch with friction. */
 MG_INTERNAL int mg_is_slot_frictional(const mg_context *c, int slot);
+
+/* First friction row of the patch in a slot: slip along t1, along t2, then spin. */
 MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot);
+
+/* Slot of a support row whose patch slips, or -1. */
 MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row);
+
+/* Distance in m of the three support points from their centre; scales spin to a velocity. */
 MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot);
+
+/* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
 MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at);
+
+/* Slip and spin of a patch along its stored slip direction. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot);
+
+/* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist);
+
+/* Two unit vectors that complete the unit vector e to an orthonormal basis. */
 MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[2][3]);
+
+/* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
+   radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]);
+
+/* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
+   centre is not known. */
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot);
+
+/* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */
 MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c);
+
+/* After the forces: recompute the force ratios of patches whose pressure has changed; returns 1 while forces must
+   be solved again. */
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c);
+
+/* Subtract the friction of slipping patches from the columns of their supports in the assembled matrix of n rows. */
 MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n);
+
+/* Compute the friction of slipping patches from the forces on their supports and add it to the accelerations. */
 MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c);
+
+/* Append the friction rows of sticking patches to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, int n);
 
 /* friction_cones.c */
+
+/* Decide for every friction constraint whether its force follows from its slip or is bounded by the static cone. */
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c);
+
+/* Index of a friction kind (slide, spin, roll) in the cone of its contact. */
 MG_INTERNAL int mg_cone_index_of_kind(int friction_kind);
+
+/* Write the coefficients of one friction constraint, times `part`, into the cone of its contact. */
 MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, const mg_real *mu, mg_real part,
                                           mg_real *cone);
+
+/* Fill the friction cone of one contact with its coefficients times `part`; a sticking group that has just
+   reached its bound gets slightly less. */
 MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real part, mg_real *cone);
+
+/* Append the rows of a contact to the row list, as contact k of the friction problem; returns the new length. */
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size);
 
 /* contact_modes.c */
+
+/* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c);
+
+/* Mark the closed support contacts of patches as active and write the accelerations of their rows; returns their
+   number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c);
+
+/* Choose the active set among the closed contacts that `skip` does not mark, from the complementarity problem of
+   accelerations; returns MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip);
 
 /* friction_modes.c */
+
+/* Give the friction constraints that slip their kinetic coefficients; returns how many bounds that changes. */
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
+
+/* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
+   Needs the rows at the run's state. */
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
+
+/* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events);
+
+/* Event function of a friction constraint, which falls through zero: force margin while it sticks, slip along its
+   direction while it slips. */
 MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint);
+
+/* Margin before the event of a friction constraint; MG_MAX where it has none. Slip that has reached slip_speed ends
+   below it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint);
+
+/* Mark the friction constraints whose event has triggered; returns their number. Needs the right-hand side and the gap
+   velocities. */
 MG_INTERNAL int mg_mark_friction_events(mg_context *c);
+
+/* True if the event of any friction constraint has triggered; sets no marks. */
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c);
+
+/* First friction constraint whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c);
+
+/* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the
+   run's state. */
 MG_INTERNAL void mg_begin_step_friction(mg_context *c);
 
 /* patch_friction_modes.c */
+
+/* Event function of a patch with friction: friction margin while it sticks, slip along its direction while it
+   slips. */
 MG_INTERNAL mg_real mg_patch_friction_event_value(mg_context *c, int slot, int cause);
+
+/* Friction event of a slot that has triggered: bound exceeded, slip ended, or 0; stores the margin before it.
+   Slip that has reached slip_speed ends below it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot);
+
+/* At the start of a step, set slip directions and modes of all patches and remember the modes. */
 MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c);
+
+/* Reset the friction modes of all patches. */
 MG_INTERNAL void mg_reset_patch_friction(mg_context *c);
+
+/* Solve the modes of contacts and friction, and release patches that exceed their friction bound, until none
+   does. */
 MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip);
+
+/* Append the events of patch slip that starts, stops or reverses. */
 MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *events);
 
 /* drift_projection.c */
+
+/* Largest magnitude of a row value over closed contacts, joints and sticking friction. */
 MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value);
+
+/* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
+   Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value);
+
+/* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle);
+
+/* Add the corrections to positions and orientations of the run's state and normalise. */
 MG_INTERNAL void mg_apply_pose_correction(mg_context *c);
+
+/* Add the corrections to the velocities of the run's state. */
 MG_INTERNAL void mg_apply_velocity_correction(mg_context *c);
+
+/* Project positions and velocities back onto the constraints where they have drifted beyond tolerance. Needs the
+   rows at the run's state and updates them; returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_drift(mg_context *c);
+
+/* Project the given start onto zero gaps and joint rows until the drift bound holds, in at most five corrections;
+   returns 0 if an extremum was lost. */
 MG_INTERNAL int mg_project_initial_pose(mg_context *c);
+
+/* Record the joint errors of the given start and project it onto the joints; returns 0 where the error is beyond
+   start_joint. Needs the rows at the run's state. */
 MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
 /* event_margins.c */
+
+/* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);
+
+/* Memory of all samples of event margins, in mg_real. */
 MG_INTERNAL long mg_event_margin_size(const mg_system *s);
+
+/* Event margins of one sample. */
 MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample);
+
+/* Store the present event margins as a sample of the step; those of slots are stored already. Needs the
+   right-hand side and the gap velocities. */
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample);
+
+/* Sample the event margins at the start of a step. Needs the forces there. */
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c);
+
+/* Sample the event margins at a stage, unless an event has been seen. */
 MG_INTERNAL void mg_sample_margins_at_stage(mg_context *c, int stage);
+
+/* Lower bound of an event margin between the inner two of four samples, by the lines through neighbouring samples
+   of a convex function, and its place; 0 or more where nothing is below zero. A margin known only between bounds
+   is taken at its lower bound and its neighbours at their upper bounds, unless all are uncertain. */
 MG_INTERNAL mg_real mg_interior_margin_bound(const mg_margin_sample *p, mg_real *theta);
+
+/* Collect four samples about one part of the step. */
 MG_INTERNAL void mg_collect_margin_samples(const mg_context *c, int which, int end, int n, mg_real part,
                                            mg_margin_sample *p);
+
+/* True if an event margin varies so little over the samples that it cannot be below zero between them. */
 MG_INTERNAL int mg_is_margin_nearly_constant(const mg_context *c, int which);
 
 /* diagnostics.c */
+
+/* Kinetic and potential energy of the bodies that forces move at run->x, J; *kinetic receives the kinetic part. */
 MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic);
+
+/* Updates the statistics of the run. Needs the rows and forces at run->x. */
 MG_INTERNAL void mg_update_diagnostics(mg_context *c);
+
+/* Ends the run with MG_MARGIN if a closed contact is singular; else returns MG_DONE. */
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events);
 
 #endif

@@ -1,10 +1,9 @@
-/* Friction cones of the closed contacts: what bounds each friction row group of the friction problem, and its
+/* Friction cones of the closed contacts: what bounds each friction constraint of the friction problem, and its
    coefficients. Reads coefficients and modes; writes the cones, bound kinds and row lists of the friction
    workspace, and sets the mode of groups that had none. */
 #include "forces/forces.h"
 #include "solve/friction/solvers.h"
 
-/* Decide for every friction row group whether its force follows from its slip or is bounded by the static cone. */
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
@@ -14,12 +13,10 @@ MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
     }
 }
 
-/* Index of a friction kind (slide, spin, roll) in the cone of its contact. */
 MG_INTERNAL int mg_cone_index_of_kind(int friction_kind) {
   return friction_kind == MG_FRICTION_SLIP ? 0 : 1 + friction_kind;
 }
 
-/* Write the coefficients of one row group, times `part`, into the cone of its contact. */
 MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, const mg_real *mu, mg_real part,
                                           mg_real *cone) {
   const int friction_kind = c->system->friction_kind[constraint];
@@ -27,8 +24,6 @@ MG_INTERNAL void mg_set_cone_coefficients(const mg_context *c, int constraint, c
   if (friction_kind == MG_FRICTION_SLIP) cone[1] = part * mu[2 * constraint + 1];
 }
 
-/* Fill the friction cone of one contact with its coefficients times `part`; a sticking group that has just
-   reached its bound gets slightly less. */
 MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real part, mg_real *cone) {
   for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
   for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
@@ -47,7 +42,6 @@ static int mg_has_unknown_friction(const mg_context *c, int contact) {
   return 0;
 }
 
-/* Append the rows of a contact to the row list, as contact k of the friction problem; returns the new length. */
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size) {
   c->friction.cone_contact[k] = contact, c->friction.cone_first[k] = size;
   c->friction.cone_rows[k] =

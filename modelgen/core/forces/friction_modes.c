@@ -1,11 +1,12 @@
-/* Friction modes: which closed contacts carry force and which of their friction row groups stick or slip, by
+/* Friction modes: which closed contacts carry force and which of their friction constraints stick or slip, by
    Coulomb's law for accelerations. Slip that is under way determines its force; the other groups are bounded by
    the static cone, or by the kinetic cone once they slip. Redundant forces are selected by least norm. Writes the
    active set, the friction modes, slip directions and reference forces of the run; removes residual slip of
    sticking rows from its velocities.
 
-   Friction events: a sticking row group reaches its bound, slip of a slipping one ends or reverses. Reads forces
-   and slip velocities; writes the event marks of friction and, at the start of a step, slip directions and modes. */
+   Friction events: a sticking friction constraint reaches its bound, slip of a slipping one ends or reverses. Reads
+   forces and slip velocities; writes the event marks of friction and, at the start of a step, slip directions and
+   modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/friction/solvers.h"
@@ -13,48 +14,48 @@
 
 /* Time in s until slip stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constraint) {
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   const int row = mg_first_friction_row(c, contact, constraint),
             spins = c->system->friction_kind[constraint] == MG_FRICTION_SPIN;
-  mg_real slip[2], braking = -mg_row_acceleration(c, row) * (spins ? course[0] : mg_dot3(t, course));
-  if (!spins) braking -= mg_row_acceleration(c, row + 1) * mg_dot3(t + 3, course);
+  mg_real slip[2], braking = -mg_row_acceleration(c, row) * (spins ? direction[0] : mg_dot3(t, direction));
+  if (!spins) braking -= mg_row_acceleration(c, row + 1) * mg_dot3(t + 3, direction);
   const mg_real along = mg_slip_along_direction(c, contact, constraint, slip);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
-/* Magnitude of the slip of a row group. */
+/* Magnitude of the slip of a friction constraint. */
 static mg_real mg_slip_magnitude(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
   mg_slip_along_direction(c, contact, constraint, slip);
   return sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
 }
 
-/* Set the slip direction of a row group along its slip, world axes. */
+/* Set the slip direction of a friction constraint along its slip, world axes. */
 static void mg_set_slip_direction(mg_context *c, int contact, int constraint) {
   const mg_real *t = c->rows.tangents + 6 * contact, size = mg_slip_magnitude(c, contact, constraint);
-  mg_real slip[2], *course = c->run->slip_direction + 3 * constraint;
+  mg_real slip[2], *direction = c->run->slip_direction + 3 * constraint;
   mg_slip_along_direction(c, contact, constraint, slip);
-  for (int k = 0; k < 3; k++) course[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = slip[0] > 0 ? 1 : -1;
+  for (int k = 0; k < 3; k++) direction[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) direction[0] = slip[0] > 0 ? 1 : -1;
 }
 
-/* Set the slip direction of a row group; returns 0 where it hardly slips. */
+/* Set the slip direction of a friction constraint; returns 0 where it hardly slips. */
 static int mg_update_slip_direction(mg_context *c, int contact, int constraint) {
   if (!(mg_slip_magnitude(c, contact, constraint) > 2 * mg_slip_velocity_tolerance(c, constraint))) return 0;
   mg_set_slip_direction(c, contact, constraint);
   return 1;
 }
 
-/* Set the friction mode of a row group from its slip velocity before the mode problem is solved: one that hardly
-   slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
+/* Set the friction mode of a friction constraint from its slip velocity before the mode problem is solved: one that
+   hardly slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
    same body. */
 static void mg_initialise_friction_mode(mg_context *c, int contact, int constraint) {
   int *mode = c->run->friction_mode + constraint;
   if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
   else if (*mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, constraint)) *mode = MG_SLIPPING;
   else if (*mode >= MG_SLIP_ONSET) {
-    const int slips =
-        mg_update_slip_direction(c, contact, constraint); /* if its event has fired, it has only left its course */
+    const int slips = mg_update_slip_direction(
+        c, contact, constraint); /* if its event has triggered, only its direction has changed */
     if (c->friction.triggered[constraint] && !slips)
       c->friction.slip_time_left[constraint] = mg_slip_stop_time(c, contact, constraint);
     *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[constraint] &= !slips;
@@ -68,8 +69,8 @@ static mg_real mg_correction_energy_loss(const mg_context *c, int n) {
   return sum;
 }
 
-/* Let the sticking row group with the largest slip, relative to its tolerance, go on slipping; returns 0 if none
-   sticks. */
+/* Let the sticking friction constraint with the largest slip, relative to its tolerance, go on slipping; returns 0 if
+   none sticks. */
 static int mg_release_fastest_sticking(mg_context *c) {
   mg_real most = 0;
   int contact = -1, fastest = -1;
@@ -116,7 +117,7 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
     if (c->friction.bound[g] != MG_BOUND_SLIP) continue;
     mg_set_slip_force_ratio(c, contact, g);
     for (int k = 0; k < mg_friction_row_count(c, g); k++)
-      mg_inverse_mass_row(c, mg_first_friction_row(c, contact, g) + k);
+      mg_update_inverse_mass_row(c, mg_first_friction_row(c, contact, g) + k);
   }
 }
 
@@ -172,7 +173,7 @@ static mg_real mg_acceleration_noise_bound(const mg_context *c, const mg_frictio
   return 10 * c->settings->friction_bound_margin * size;
 }
 
-/* True if the friction force of a row group of contact k is on its bound and its rows accelerate, so that it
+/* True if the friction force of a friction constraint of contact k is on its bound and its rows accelerate, so that it
    slips. */
 static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_problem *p, int k, int constraint) {
   const int first = p->first[k], row = first + 1 + c->system->friction_row[constraint],
@@ -189,7 +190,7 @@ static int mg_is_at_friction_bound(const mg_context *c, const mg_friction_proble
          sqrt(scaled_square) > (1 - c->settings->event_correction_step) * N;
 }
 
-/* Mark the row groups that the solution lets slip; returns their number. */
+/* Mark the friction constraints that the solution lets slip; returns their number. */
 static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p) {
   int count = 0;
   for (int k = 0; k < p->n_contact; k++) {
@@ -201,7 +202,6 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
   return count;
 }
 
-/* Give the row groups that slip their kinetic coefficients; returns how many bounds that changes. */
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
   int count = 0;
   for (int g = 0; g < c->system->n_friction; g++) {
@@ -220,9 +220,9 @@ static void mg_set_slip_direction_from_force(mg_context *c, int contact, int con
   const mg_real a = -force[0] / (mu[0] * mu[0]),
                 b = mg_friction_row_count(c, constraint) == 2 ? -force[1] / (mu[1] * mu[1]) : 0;
   const mg_real size = sqrt(a * a + b * b);
-  mg_real *course = c->run->slip_direction + 3 * constraint;
-  for (int k = 0; k < 3; k++) course[k] = (a * t[k] + b * t[3 + k]) / size;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) course[0] = a > 0 ? 1 : -1;
+  mg_real *direction = c->run->slip_direction + 3 * constraint;
+  for (int k = 0; k < 3; k++) direction[k] = (a * t[k] + b * t[3 + k]) / size;
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) direction[0] = a > 0 ? 1 : -1;
 }
 
 /* True if slip starts without a jump of the force: the group was sticking, and its static and kinetic
@@ -316,8 +316,6 @@ static void mg_record_friction_report(mg_context *c, const mg_friction_report *r
   if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
 
-/* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
-   Needs the rows at the run's state. */
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int yielding_count, redundant, dependent_joint_rows = 0;
@@ -352,7 +350,6 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   return MG_DONE;
 }
 
-/* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
@@ -367,7 +364,7 @@ MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
     }
 }
 
-/* Margin N - |f / mu| of a sticking row group. */
+/* Margin N - |f / mu| of a sticking friction constraint. */
 static mg_real mg_friction_force_margin(const mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint);
   const mg_real *mu = c->system->friction_static + 2 * constraint;
@@ -376,16 +373,12 @@ static mg_real mg_friction_force_margin(const mg_context *c, int contact, int co
   return c->solution.force[contact] - sqrt(a * a + b * b);
 }
 
-/* Event function of a row group, which falls through zero: force margin while it sticks, slip along its direction
-   while it slips. */
 MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint) {
   mg_real slip[2];
   return c->run->friction_mode[constraint] == MG_STICKING ? mg_friction_force_margin(c, contact, constraint)
                                                           : mg_slip_along_direction(c, contact, constraint, slip);
 }
 
-/* Margin before the event of a row group; MG_MAX where it has none. Slip that has reached slip_speed ends below
-   it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint) {
   const int mode = c->run->friction_mode[constraint];
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
@@ -395,13 +388,11 @@ MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, i
   return mg_friction_event_value(c, contact, constraint) - least;
 }
 
-/* True if the event of a row group has triggered. */
+/* True if the event of a friction constraint has triggered. */
 static int mg_has_friction_event(const mg_context *c, int contact, int constraint) {
   return mg_friction_event_margin(c, contact, constraint) < 0;
 }
 
-/* Mark the row groups whose event has triggered; returns their number. Needs the right-hand side and the gap
-   velocities. */
 MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -410,7 +401,6 @@ MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   return count;
 }
 
-/* True if the event of any row group has triggered; sets no marks. */
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -418,15 +408,12 @@ MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
   return 0;
 }
 
-/* First row group whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->friction.triggered[g]) return g;
   return -1;
 }
 
-/* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the
-   run's state. */
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)

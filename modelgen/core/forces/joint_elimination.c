@@ -30,7 +30,6 @@ static void mg_eliminate_joints(mg_context *c, int n, int size) {
   for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_joint_elimination_term(c, i, n, size);
 }
 
-/* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;
@@ -51,9 +50,6 @@ static void mg_drop_redundant_contact_rows(mg_context *c, int n, int size) {
   }
 }
 
-/* Solve 0 <= z, 0 <= A z + value, complementary, over the n listed contacts with supports and joints held. Starts
-   from the given active set, leaves that of the solution, appends supports and joints to the list; returns the
-   solver's outcome. */
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
   c->run->lcp_solves++;
@@ -73,9 +69,6 @@ MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value,
   return report->outcome;
 }
 
-/* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
-   less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and
-   the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
   int total = 0;
@@ -100,8 +93,8 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   return total;
 }
 
-/* J_row M^-1 J_column^T, of the rows now with those of the step before. */
-static mg_real mg_product_with_before(const mg_context *c, int row, int column) {
+/* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
+static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
   const mg_real *J = c->rows.J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->layout.joint_row_begin);
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
@@ -111,10 +104,10 @@ static mg_real mg_product_with_before(const mg_context *c, int row, int column) 
   return sum;
 }
 
-/* True if one of n rows has turned over: of the product of the rows with those before, column-major, a pivot is
-   negative. No rows are exchanged: each pivot belongs to what the rows before it leave of a row, and two that turn at
-   once do not make up for each other. */
-static int mg_has_turned(mg_real *A, int n) {
+/* True if one of n rows has reversed its direction: a pivot of the product A of the rows with those of the step before
+   is negative. Rows are not exchanged: each pivot belongs to the part of a row that is independent of the rows before
+   it, so that two reversals do not cancel. */
+static int mg_has_reversed_row(mg_real *A, int n) {
   for (int k = 0; k < n; k++) {
     if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
     for (int i = k + 1; i < n; i++) {
@@ -125,9 +118,9 @@ static int mg_has_turned(mg_real *A, int n) {
   return 0;
 }
 
-/* A linkage that passes a dead centre turns independent rows over, or loses one at this very step. Keeps the rows for
-   the next step. */
-static int mg_passed_dead_centre(mg_context *c) {
+/* True if the linkage has passed a dead centre in this step: an independent row has reversed its direction, or the rank
+   has fallen. Stores the rows for the next step. */
+static int mg_has_passed_dead_centre(mg_context *c) {
   const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
   for (int r = 0; r < n; r++)
@@ -137,15 +130,15 @@ static int mg_passed_dead_centre(mg_context *c) {
     if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
   for (int j = 0; j < independent; j++)
     for (int i = 0; i < independent; i++)
-      c->lcp.A[i + independent * j] = mg_product_with_before(c, c->lcp.rows[i], c->lcp.rows[j]);
+      c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
   for (int r = 0; r < n; r++) c->joints.was_independent[r] = c->lcp.joint_mask[r];
   for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
-  return same ? mg_has_turned(c->lcp.A, independent) : !first && lost > 0;
+  return same ? mg_has_reversed_row(c->lcp.A, independent) : !first && lost > 0;
 }
 
-/* What the joints before it leave of a joint's rows: the product of their own parts, but for those that follow anyway.
- */
-static mg_real mg_left_of(const mg_context *c, int joint) {
+/* Independence of the rows of a joint from those of the joints before it: the product over its rows, except those that
+   have been dependent at every step. */
+static mg_real mg_joint_independence(const mg_context *c, int joint) {
   const int first = c->system->joint_row[joint];
   mg_real product = 1;
   for (int r = first; r < first + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows; r++)
@@ -153,30 +146,31 @@ static mg_real mg_left_of(const mg_context *c, int joint) {
   return product;
 }
 
-/* The joint of which the joints before it leave least, against the most that they have left since the start. */
-static int mg_faintest(mg_context *c, mg_real *least) {
-  int faintest = -1;
+/* Joint whose independence is least, relative to the largest that it has had since the start; *least receives it. */
+static int mg_least_independent_joint(mg_context *c, mg_real *least) {
+  int least_independent = -1;
   *least = 1;
   for (int r = 0; r < c->system->n_joint_row; r++)
     c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
-    const mg_real left = mg_left_of(c, j);
+    const mg_real left = mg_joint_independence(c, j);
     if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
-    if (left < *least * c->joints.best_independence[j]) *least = left / c->joints.best_independence[j], faintest = j;
+    if (left < *least * c->joints.best_independence[j])
+      *least = left / c->joints.best_independence[j], least_independent = j;
   }
-  return faintest;
+  return least_independent;
 }
 
-/* Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   mg_run *run = c->run;
   mg_real off, least;
-  const int rank = mg_rank_joints(c, 0), faintest = mg_faintest(c, &least);
-  if (mg_passed_dead_centre(c) && !run->dead_centres++) run->dead_centre_t = run->t, run->dead_centre = faintest;
+  const int rank = mg_rank_joints(c, 0), least_independent = mg_least_independent_joint(c, &least);
+  if (mg_has_passed_dead_centre(c) && !run->dead_centres++)
+    run->dead_centre_t = run->t, run->dead_centre = least_independent;
   mg_worst_joint(c, c->rows.d, &off);
   if (off > run->joint_error_max) run->joint_error_max = off;
   if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
   if (rank > run->rank_max) run->rank_max = rank;
   if (!(least < run->joint_margin_min)) return;
-  run->joint_margin_min = least, run->joint_margin = faintest, run->joint_margin_t = run->t;
+  run->joint_margin_min = least, run->joint_margin = least_independent, run->joint_margin_t = run->t;
 }

@@ -34,8 +34,6 @@ static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *
   for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
 }
 
-/* Solve the friction problem; where patches slip, eliminate the bilateral rows first, because the friction solver
-   eliminates symmetric rows only. Needs the listed rows, those of contacts first. */
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report) {
   int m = 0;
@@ -108,8 +106,6 @@ static int mg_find_pivot_column(int n, const mg_real *A, int j, mg_real *size) {
   return best;
 }
 
-/* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
-   number of pivots above `floor`. */
 MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
   for (int j = 0; j < n; j++) order[j] = j;
   for (int j = 0; j < n; j++) {
@@ -126,21 +122,20 @@ MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, 
   return n;
 }
 
-/* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
 MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
-  const int wide = n - rank;
+  const int spacing = n - rank;
   mg_real *beyond = R + n * rank;
   for (int i = rank - 1; i >= 0; i--) {
-    beta[i] = mg_make_householder_reflector(R + i + n * i, wide, beyond + i, n);
+    beta[i] = mg_make_householder_reflector(R + i + n * i, spacing, beyond + i, n);
     for (int k = 0; k < i; k++)
-      mg_apply_householder_reflector(beta[i], wide, beyond + i, n, R + k + n * i, beyond + k, n);
+      mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, R + k + n * i, beyond + k, n);
   }
   for (int i = 0; i < n; i++) z[i] = i < rank ? y[i] : 0;
   for (int i = rank - 1; i >= 0; i--) {
     for (int k = i + 1; k < rank; k++) z[i] -= R[i + n * k] * z[k];
     z[i] /= R[i + n * i];
   }
-  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], wide, beyond + i, n, z + i, z + rank, 1);
+  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, z + i, z + rank, 1);
 }
 
 /* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;
@@ -153,12 +148,10 @@ static int mg_factor_scaled_rows(mg_context *c, const int *list, int n, mg_real 
   return mg_factor_pivoted_qr(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
 }
 
-/* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
   return mg_factor_scaled_rows(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
 }
 
-/* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
   mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
   const int rank = mg_factor_scaled_rows(c, list, n, R, y, d);

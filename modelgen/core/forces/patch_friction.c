@@ -6,39 +6,33 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_PRESSURE_ROUNDS 40
+#define MG_PRESSURE_ROUNDS 40 /* most iterations between pressure and forces */
 
-/* True if the patch has a kinetic friction coefficient above zero. */
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch) {
   return c->system->patch_friction[2 * patch + 1] > 0;
 }
 
-/* True if the slot holds an active patch with friction. */
 MG_INTERNAL int mg_is_slot_frictional(const mg_context *c, int slot) {
   const int patch = mg_patch_of_slot(c, slot);
   return patch >= 0 && mg_has_patch_friction(c, patch) && c->run->active[mg_first_support(c, slot)];
 }
 
-/* First friction row of the patch in a slot: slip along t1, along t2, then spin. */
 MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot) {
   return c->layout.friction_row_begin + c->system->contact_friction_row[mg_first_support(c, slot)];
 }
 
-/* Slot of a support row whose patch slips, or -1. */
 MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row) {
   const int slot =
       row >= c->layout.support_begin && row < c->system->n_contact ? (row - c->layout.support_begin) / 3 : -1;
   return slot >= 0 && c->patches.friction[slot].slips ? slot : -1;
 }
 
-/* Distance in m of the three support points from their centre; scales spin to a velocity. */
 MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot) {
   const mg_real *a = c->run->point + 3 * mg_first_support(c, slot), *b = a + 3;
   const mg_real arm[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   return sqrt(mg_dot3(arm, arm) / 3);
 }
 
-/* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
 MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at) {
   const int support = mg_first_support(c, slot);
   mg_real world[3], local[3];
@@ -53,25 +47,22 @@ MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_fram
   }
 }
 
-/* Slip and spin of a patch along its stored slip direction. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
-  return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course) +
-         slip[2] * mg_support_radius(c, slot) * course[3];
+  return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction) +
+         slip[2] * mg_support_radius(c, slot) * direction[3];
 }
 
-/* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist) {
   const mg_real *t = c->rows.tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
   const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
-  mg_real *course = c->run->patch_slip_direction + 4 * slot;
-  for (int k = 0; k < 3; k++) course[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
-  course[3] = turn / size;
+  mg_real *direction = c->run->patch_slip_direction + 4 * slot;
+  for (int k = 0; k < 3; k++) direction[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
+  direction[3] = turn / size;
 }
 
-/* Two unit vectors that complete the unit vector e to an orthonormal basis. */
 MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[2][3]) {
   const int least = fabs(e[0]) < fabs(e[1]) ? (fabs(e[0]) < fabs(e[2]) ? 0 : 2) : fabs(e[1]) < fabs(e[2]) ? 1 : 2;
   for (int k = 0; k < 3; k++) across[0][k] = (k == least) - e[least] * e[k];
@@ -80,12 +71,10 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
   mg_cross_product(e, across[0], across[1]);
 }
 
-/* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
-   radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  e[0][0] = mg_dot3(t, course), e[0][1] = mg_dot3(t + 3, course), e[0][2] = course[3];
+  e[0][0] = mg_dot3(t, direction), e[0][1] = mg_dot3(t + 3, direction), e[0][2] = direction[3];
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
 
@@ -108,8 +97,6 @@ static void mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   twist[2] /= radius;
 }
 
-/* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
-   centre is not known. */
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
   mg_winkler_pressure_field *p = &c->patches.pressure;
@@ -152,10 +139,9 @@ static void mg_set_patch_force_ratio(mg_context *c, int slot) {
     r->force_ratio[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
     r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(centre_offset, force));
   }
-  for (int k = 0; k < MG_PATCH_ROWS; k++) mg_inverse_mass_row(c, row + k);
+  for (int k = 0; k < MG_PATCH_ROWS; k++) mg_update_inverse_mass_row(c, row + k);
 }
 
-/* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */
 MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
@@ -182,8 +168,6 @@ static int mg_is_patch_pressure_converged(mg_context *c, int slot, const mg_real
   return mg_distance2(r->centre, old_centre) <= sqrt(MG_EPS) * r->extent;
 }
 
-/* After the forces: recompute the force ratios of patches whose pressure has changed; returns 1 while forces must
-   be solved again. */
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -198,7 +182,6 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
 }
 
-/* Subtract the friction of slipping patches from the columns of their supports in the assembled matrix of n rows. */
 MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int slot = mg_slipping_slot_of_row(c, list[j]), support = (list[j] - c->layout.support_begin) % 3;
@@ -209,7 +192,6 @@ MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *lis
   }
 }
 
-/* Compute the friction of slipping patches from the forces on their supports and add it to the accelerations. */
 MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const mg_patch_friction *r = c->patches.friction + slot;
@@ -223,7 +205,6 @@ MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c) {
   }
 }
 
-/* Append the friction rows of sticking patches to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_patch_rows(const mg_context *c, int *list, int n) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     for (int k = 0; k < MG_PATCH_ROWS && mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] == MG_STICKING; k++)

@@ -6,9 +6,9 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_DIRECTION_STEPS 40
+#define MG_DIRECTION_STEPS 40 /* most steps in search of the direction of slip */
 
-#define MG_RELEASE_ROUNDS 8
+#define MG_RELEASE_ROUNDS 8 /* most rounds in which sticking patches that yield are released */
 
 /* Slip velocity in m/s below which a patch counts as sticking. */
 static mg_real mg_patch_slip_tolerance(const mg_context *c) {
@@ -77,16 +77,12 @@ static mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist)
   return N * (1 - used_part);
 }
 
-/* Event function of a patch with friction: friction margin while it sticks, slip along its direction while it
-   slips. */
 MG_INTERNAL mg_real mg_patch_friction_event_value(mg_context *c, int slot, int cause) {
   mg_real twist[3];
   return cause == MG_FRICTION_EXCEEDED ? mg_patch_friction_margin(c, slot, twist)
                                        : mg_patch_slip_along_direction(c, slot);
 }
 
-/* Friction event of a slot that has triggered: bound exceeded, slip ended, or 0; stores the margin before it.
-   Slip that has reached slip_speed ends below it; slip that has not yet ends where it reverses as fast. */
 MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
   const int mode = c->run->patch_mode[slot], cause = mode == MG_STICKING ? MG_FRICTION_EXCEEDED : MG_SLIP_ENDS;
   mg_event_margin *margin = mg_slot_event_margins(c, slot) + 2;
@@ -116,7 +112,6 @@ static int mg_update_patch_slip_direction(mg_context *c, int slot) {
   return 1;
 }
 
-/* At the start of a step, set slip directions and modes of all patches and remember the modes. */
 MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
@@ -126,7 +121,6 @@ MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c) {
   }
 }
 
-/* Reset the friction modes of all patches. */
 MG_INTERNAL void mg_reset_patch_friction(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     c->run->patch_mode[slot] = MG_FRICTION_OFF, c->patches.friction[slot].triggered = 0;
@@ -141,12 +135,13 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
 
 /* Time in s until the slip of a patch stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
-  const mg_real *course = c->run->patch_slip_direction + 4 * slot,
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   mg_real rate[3];
   mg_patch_slip_acceleration(c, slot, rate);
   const mg_real along = mg_patch_slip_along_direction(c, slot);
-  const mg_real braking = -(rate[0] * mg_dot3(t, course) + rate[1] * mg_dot3(t + 3, course) + rate[2] * course[3]);
+  const mg_real braking =
+      -(rate[0] * mg_dot3(t, direction) + rate[1] * mg_dot3(t + 3, direction) + rate[2] * direction[3]);
   return along > 0 && braking > 0 ? along / braking : 0;
 }
 
@@ -255,8 +250,6 @@ static int mg_release_yielding_patches(mg_context *c) {
   return count;
 }
 
-/* Solve the modes of contacts and friction, and release patches that exceed their friction bound, until none
-   does. */
 MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
   mg_initialise_patch_modes(c);
   int outcome = mg_solve_friction_modes(c, skip);
@@ -266,7 +259,6 @@ MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
   return outcome;
 }
 
-/* Append the events of patch slip that starts, stops or reverses. */
 MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int before = c->patches.friction[slot].mode_before, now = c->run->patch_mode[slot],

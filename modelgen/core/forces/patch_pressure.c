@@ -6,12 +6,10 @@
 #include "region/region.h"
 #include "model/model.h"
 
-/* Position of a support point in world axes. */
 MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world) {
   mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], c->run->point + 3 * support, 1, world);
 }
 
-/* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
 MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre) {
   const int support = mg_first_support(c, slot);
   mg_real sum = 0, point[3];
@@ -23,7 +21,6 @@ MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg
   return sum;
 }
 
-/* Largest number of boundary arcs of a patch in the system. */
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s) {
   int most = 0;
   for (int patch = 0; patch < s->n_patch; patch++)
@@ -36,8 +33,6 @@ static int mg_is_whole_plane(const mg_context *c, int patch) {
   return c->system->patch_arc[patch] == c->system->patch_arc_f[patch];
 }
 
-/* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
-   hull is then constant. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out) {
   mg_face_pose(c, patch, mg_is_whole_plane(c, patch), out);
 }
@@ -75,8 +70,6 @@ static void mg_load_patch_regions(mg_context *c, int patch) {
   mg_set_regions(&c->patches.hull, &c->patches.regions, c->patches.hull_memory);
 }
 
-/* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
-   edges. */
 MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
   const int known = c->patches.hull_patch == patch;
   mg_real between[12];
@@ -86,14 +79,12 @@ MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
   return mg_overlay_regions(&c->patches.hull, between);
 }
 
-/* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
-   the faces share nothing. Remembers the deepest point found in a hull that does not change. */
-MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *brink) {
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest) {
   mg_real hull[12], x[3];
   mg_hull_pose(c, patch, hull);
   mg_world_to_local_point(hull, world, x);
   mg_overlay_patch_regions(c, patch);
-  const mg_real margin = mg_hull_margin(&c->patches.hull, x, brink);
+  const mg_real margin = mg_hull_margin(&c->patches.hull, x, nearest);
   if (mg_is_whole_plane(c, patch) && margin > c->patches.deepest)
     c->patches.deepest = margin, c->patches.deepest_point[0] = x[0], c->patches.deepest_point[1] = x[1];
   return margin;
@@ -110,29 +101,24 @@ static mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const 
   return (mg_real)0.99 * c->patches.deepest - sqrt(dx * dx + dy * dy);
 }
 
-/* Force in N that counts as zero: acceleration tolerance times the mass scale. */
 MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c) { return mg_acceleration_tolerance(c) * c->system->mass; }
 
-/* Cause for which a patch ends with the given amounts on its supports, or 0, and the distance of the centre of
-   pressure inside the hull. */
 MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor,
                                         mg_real *margin) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   const mg_real N = mg_support_resultant(c, slot, amount, centre);
   *margin = -MG_MAX;
   if (!(N > floor)) return MG_FACES_SEPARATE;
   if (mg_is_edge_pivot(c, slot)) return mg_find_pivot_end_cause(c, slot, amount, floor);
-  *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  *margin = mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
   return *margin < -c->settings->feature_border * c->system->length ? MG_PRESSURE_AT_EDGE : 0;
 }
 
-/* Event margins of a slot: force, centre of pressure inside the hull, friction. */
 MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot) {
   return mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES) + mg_first_support(c, slot);
 }
 
-/* Event of the patch in a slot at the last right-hand side, or 0; stores the margins before its events. */
 MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot) {
   const int patch = mg_patch_of_slot(c, slot);
   const mg_real floor = -mg_force_tolerance(c), border = c->settings->feature_border * c->system->length;
@@ -151,7 +137,6 @@ MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot) {
   return cause ? cause : mg_find_patch_friction_event(c, slot);
 }
 
-/* Mark the slots whose patch events have triggered at the last right-hand side; returns their number. */
 MG_INTERNAL int mg_mark_patch_events(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -163,20 +148,18 @@ MG_INTERNAL int mg_mark_patch_events(mg_context *c) {
   return count;
 }
 
-/* True if an event of a patch has triggered at the last right-hand side. */
 MG_INTERNAL int mg_has_patch_event(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (mg_find_slot_event(c, slot)) return 1;
   return 0;
 }
 
-/* Event function of a patch, for the given cause. */
 MG_INTERNAL mg_real mg_patch_event_value(mg_context *c, int support, int cause) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   const int slot = (support - c->layout.support_begin) / 3;
   const mg_real N = mg_support_resultant(c, slot, c->solution.force, centre);
   if (cause >= MG_FRICTION_EXCEEDED) return mg_patch_friction_event_value(c, slot, cause);
   if (cause >= MG_ROLLS_ONTO_RIM) return mg_pivot_event_value(c, slot, cause);
-  return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  return cause == MG_FACES_SEPARATE ? N : mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
 }

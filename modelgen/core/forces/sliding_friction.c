@@ -1,29 +1,26 @@
-/* Tangential rows of the contacts and the friction row groups that bound the forces along them: sliding friction
+/* Tangential rows of the contacts and the friction constraints that bound the forces along them: sliding friction
    (two rows), spinning resistance (one row), rolling resistance (two rows). Writes Jacobian rows, Gamma2 and slip
    velocities of the tangential rows.
 
-   Friction forces within one mode: a sticking row group holds its rows like a joint; a slipping one adds -N mu^2
-   s / |mu s| to the normal force N, s being its slip, componentwise in the principal axes of the friction
-   ellipse. The force ratios make the matrix unsymmetric. Writes force ratios, forces and accelerations; does not
-   change modes. */
+   Friction forces within one mode: a sticking friction constraint holds its rows like a joint; a slipping one adds -N
+   mu^2 s / |mu s| to the normal force N, s being its slip, componentwise in the principal axes of the friction ellipse.
+   The force ratios make the matrix unsymmetric. Writes force ratios, forces and accelerations; does not change modes.
+ */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-/* Contact that a friction row group belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint) {
   int contact = 0;
   while (c->system->contact_friction[contact + 1] <= constraint) contact++;
   return contact;
 }
 
-/* Number of rows of a friction row group: 1 for spin, 2 for slip and rolling. */
 MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
   return c->system->friction_kind[constraint] == MG_FRICTION_SPIN ? 1 : 2;
 }
 
-/* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -33,40 +30,35 @@ MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   return mg_append_sticking_patch_rows(c, list, n);
 }
 
-/* Characteristic slip velocity of a row group: m/s; rad/s for spin and rolling. */
 MG_INTERNAL mg_real mg_slip_velocity_scale(const mg_context *c, int constraint) {
   return (c->system->friction_kind[constraint] == MG_FRICTION_SLIP ? c->system->length : 1) / c->system->time;
 }
 
-/* Slip velocity below which a row group counts as sticking. */
 MG_INTERNAL mg_real mg_slip_velocity_tolerance(const mg_context *c, int constraint) {
   return c->settings->slip_speed * mg_slip_velocity_scale(c, constraint);
 }
 
-/* Slip components s of a row group, and as value s . e along its stored slip direction e. */
 MG_INTERNAL mg_real mg_slip_along_direction(const mg_context *c, int contact, int constraint, mg_real *slip) {
   const int row = mg_first_friction_row(c, contact, constraint);
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   slip[0] = c->rows.d_dot[row], slip[1] = 0;
-  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) return slip[0] * course[0];
+  if (c->system->friction_kind[constraint] == MG_FRICTION_SPIN) return slip[0] * direction[0];
   slip[1] = c->rows.d_dot[row + 1];
-  return slip[0] * mg_dot3(t, course) + slip[1] * mg_dot3(t + 3, course);
+  return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction);
 }
 
-/* Set the ratio of friction force to normal force, mu^2 s / |mu s|, along the slip s; s is reversed where it
-   points against its stored direction, so that the force stays smooth through zero slip, and is that direction
-   where rounding would turn it. */
 MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
-  const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *course = c->run->slip_direction + 3 * constraint;
+  const mg_real *mu = c->system->friction_kinetic + 2 * constraint,
+                *direction = c->run->slip_direction + 3 * constraint;
   const mg_real *t = c->rows.tangents + 6 * contact;
   mg_real slip[2], sign = mg_slip_along_direction(c, contact, constraint, slip) < 0 ? -1 : 1;
   const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, constraint);
-  if (rows == 1) slip[0] = course[0], sign = 1;
+  if (rows == 1) slip[0] = direction[0], sign = 1;
   else if (c->friction.follows_angle && c->run->friction_mode[constraint] == MG_SLIP_ONSET)
     mg_slip_direction_at_angle(c, contact, constraint, c->friction.slip_angle[constraint], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= direction_tolerance * direction_tolerance)
-    slip[0] = mg_dot3(t, course), slip[1] = mg_dot3(t + 3, course), sign = 1;
+    slip[0] = mg_dot3(t, direction), slip[1] = mg_dot3(t + 3, direction), sign = 1;
   const mg_real a = mu[0] * slip[0], b = mu[1] * slip[1], weighted_slip = sqrt(a * a + b * b);
   c->friction.force_ratio[row - c->layout.friction_row_begin] =
       weighted_slip > 0 ? sign * mu[0] * a / weighted_slip : 0;
@@ -75,12 +67,11 @@ MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constra
         weighted_slip > 0 ? sign * mu[1] * b / weighted_slip : 0;
 }
 
-/* True if the row group of an active contact slips. */
+/* True if the friction constraint of an active contact slips. */
 static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
   return c->run->active[contact] && c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
 }
 
-/* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   const mg_system *s = c->system;
   mg_update_slip_velocities(c);
@@ -89,37 +80,34 @@ MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
       mg_set_slip_force_ratio(c, i, g);
-      for (int k = 0; k < mg_friction_row_count(c, g); k++) mg_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
+      for (int k = 0; k < mg_friction_row_count(c, g); k++)
+        mg_update_inverse_mass_row(c, mg_first_friction_row(c, i, g) + k);
     }
   mg_set_patch_force_ratios(c);
 }
 
-/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {
       const int body = side ? c->contacts.f[row] : c->contacts.o[row];
-      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_moves(c, body)) continue;
+      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_is_moved_by_forces(c, body)) continue;
       sum += mg_dot6(c->rows.J + 12 * row + 6 * side, c->rows.MJ + 12 * column + 6 * other);
     }
   return sum;
 }
 
-/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row) {
   return row < c->layout.support_begin ? c->kernels->contact_kinds[c->contacts.kind[row]].rows - 1 : 0;
 }
 
-/* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
-   carries both; the matrix is then not symmetric. */
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
   for (int j = 0; j < n; j++) {
     const int first = c->layout.friction_row_begin +
                       (mg_tangential_row_count(c, list[j]) ? c->system->contact_friction_row[list[j]] : 0);
     for (int k = first; k < first + mg_tangential_row_count(c, list[j]); k++) {
-      const mg_real lean = c->friction.force_ratio[k - c->layout.friction_row_begin];
-      for (int r = 0; r < n && lean != 0; r++) c->lcp.A[r + n * j] -= lean * mg_delassus_entry(c, list[r], k);
+      const mg_real tilt = c->friction.force_ratio[k - c->layout.friction_row_begin];
+      for (int r = 0; r < n && tilt != 0; r++) c->lcp.A[r + n * j] -= tilt * mg_delassus_entry(c, list[r], k);
     }
   }
   mg_couple_slip_to_support_columns(c, list, n);
@@ -135,8 +123,6 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
   return 0;
 }
 
-/* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
-   forces. */
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
   const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
   if (unsymmetric) mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
@@ -151,21 +137,18 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
 }
 
-/* Compute the friction forces of slipping contacts and patches from their normal forces and add them to the
-   accelerations. */
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
       const int row = c->layout.friction_row_begin + c->system->contact_friction_row[i] + k;
-      const mg_real lean = c->friction.force_ratio[row - c->layout.friction_row_begin];
-      if (lean == 0) continue;
-      c->solution.force[row] = -c->solution.force[i] * lean;
+      const mg_real tilt = c->friction.force_ratio[row - c->layout.friction_row_begin];
+      if (tilt == 0) continue;
+      c->solution.force[row] = -c->solution.force[i] * tilt;
       mg_add_row_response(c, row, c->solution.force[row], c->bodies.acceleration);
     }
   mg_apply_patch_slip_forces(c);
 }
 
-/* Power in W that friction puts into the moving bodies; residual slip of sticking friction does no work. */
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) {
@@ -177,10 +160,9 @@ MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   return power;
 }
 
-/* Direction at an angle from the stored slip direction, in the components of its rows. */
 MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
                                             mg_real *along) {
-  const mg_real *course = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
-  const mg_real x = mg_dot3(t, course), y = mg_dot3(t + 3, course), size = sqrt(x * x + y * y);
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  const mg_real x = mg_dot3(t, direction), y = mg_dot3(t + 3, direction), size = sqrt(x * x + y * y);
   along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
 }

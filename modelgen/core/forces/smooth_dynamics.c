@@ -32,15 +32,12 @@ static int mg_is_body_state_finite(const mg_context *c, int body) {
          mg_all_finite(6, c->bodies.acceleration + 6 * body);
 }
 
-/* True if the prescribed path of a driven body is not finite at the present time. */
 MG_INTERNAL int mg_has_nonfinite_driven_path(const mg_context *c) {
   for (int b = 0; b < c->system->n_body && c->layout.n_driven; b++)
     if (mg_is_driven_body(c->system, b) && !mg_is_body_state_finite(c, b)) return 1;
   return 0;
 }
 
-/* Power in W that driven bodies and prescribed joint motions put into the moving bodies through contacts and
-   joints; INFINITY where a prescribed path is not finite. */
 MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   mg_real power = 0;
   if (mg_has_nonfinite_driven_path(c)) return INFINITY;
@@ -51,13 +48,11 @@ MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   return power;
 }
 
-/* Evaluate x_dot = f(t, x) with the active set and the friction modes of the run; writes poses, rows, forces and
-   accelerations of the context. */
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
   mg_free_accelerations(c, t, x, x_dot);
-  mg_contact_rows(c, x);
+  mg_update_contact_rows(c, x);
   mg_update_joint_rows(c, t);
   mg_solve_contact_forces(c);
   for (int b = 0; b < s->n_body; b++)
@@ -69,8 +64,6 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   c->run->rhs_evals++;
 }
 
-/* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
-   computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
   return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
 }
@@ -87,7 +80,7 @@ static void mg_chain(mg_context *c, int n) {
   for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
   for (int r = 0; r < n; r++) {
     const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
-    if (mg_moves(c, o) && mg_moves(c, f))
+    if (mg_is_moved_by_forces(c, o) && mg_is_moved_by_forces(c, f))
       c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
   }
   for (int r = n - 1; r >= 0; r--) {
@@ -111,8 +104,6 @@ static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_rea
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
 }
 
-/* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
-   Leaves the rows in c->lcp.rows and returns their number. */
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -123,7 +114,7 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
   if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
   if (n == 1 && !c->friction.couples_normal) {
-    const mg_real weight = mg_inverse_mass_row(c, c->lcp.rows[0]);
+    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0) {
     mg_chain(c, n);
@@ -133,10 +124,8 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
   return n;
 }
 
-/* Evaluate the right-hand side and the gap velocities at the state of the run; writes the slope to the first row
-   of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
   mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }

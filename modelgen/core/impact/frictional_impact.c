@@ -38,8 +38,6 @@ static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   return p;
 }
 
-/* Solve the impulses with Newton's restitution and Coulomb's law. Returns how many listed rows belong to
-   contacts, -1 without a solution. */
 MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   mg_friction_report report;
   const mg_friction_problem p = mg_assemble_impact_problem(c);
@@ -52,8 +50,6 @@ MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   return n;
 }
 
-/* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
-   and the velocities before the impact. */
 MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
@@ -68,7 +64,6 @@ MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
   }
 }
 
-/* Reset all friction modes after an impact, so that the slip velocities decide them again. */
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     c->run->friction_mode[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;

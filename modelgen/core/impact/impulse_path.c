@@ -6,11 +6,15 @@
 #include "integrate/integrate.h"
 #include "integrate/dop853_coefficients.h"
 
-enum { MG_IMPACT_STEPS = 100000, MG_IMPACT_PARTS = 4, MG_IMPACT_HALVINGS = 80 };
+enum {
+  MG_IMPACT_STEPS = 100000, /* most steps of a path */
+  MG_IMPACT_PARTS = 4,      /* parts of a step in which an event is sought */
+  MG_IMPACT_HALVINGS = 80   /* most halvings in the location of an event */
+};
 
-#define MG_IMPACT_STEP_ERROR (4 * MG_EPS) /* of a step, of what the blow began with */
+#define MG_IMPACT_STEP_ERROR (4 * MG_EPS) /* error of a step over the initial speed */
 
-#define MG_IMPACT_STRAIGHT_ANGLE (16 * MG_EPS) /* rounding of the angle by which slip turns */
+#define MG_IMPACT_STRAIGHT_ANGLE (16 * MG_EPS) /* angle by which slip turns that counts as rounding, rad */
 
 /* Change of one contact velocity per unit of normal impulse, with tangential impulses in the given ratio. */
 static mg_real mg_velocity_change_per_impulse(const mg_impact_path *b, int row, const mg_real *force_ratio) {
@@ -162,8 +166,6 @@ static int mg_integrate_impact_phase(mg_impact_path *b, const mg_real *start, in
   return 0;
 }
 
-/* Integrate the whole impact, compression and restitution, from the given velocities; returns 0 where it does not
-   end. */
 MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e) {
   const mg_real start[3] = {b->velocity[0], b->velocity[1], b->velocity[2]};
   b->initial_speed = sqrt(start[0] * start[0] + start[1] * start[1] + start[2] * start[2]);

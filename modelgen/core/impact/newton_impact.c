@@ -7,14 +7,10 @@
 #include "forces/forces.h"
 #include "patch/patch.h"
 
-/* True if the gap closes faster than rest_speed, so that the contact may bounce. */
 MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact) {
   return c->rows.d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
 }
 
-/* Restitution coefficient that applies at this approach velocity; 0 where the rebound, or the approach, is too
-   slow to count. Without the margin of 5/4 on the approach a gap that is just being pressed closed would rebound
-   for ever at restitution 1. */
 MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
   const mg_real e = c->system->restitution[contact], approach = -c->rows.d_dot[contact];
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
@@ -29,8 +25,6 @@ static int mg_list_impact_contacts(mg_context *c) {
   return mg_append_edge_supports(c, c->lcp.rows, n);
 }
 
-/* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
-   moving bodies to its work. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   const mg_system *s = c->system;
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
@@ -41,13 +35,11 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
     c->run->x[c->layout.work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u; k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
-/* Total time in s of the ever shorter flights that a contact closed at small approach velocity would still have
-   made; 0 where hardly anything presses it. */
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
   const mg_real e = c->system->restitution[contact], closing_acceleration = -mg_row_acceleration(c, contact),
                 most = c->settings->time_resolution * c->system->time;
@@ -69,8 +61,6 @@ static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
   }
 }
 
-/* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
-   rebound with one coefficient. */
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c) {
   for (int i = c->layout.support_begin; i < c->layout.joint_row_end; i++) c->rows.row_rate[i] = c->rows.d_dot[i];
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -125,9 +115,6 @@ static void mg_note_impact_chain(mg_context *c, int n) {
     c->run->chain_impact_contact = chain, c->run->chain_impact_t = c->run->t;
 }
 
-/* Resolve the impacts at the run's state. Faces that land flat are struck as one if the impulse presses them
-   together within their hull; otherwise the contacts they cover are struck singly. Needs the rows at the run's
-   state. */
 MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {
   const mg_real floor = c->settings->rest_speed * c->system->mass * c->system->length / c->system->time;
   int n;

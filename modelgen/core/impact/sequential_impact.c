@@ -1,14 +1,12 @@
-/* Sequential impacts: of the contacts that approach, the fastest is struck alone, until none approaches fast
-   enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed
-   set and events. */
+/* Sequential impacts: of the contacts that approach, the fastest has an impact alone, until none approaches fast
+   enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed set and
+   events. */
 #include "impact/impact.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
-enum { MG_SINGLE_IMPACTS_MAX = 1000 };
+enum { MG_SINGLE_IMPACTS_MAX = 1000 }; /* most impacts at one time */
 
-/* True if contacts are struck one after another: by setting, or because one follows a single-contact law
-   (Poisson, Stronge). */
 MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;
   for (int i = 0; i < c->layout.support_begin; i++)
@@ -118,7 +116,7 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
     mg_note_impact_energy_gain(c, contact_rows);
   mg_apply_impulses(c, n);
   mg_update_poses(c, c->run->t, c->run->x);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
   mg_report_single_impact(c, events, contact, before, closing_time);
   return 1;
 }
@@ -134,8 +132,6 @@ static void mg_open_pushed_contacts(mg_context *c, mg_events *events) {
   }
 }
 
-/* Strike the fastest approaching contact until none approaches fast enough to rebound; returns 0 where an impact
-   has no end. */
 MG_INTERNAL int mg_resolve_impacts_in_sequence(mg_context *c, mg_events *events) {
   for (int turn = 0; turn < MG_SINGLE_IMPACTS_MAX; turn++) {
     const int contact = mg_fastest_approaching_contact(c);

@@ -1,11 +1,14 @@
-/* Dormand and Prince's method of order 8(5,3) with dense output of order 7. */
+/* Dormand and Prince's method of order 8(5,3) with dense output of order 7 (Hairer, Norsett and Wanner, Solving
+   Ordinary Differential Equations I, second edition, section II.10). Reads c->step.slopes row 0, the slope at the
+   start; writes slopes, c->step.end and c->step.interpolant. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/dop853_coefficients.h"
 
-/* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, sums in registers. */
-static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
+/* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, with sums in
+   registers. */
+static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
   const int n = c->layout.n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
   int i = 0;
   for (; i + 4 <= n; i += 4) {
@@ -24,15 +27,17 @@ static void mg_dop_combine(const mg_context *c, int row, const mg_real *x, mg_re
   }
 }
 
-static void mg_dop_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
+/* Evaluates the right-hand side of a stage. */
+static void mg_dop853_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
   const mg_real time = t + mg_dop_time[stage] * h;
-  mg_dop_combine(c, stage, x, h, c->step.stage);
+  mg_dop853_combine(c, stage, x, h, c->step.stage);
   if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
   mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
-/* Hairer's blend of the errors of order 5 and 3, as a root mean square over the scaled states. */
-static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
+/* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
+   and 3. */
+static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
   mg_real fifth = 0, third = 0;
   for (int i = 0; i < n; i++) {
@@ -49,20 +54,18 @@ static mg_real mg_dop_error(const mg_context *c, const mg_real *x, mg_real h) {
   return fabs(h) * fifth / sqrt((fifth + third / 100) * c->layout.n_live_states);
 }
 
-/* K[0] holds the slope at (t, x); writes c->step.end. Returns the error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 1; stage < 12; stage++) {
-    mg_dop_stage(c, stage, t, x, h);
-    if (stage > 2) mg_watch_stage(c), mg_sample_margins_at_stage(c, stage);
+    mg_dop853_stage(c, stage, t, x, h);
+    if (stage > 2) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
   }
-  mg_dop_combine(c, 12, x, h, c->step.end);
-  return mg_dop_error(c, x, h);
+  mg_dop853_combine(c, 12, x, h, c->step.end);
+  return mg_dop853_error(c, x, h);
 }
 
-/* The interpolant's rows in c->step.interpolant; needs the slope at the end of the step in K[12]. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
-  for (int stage = 13; stage < 16; stage++) mg_dop_stage(c, stage, t, x, h);
+  for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, stage, t, x, h);
   for (int i = 0; i < n; i++) {
     const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];
     c->step.interpolant[i] = delta;

@@ -1,81 +1,200 @@
-/* One step of an integrator, its interpolant and samples: RK4, DOP853, Radau IIA for starts of rolling and slip.
-   May use: base, solve, model, closest, forces. */
+/* One step of an integrator, its interpolant, samples of a run: RK4, DOP853, and Radau IIA for the start of rolling and
+   of slip. May use: base, solve, region, model, closest, forces. */
 #ifndef MG_INTEGRATE_H
 #define MG_INTEGRATE_H
 
 #include "model/context.h"
 
 /* rk4.c */
+
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* dop853.c */
+
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
+   error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Makes the interpolant of the step. Needs the slope at its end in row 12 of c->step.slopes. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* radau_collocation.c */
+
+/* State at a stage. */
 MG_INTERNAL mg_real *mg_stage_state(const mg_context *c, int stage);
+
+/* Slope at a stage. */
 MG_INTERNAL mg_real *mg_stage_slope(const mg_context *c, int stage);
+
+/* Time of a stage in the step, 0..1. */
 MG_INTERNAL mg_real mg_stage_time(int stage);
+
+/* Integral of the Lagrange polynomial of stage `column` up to stage `row`. */
 MG_INTERNAL mg_real mg_collocation_weight(int row, int column);
+
+/* Weight of an acceleration at stage `column` in the displacement at stage `row`: the product of the collocation
+   matrix with itself. */
 MG_INTERNAL mg_real mg_double_integral_weight(int row, int column);
+
+/* Derivative by theta at a stage of the polynomial of degree 6 through values at all stages. */
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage);
+
+/* Integrates states from .. to - 1 at all stages from their slopes. Returns the largest relative change. */
 MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to);
-MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h);
-MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x);
+
+/* Error by loads that change before the first stage, where no stage sees them: velocity lost there if the loads
+   differ as much as, at the start, they differ from the polynomial through them at the stages; root mean square
+   relative to the tolerance. */
+MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Writes the end of the step and the interpolant, the polynomial through x and the stages. */
+MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x);
+
+/* Moves stages, azimuths and stiffnesses to the stages of the first `share` of the step, on its interpolant. */
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share);
+
+/* Ends the collocated step at a share of it. */
 MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share);
+
+/* Replaces b by the solution of A z = b, by Gaussian elimination with row exchanges. Returns 0 if A is singular. */
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
 /* tilt_kinematics.c */
+
+/* True if the tilt is so small that rounding of the poses hides its direction. */
 MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt);
+
+/* Initialise the tilt state of all contacts that start from flat; returns 0 where neither body is free. */
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h);
+
+/* Tilt of a contact and its frame at an azimuth, at the present poses. */
 MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth);
+
+/* Store the rate of the tilt at a stage, from the present poses and velocities. */
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage);
-MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *lean);
+
+/* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
+MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *tilt);
+
+/* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                    mg_real *x);
+
+/* Deviation of the tilt from `tilt` along the azimuth, relative to it. */
 MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real tilt);
+
+/* Change the angular velocity of a body in x so that the azimuth of its tilt has the given rate; the tilt of a
+   body that spins about N turns with it. */
 MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                      mg_real rate, mg_real *x);
+
+/* Angular acceleration of f relative to o about a world direction. */
 MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int contact, const mg_real *slope,
                                                      const mg_real *direction);
+
+/* Find the point of f on which it rolls while rounding hides its tilt, by tilting it more; returns 0 where it
+   fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
 /* rolling_start.c */
+
+/* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c);
+
+/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
+
+/* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
+   step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
+
+/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
+   to the tolerance. */
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half);
+
+/* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
+   tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
 /* slip_start.c */
+
+/* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c);
+
+/* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c);
+
+/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
+   to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* step.c */
+
+/* True if steps from this state are by collocation, whatever the method. */
 MG_INTERNAL int mg_is_collocated(const mg_context *c);
+
+/* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
+   error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* The same, noting in c->step.sign_changed whether an event function changes sign at a stage. */
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Evaluates slope, forces and gap rates at the end of the step, after normalising quaternions. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
-MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h);
-MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Makes the cubic Hermite interpolant of the step; a collocated step has an interpolant already. */
+MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h);
+
+/* Makes the interpolant of the method. */
+MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* State at t + theta h on the interpolant. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
-MG_INTERNAL void mg_watch_stage(mg_context *c);
+
+/* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
+   searched for events. */
+MG_INTERNAL void mg_watch_event_signs(mg_context *c);
+
+/* Factor of the next step for an error of order 8 relative to the tolerance, 0.2 .. most. */
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
+
+/* Length of the first step, s. */
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* samples.c */
-MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x);
+
+/* Appends the sample of the state x. Needs poses, rows and forces at x. */
+MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
+
+/* True if the next sample is due at t or before. */
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
+
+/* Appends the samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
+
+/* Appends the samples that are due at run->t. Needs the rows there. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_dependence.c */
+
+/* Number of functions of time, components of loads that depend on the state included. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s);
+
+/* Number of loads that depend on the state; `timed`: of those that depend on time as well. */
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed);
+
+/* Memory of the samples, in mg_real. */
 MG_INTERNAL long mg_time_sample_size(const mg_system *s);
+
+/* Halves the step h until its stages resolve the functions of time, but not below time_resolution * time. Needs
+   the poses at the run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h);
+
+/* True if a load that depends on the state rises and falls between the stages of the step just tried. Both
+   interpolants are used: the cubic one knows only the ends, the better one may show what the stages have missed.
+   Leaves the end of the step as it was. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h);
 
 #endif

@@ -1,5 +1,6 @@
-/* Collocation at Radau's points over one step: the state is a polynomial of degree 7 whose slope is the right-hand
-   side's at the seven stages. States and slopes of the stages stand in K, from its second row on. */
+/* Collocation at the seven Radau points (Radau IIA, Hairer and Wanner, Solving Ordinary Differential Equations II,
+   section IV.5) over one step: the state is a polynomial of degree 7 whose slope at the stages is the right-hand
+   side. States and slopes of the stages are in c->step.slopes, from its second row on. Writes c->step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "integrate/radau_coefficients.h"
@@ -16,22 +17,19 @@ MG_INTERNAL mg_real mg_stage_time(int stage) { return mg_radau_time[stage]; }
 
 MG_INTERNAL mg_real mg_collocation_weight(int row, int column) { return mg_radau_weight[row][column]; }
 
-/* The integral over the integrals of a stage's Lagrange polynomial: what an acceleration there moves another stage by.
- */
 MG_INTERNAL mg_real mg_double_integral_weight(int row, int column) {
   mg_real sum = 0;
   for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_weight[row][k] * mg_radau_weight[k][column];
   return sum;
 }
 
-/* The derivative at a stage, by theta, of the polynomial of degree 6 through values at all of them. */
 MG_INTERNAL mg_real mg_derivative(const mg_real *value, int stage) {
   mg_real sum = 0;
   for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_slope[stage][k] * (value[k] - value[stage]);
   return sum;
 }
 
-/* The stages' Lagrange polynomials at theta. */
+/* Lagrange polynomials of the stages at theta. */
 static void mg_lagrange(mg_real theta, mg_real *value) {
   const mg_real *time = mg_radau_time;
   for (int k = 0; k < MG_RADAU_STAGES; k++) {
@@ -42,9 +40,9 @@ static void mg_lagrange(mg_real theta, mg_real *value) {
   }
 }
 
-/* Values at the stages become those that the polynomial of degree 6 through them has at the stages of a share of the
-   step. */
-static void mg_restage(mg_real *value, mg_real share) {
+/* Replaces values at the stages by those of the polynomial of degree 6 through them at the stages of the first
+   `share` of the step. */
+static void mg_resample_stages(mg_real *value, mg_real share) {
   mg_real old[MG_RADAU_STAGES], part[MG_RADAU_STAGES];
   for (int k = 0; k < MG_RADAU_STAGES; k++) old[k] = value[k], value[k] = 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
@@ -53,7 +51,6 @@ static void mg_restage(mg_real *value, mg_real share) {
   }
 }
 
-/* The states from .. to - 1 at all stages by the slopes there; returns by how much they changed, against their size. */
 MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   const int n = c->layout.n_states;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
@@ -73,9 +70,7 @@ MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real
   return most;
 }
 
-/* What passes before the first stage is seen by none. The velocity that is lost there if the loads change as much as at
-   the start they differ from the polynomial through them at the stages; root mean square against the tolerance. */
-MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->system;
   mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states,
           *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
@@ -99,8 +94,7 @@ MG_INTERNAL mg_real mg_misses_start_of_rolling(mg_context *c, mg_real t, const m
   return sqrt(sum / c->layout.n_live_states);
 }
 
-/* The end of the step and the interpolant of the polynomial through x and the stages. */
-MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x) {
   const int n = c->layout.n_states;
   for (int i = 0; i < n; i++) {
     c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
@@ -112,23 +106,20 @@ MG_INTERNAL void mg_collocated(mg_context *c, const mg_real *x) {
   }
 }
 
-/* The stages, the azimuths at them and how stiff these are, of a share of the step that was collocated, on its
-   polynomial. */
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->rolling_start[i] == MG_START_FLAT)
-      mg_restage(c->step.rolling_starts[i].azimuth, share), mg_restage(c->step.rolling_starts[i].stiffness, share);
+      mg_resample_stages(c->step.rolling_starts[i].azimuth, share),
+          mg_resample_stages(c->step.rolling_starts[i].stiffness, share);
 }
 
-/* Ends the step that was collocated at a share of it. */
 MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share) {
   mg_restrict_stages(c, x, share);
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
 }
 
-/* b becomes the solution of A z = b, by elimination with row exchanges; 0 where A is singular. */
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b) {
   const int n = MG_RADAU_STAGES;
   for (int k = 0; k < n; k++) {

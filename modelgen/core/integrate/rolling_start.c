@@ -1,36 +1,36 @@
-/* Contacts that start to roll from flat, and their return to ordinary contacts when the tilt is large enough.
-   Writes the start marks, outward directions, contact points and the next step length of the run.
+/* Contacts that start to roll from flat, and their return to ordinary contacts when the tilt is large enough. Writes
+   run->rolling_start, tilt_direction, contact points and the next step length of the run, and c->step.
 
-   First step of a contact that starts from flat: a face leaves a plane and its body rolls on one point of its
-   rim. At the time tau the tilt is of the order of A tau^3; a tilt across its azimuth moves the contact point by
-   a factor 1/(A tau^3), so the equations are irregular singular at tau = 0. One solution is smooth there; the
-   others oscillate about it with unbounded velocity. Radau collocation selects the smooth one. Unknowns are the
-   states and the azimuths at the stages: for given azimuths the right-hand side is evaluated on bodies rotated to
-   that tilt and azimuth rate, which is smooth and converges by substitution; the condition that the bodies do
-   tilt that way is a well-conditioned linear system of seven rows a contact, h^2 A^2 k - tilt, solved by Newton's
-   method.  To start a contact: put it on its feature pair, with eta (if it has any) at the point where the centre of
-   pressure leaves the hull; mark it closed, active and MG_START_FLAT; write the outward direction along the plane
-   (world, unit) into run->tilt_direction; let run->h be no shorter than the characteristic time. The row of such a
-   contact has no meaning until its first step, so no complementarity problem may contain it. When the tilt
-   exceeds rounding the mark is MG_START_SETTLING, and the contact is excused from bounds on its margin until the
+   First step of a contact that starts from flat: a face leaves a plane and its body rolls on one point of its rim.
+   At the time tau the tilt is of the order of A tau^3. A tilt across its azimuth moves the contact point by a factor
+   1/(A tau^3), so that the equations are irregular singular at tau = 0. One solution is smooth there; the others
+   oscillate about it with unbounded velocity. Radau collocation selects the smooth one. Unknowns are the states and
+   the azimuths at the stages: for given azimuths the right-hand side is evaluated with bodies rotated to that tilt
+   and azimuth rate, which is smooth and converges by substitution; the condition that the bodies do tilt in that
+   direction is a well-conditioned linear system of seven rows per contact, h^2 A^2 k - tilt, with the matrix A of
+   the collocation and the stiffness k, solved by Newton's method.
+
+   To start a contact: put it on its feature pair, with eta (if it has any) at the point where the centre of pressure
+   leaves the hull; mark it closed, active and MG_START_FLAT; write the outward direction along the plane (world
+   axes, unit vector) into run->tilt_direction; let run->h be no shorter than the characteristic time. The row of
+   such a contact has no meaning until its first step, so that no complementarity problem may contain it. When the
+   tilt exceeds rounding the mark becomes MG_START_SETTLING, and the contact has no bounds on its margin until the
    margin exceeds them. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* changes of the stages, against their scale: below the one the lean is held no longer, above the other it never is
- * found */
-#define MG_COARSE_TOLERANCE 0.05
+#define MG_COARSE_TOLERANCE 0.05 /* relative change of the stages below which the tilt is no longer held */
 
-#define MG_NEWTON_DIVERGED 100
+#define MG_NEWTON_DIVERGED 100 /* relative change of the stages above which the iteration has diverged */
 
+/* Flags of the evaluation of the stages. */
 enum {
-  MG_TILT_HELD = 1,
-  MG_WITH_STIFFNESS = 2
-}; /* how stages are looked at: with the lean as before; for the stiffness as well */
+  MG_TILT_HELD = 1,     /* with the tilt of the iteration before */
+  MG_WITH_STIFFNESS = 2 /* the stiffness is found too */
+};
 
-/* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->rolling_start[i] == MG_START_FLAT) return 1;
@@ -47,7 +47,6 @@ static int mg_is_rolling_start_over(mg_context *c, int contact) {
          mg_most_violated_condition(c, c->run->feature_pair[contact], eta, &which) >= 0;
 }
 
-/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta) {
   if (!c->contacts.n_eta[contact]) return 1;
   if (mg_newton_on_feature_pair(c, contact, eta) < 0) return 0;
@@ -68,13 +67,11 @@ static void mg_continue_rolling_start(mg_context *c, int contact) {
 
 /* Longest explicit step in s after the start of rolling: the time scale of oscillation about the smooth solution. */
 static mg_real mg_rolling_step_limit(const mg_context *c, int contact) {
-  const mg_rolling_start *onset = c->step.rolling_starts + contact;
-  const mg_contact_tilt at = mg_tilt_at_azimuth(c, contact, onset->azimuth[MG_RADAU_STAGES - 1]);
-  return sqrt(mg_dot3(at.along, at.tilt) / fabs(onset->stiffness[MG_RADAU_STAGES - 1]));
+  const mg_rolling_start *start = c->step.rolling_starts + contact;
+  const mg_contact_tilt at = mg_tilt_at_azimuth(c, contact, start->azimuth[MG_RADAU_STAGES - 1]);
+  return sqrt(mg_dot3(at.along, at.tilt) / fabs(start->stiffness[MG_RADAU_STAGES - 1]));
 }
 
-/* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
-   step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
   int any_start = 0;
   for (int i = 0; i < c->layout.support_begin; i++) any_start |= c->run->rolling_start[i];
@@ -108,15 +105,15 @@ static int mg_tilt_stage_bodies(mg_context *c, mg_real t, int stage, mg_real h, 
     mg_update_poses(c, t, c->step.stage);
     for (int i = 0; i < c->system->n_contact; i++) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
-      mg_real lean[3];
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
+      mg_real tilt[3];
       if (!iteration && !tilt_held) {
-        mg_tilt_of_stage(c, i, stage, h, lean);
-        onset->tilt[stage] = mg_dot3(at.along, lean) + noise;
+        mg_tilt_of_stage(c, i, stage, h, tilt);
+        start->tilt[stage] = mg_dot3(at.along, tilt) + noise;
       }
-      if (!(onset->tilt[stage] > 0)) return 0;
-      mg_rotate_to_tilt(c, i, &at, onset->tilt[stage], c->step.stage);
+      if (!(start->tilt[stage] > 0)) return 0;
+      mg_rotate_to_tilt(c, i, &at, start->tilt[stage], c->step.stage);
     }
     mg_normalise_quaternions(c, c->step.stage);
   }
@@ -133,12 +130,12 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
   if (!mg_tilt_stage_bodies(c, t, stage, h, tilt_held, azimuth_increment)) return 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-    mg_rolling_start *onset = c->step.rolling_starts + i;
-    const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage] + azimuth_increment);
-    const int tilt_lost = mg_is_tilt_lost_in_rounding(c, onset->tilt[stage]);
-    onset->azimuth_noise[stage] =
-        tilt_lost ? MG_EPS / sqrt(c->settings->flat_angle) : mg_relative_tilt_error(&at, onset->tilt[stage]);
-    mg_set_azimuth_rate(c, i, &at, onset->tilt[stage], mg_derivative(onset->azimuth, stage) / h, x);
+    mg_rolling_start *start = c->step.rolling_starts + i;
+    const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
+    const int tilt_lost = mg_is_tilt_lost_in_rounding(c, start->tilt[stage]);
+    start->azimuth_noise[stage] =
+        tilt_lost ? MG_EPS / sqrt(c->settings->flat_angle) : mg_relative_tilt_error(&at, start->tilt[stage]);
+    mg_set_azimuth_rate(c, i, &at, start->tilt[stage], mg_derivative(start->azimuth, stage) / h, x);
     if (!(tilt_lost ? mg_find_rolling_point(c, t, i, &at, x)
                     : mg_converge_contact_point(c, i, mg_contact_eta(c, x, i))))
       return 0;
@@ -182,12 +179,12 @@ static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_rea
     if (perturbed && !mg_tilted_stage_slope(c, t, stage, h, 1, azimuth_increment, slope)) return 0;
     for (int i = 0; i < c->layout.support_begin; i++) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, onset->azimuth[stage]);
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage]);
       const mg_real across =
           -mg_relative_angular_acceleration(c, i, perturbed ? slope : mg_stage_slope(c, stage), at.along) /
           azimuth_increment;
-      onset->stiffness[stage] = perturbed ? onset->stiffness[stage] + across : -across;
+      start->stiffness[stage] = perturbed ? start->stiffness[stage] + across : -across;
     }
   }
   return 1;
@@ -197,7 +194,7 @@ static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_rea
 static int mg_evaluate_rolling_stage(mg_context *c, mg_real t, int stage, mg_real h, int evaluation_flags) {
   const int first = c->system->n_q + c->system->n_u;
   if (!mg_tilted_stage_slope(c, t, stage, h, evaluation_flags & MG_TILT_HELD, 0, mg_stage_slope(c, stage))) return 0;
-  mg_watch_stage(c);
+  mg_watch_event_signs(c);
   for (int i = first; i < c->layout.work_state; i++) mg_stage_state(c, stage)[i] = c->step.stage[i];
   return !(evaluation_flags & MG_WITH_STIFFNESS) || mg_find_azimuth_stiffness(c, t, stage, h);
 }
@@ -226,21 +223,21 @@ static int mg_iterate_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_re
 
 /* Newton step for the azimuths of one contact; returns its relative effect on the velocities. */
 static mg_real mg_newton_azimuth_step(mg_context *c, mg_real t, mg_real h, int contact) {
-  mg_rolling_start *onset = c->step.rolling_starts + contact;
-  mg_real matrix[MG_RADAU_STAGES][MG_RADAU_STAGES], change[MG_RADAU_STAGES], lean[3], most = 0;
+  mg_rolling_start *start = c->step.rolling_starts + contact;
+  mg_real matrix[MG_RADAU_STAGES][MG_RADAU_STAGES], change[MG_RADAU_STAGES], tilt[3], most = 0;
   for (int row = 0; row < MG_RADAU_STAGES; row++) {
     mg_load_stage_state(c, row);
     mg_update_poses(c, t + mg_stage_time(row) * h, c->step.stage);
-    mg_tilt_of_stage(c, contact, row, h, lean);
-    change[row] = -mg_dot3(mg_tilt_at_azimuth(c, contact, onset->azimuth[row]).across, lean);
+    mg_tilt_of_stage(c, contact, row, h, tilt);
+    change[row] = -mg_dot3(mg_tilt_at_azimuth(c, contact, start->azimuth[row]).across, tilt);
     for (int k = 0; k < MG_RADAU_STAGES; k++)
-      matrix[row][k] = h * h * mg_double_integral_weight(row, k) * onset->stiffness[k];
-    matrix[row][row] -= onset->tilt[row];
+      matrix[row][k] = h * h * mg_double_integral_weight(row, k) * start->stiffness[k];
+    matrix[row][row] -= start->tilt[row];
   }
   if (!mg_gauss_eliminate(matrix, change)) return MG_MAX;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
-    const mg_real effect = fabs(change[stage] * onset->stiffness[stage]) * h * c->system->time;
-    onset->azimuth[stage] += change[stage];
+    const mg_real effect = fabs(change[stage] * start->stiffness[stage]) * h * c->system->time;
+    start->azimuth[stage] += change[stage];
     if (!(effect <= most)) most = effect;
   }
   return most;
@@ -322,8 +319,6 @@ static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
   return 0;
 }
 
-/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
-   to the tolerance. */
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
@@ -350,21 +345,19 @@ static mg_real mg_solve_full_rolling_step(mg_context *c, mg_real t, mg_real *x, 
 static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
   for (int i = 0; i < c->layout.support_begin; i++)
     for (int k = 0; k < MG_RADAU_STAGES && c->run->rolling_start[i] == MG_START_FLAT; k++) {
-      mg_rolling_start *onset = c->step.rolling_starts + i;
-      mg_real *saved = onset->whole_step[k];
-      if (restore) onset->azimuth[k] = saved[0], onset->stiffness[k] = saved[1];
-      else saved[0] = onset->azimuth[k], saved[1] = onset->stiffness[k];
+      mg_rolling_start *start = c->step.rolling_starts + i;
+      mg_real *saved = start->whole_step[k];
+      if (restore) start->azimuth[k] = saved[0], start->stiffness[k] = saved[1];
+      else saved[0] = start->azimuth[k], saved[1] = start->stiffness[k];
     }
 }
 
-/* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
-   tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
   const mg_real full_change = mg_solve_full_rolling_step(c, t, x, h);
   c->step.rolling_step = full_change <= MG_MAX ? h : 0;
   if (!(full_change <= MG_MAX)) return MG_MAX;
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
   if (c->settings->method == MG_RK4) return 0;
   mg_save_or_restore_azimuths(c, 0);
   const int reused = mg_reuse_longer_step_stages(c, t, x, h / 2, (mg_real)1 / 2);
@@ -372,7 +365,7 @@ MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real
   mg_save_or_restore_azimuths(c, 1);
   if (!(half_change <= MG_MAX)) return MG_MAX;
   const mg_real half_difference = mg_half_step_difference(c, x, mg_stage_state(c, MG_RADAU_STAGES - 1));
-  const mg_real start_error = mg_misses_start_of_rolling(c, t, x, h / 2),
+  const mg_real start_error = mg_rolling_start_load_error(c, t, x, h / 2),
                 noise = (half_change > full_change ? half_change : full_change) / c->settings->tolerance;
   const mg_real error = (half_difference > start_error ? half_difference : start_error) - noise;
   return error > 0 ? error : 0;

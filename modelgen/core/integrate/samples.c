@@ -1,13 +1,16 @@
-/* Samples of a run at the times that the caller asked for. */
+/* Samples of a run at the times that the caller asked for. Reads the present poses, rows and forces, or those on
+   the interpolant; writes mg_record. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-static void mg_copy(mg_real *to, const mg_real *from, int n) {
+/* Copies n numbers. */
+static void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }
 
+/* Force, gap, normal and points of a contact. */
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->system->n_contact + contact;
   record->feature_pair[k] = c->run->feature_pair[contact];
@@ -16,12 +19,12 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
     for (int j = 0; j < 14; j++) c->search.placement[j] = (mg_real)NAN;
   record->force[k] = c->solution.force[contact];
   record->gap[k] = c->search.placement[0];
-  mg_copy(record->normal + 3 * k, c->search.placement + 5, 3);
-  mg_copy(record->point_o + 3 * k, c->search.placement + 8, 3);
-  mg_copy(record->point_f + 3 * k, c->search.placement + 11, 3);
+  mg_copy_reals(record->normal + 3 * k, c->search.placement + 5, 3);
+  mg_copy_reals(record->point_o + 3 * k, c->search.placement + 8, 3);
+  mg_copy_reals(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
-/* What the rows below make of c->solution.force or c->rows.d_dot, world: `forces` along t1, t2 or about N, t1, t2. */
+/* Vector in world axes of values on the friction rows of a contact: along t1, t2, or (about) about N, t1, t2. */
 static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
   const mg_real *t = c->rows.tangents + 6 * contact, *N = c->rows.normal + 3 * contact;
   const mg_real *rows = value + c->layout.friction_row_begin + c->system->contact_friction_row[contact];
@@ -29,6 +32,7 @@ static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_r
     out[k] = about ? rows[2] * N[k] + rows[3] * t[k] + rows[4] * t[3 + k] : rows[0] * t[k] + rows[1] * t[3 + k];
 }
 
+/* Friction, torque and slip of a contact. */
 static void mg_record_contact_friction(mg_context *c, mg_record *record, int row, int contact) {
   const long k = 3 * ((long)row * c->system->n_contact + contact);
   const int rows = mg_is_on_feature_pair(c, contact) ? c->kernels->contact_kinds[c->contacts.kind[contact]].rows : 1;
@@ -38,7 +42,7 @@ static void mg_record_contact_friction(mg_context *c, mg_record *record, int row
   if (rows > 1 && c->run->closed[contact]) mg_friction_rows_vector(c, contact, c->rows.d_dot, 0, record->slip + k);
 }
 
-/* What a joint does to its second body, and where it stands. */
+/* Wrench of a joint on its second body, and its coordinates. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->system;
   const long k = (long)row * s->n_joint + joint;
@@ -53,7 +57,7 @@ static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint
                                 s->parameters + s->joint_parameters[joint], coordinate);
 }
 
-/* The friction of a slot's patch at a place of the world, and how f slips past o there. */
+/* Friction of the patch in a slot at a world point, and the slip there (8 numbers). */
 static void mg_record_patch_friction(const mg_context *c, int slot, const mg_real *at, mg_real *out) {
   const int support = mg_first_support(c, slot);
   const mg_real *t = c->rows.tangents + 6 * support, *N = c->rows.normal + 3 * support;
@@ -73,7 +77,7 @@ static void mg_record_patch_friction(const mg_context *c, int slot, const mg_rea
   for (int k = 0; k < 3; k++) out[4 + k] += moment[k];
 }
 
-/* What presses the faces of a slot's patch together, and where. */
+/* Resultant and centre of the pressure of the patch in a slot, and its friction. */
 static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot) {
   const long k = (long)row * c->system->n_patch_slot + slot;
   mg_real *pressure = record->pressure + 4 * k;
@@ -83,7 +87,8 @@ static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot)
   mg_record_patch_friction(c, slot, pressure + 1, record->patch_friction + 8 * k);
 }
 
-static mg_real mg_energy_of(mg_context *c, mg_real *x) {
+/* Energy of the state x. */
+static mg_real mg_energy_at(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
   c->run->x = x;
   const mg_real energy = mg_energy(c, &kinetic);
@@ -91,19 +96,18 @@ static mg_real mg_energy_of(mg_context *c, mg_real *x) {
   return energy;
 }
 
-/* One sample of the state x; needs its poses, twists and forces fresh. */
-MG_INTERNAL void mg_record_row(mg_context *c, mg_record *record, mg_real *x) {
+MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) {
   const mg_system *s = c->system;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;
-  mg_copy(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
-  mg_copy(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
-  mg_copy(record->eta + row * s->n_eta, eta, s->n_eta);
+  mg_copy_reals(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
+  mg_copy_reals(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
+  mg_copy_reals(record->eta + row * s->n_eta, eta, s->n_eta);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact_friction(c, record, (int)row, i);
   for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
-  record->energy[row] = mg_energy_of(c, x);
+  record->energy[row] = mg_energy_at(c, x);
   record->work[row] = x[c->layout.work_state];
 }
 
@@ -111,22 +115,20 @@ MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
-/* Samples within the step h from run->x to c->step.end. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t;
   if (!mg_is_sample_due(record, t + h)) return;
   mg_finish_step(c, t, h);
-  mg_make_dense(c, t, c->run->x, h);
+  mg_make_interpolant(c, t, c->run->x, h);
   while (mg_is_sample_due(record, t + h)) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
     mg_normalise_quaternions(c, c->step.stage);
     mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
-    mg_record_row(c, record, c->step.stage);
+    mg_record_sample(c, record, c->step.stage);
   }
 }
 
-/* Samples that are due at run->t itself; needs its rows fresh. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
-  while (mg_is_sample_due(record, c->run->t)) mg_record_row(c, record, c->run->x);
+  while (mg_is_sample_due(record, c->run->t)) mg_record_sample(c, record, c->run->x);
 }

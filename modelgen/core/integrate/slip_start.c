@@ -3,31 +3,33 @@
    1/tau^2: the equations are irregular singular at tau = 0 and stiff for a while. One solution is smooth there;
    Radau collocation finds it, with the slip directions at the stages as unknowns: for given directions the
    right-hand side is smooth and converges by substitution; that the slip lies along its direction is a
-   well-conditioned linear system of seven rows a friction row group. A patch has two unknowns, the components of
+   well-conditioned linear system of seven rows a friction constraint. A patch has two unknowns, the components of
    its direction across the stored one. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_SLIP_ONSET_UNKNOWNS \
-  4 /* unknowns of friction constraints that begin to slip at once; more are left to small explicit steps */
+#define MG_SLIP_ONSET_UNKNOWNS                                                           \
+  4 /* most directions that are unknown at a time; more are left to small explicit steps \
+     */
 
-#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES)
+#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES) /* most unknowns of all stages */
 
+/* Unknown directions of the slip that starts: one of a friction constraint, two of a patch. */
 typedef struct {
-  int count, constraint[MG_SLIP_ONSET_UNKNOWNS],
-      contact[MG_SLIP_ONSET_UNKNOWNS]; /* friction constraint: -1 of a patch, whose first support point the contact is
-                                        */
-  int axis[MG_SLIP_ONSET_UNKNOWNS];    /* of a patch: 1, 2 across the course */
-  mg_real angle[MG_RADAU_STAGES]
-               [MG_SLIP_ONSET_UNKNOWNS]; /* from the course, rad; of a patch its tangent along the axis */
-  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS], across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip */
-  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]
-                   [MG_SLIP_ONSET_UNKNOWNS]; /* of the first's acceleration across by the second's angle */
+  int count;                                               /* unknowns */
+  int constraint[MG_SLIP_ONSET_UNKNOWNS];                  /* friction constraint, or -1: of a patch */
+  int contact[MG_SLIP_ONSET_UNKNOWNS];                     /* its contact; of a patch its first support point */
+  int axis[MG_SLIP_ONSET_UNKNOWNS];                        /* of a patch: axis across the stored direction, 1 or 2 */
+  mg_real angle[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* angle from the stored direction, rad; of a patch its
+                                                              tangent along the axis */
+  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* slip along the direction */
+  mg_real across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip across it */
+  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS]; /* derivative of the acceleration
+                                                               across of the first by the angle of the second */
 } mg_slip_onset;
 
-/* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) return 1;
@@ -36,7 +38,6 @@ MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   return 0;
 }
 
-/* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) c->run->friction_mode[g] = MG_SLIP_STARTING;
@@ -104,7 +105,7 @@ static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, m
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
     mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
                                   mg_stage_slope(c, stage));
-    mg_watch_stage(c);
+    mg_watch_event_signs(c);
     for (int k = 0; k < o->count; k++)
       mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_all_finite(c->layout.n_states, mg_stage_slope(c, stage))) return 0;
@@ -194,14 +195,12 @@ static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
   return 1;
 }
 
-/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
-   to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
   for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
   if (!mg_list_slip_onsets(c, &onset) || !mg_solve_slip_stages(c, &onset, t, x, h / 2)) return MG_MAX;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
   if (!mg_solve_slip_stages(c, &onset, t, x, h) || !mg_is_slip_established(c, &onset)) return MG_MAX;
-  mg_collocated(c, x);
+  mg_make_collocation_interpolant(c, x);
   return c->settings->method == MG_RK4 ? 0 : mg_half_step_difference(c, x, c->step.settled);
 }

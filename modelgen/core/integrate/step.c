@@ -1,14 +1,13 @@
-/* One step of the chosen method, its interpolant, and the watch on event functions at the stages. */
+/* One step of the chosen method, its interpolant, and the watch on event functions at the stages. Writes c->step. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-static int mg_end_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
+/* Row of c->step.slopes that holds the slope at the end of the step. */
+static int mg_end_slope_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
 
-/* Steps from this state are by collocation, whatever the method. */
 MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_has_rolling_start(c) || mg_has_slip_onset(c); }
 
-/* From K[0] = slope at (t, x) to c->step.end; the error relative to the tolerance (0 for RK4). */
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
   if (c->system->n_friction && mg_has_slip_onset(c)) {
@@ -21,22 +20,19 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
   return 0;
 }
 
-/* The same, watching for events. */
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   c->step.sign_changed = 0;
   return mg_take_step(c, t, x, h);
 }
 
-/* The slope, forces and gaps at the end of the step, with quaternions of unit length. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_normalise_quaternions(c, c->step.end);
-  mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_row(c) * c->layout.n_states);
-  mg_gap_rates(c);
+  mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_slope_row(c) * c->layout.n_states);
+  mg_update_gap_rates(c);
 }
 
-/* The cubic through both ends of the step and their slopes. */
-MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->layout.n_states, end = mg_end_row(c);
+MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h) {
+  const int n = c->layout.n_states, end = mg_end_slope_row(c);
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
   for (int i = 0; i < n; i++) {
     const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
@@ -46,12 +42,11 @@ MG_INTERNAL void mg_make_cubic(mg_context *c, const mg_real *x, mg_real h) {
   }
 }
 
-MG_INTERNAL void mg_make_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  if (c->settings->method != MG_DOP853) mg_make_cubic(c, x, h);
+MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  if (c->settings->method != MG_DOP853) mg_make_cubic_interpolant(c, x, h);
   else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
 }
 
-/* The state at t + theta h. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
   const int n = c->layout.n_states;
   for (int i = 0; i < n; i++) {
@@ -61,8 +56,7 @@ MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real t
   }
 }
 
-/* Notes that a gap or a force changed sign at a stage, so that the step is searched. */
-MG_INTERNAL void mg_watch_stage(mg_context *c) {
+MG_INTERNAL void mg_watch_event_signs(mg_context *c) {
   if (c->step.sign_changed) return;
   const mg_real deep = -c->settings->contact_gap * c->system->length;
   if (mg_has_patch_event(c)) c->step.sign_changed = 1;

@@ -10,17 +10,16 @@ static void mg_world_to_local_direction(const mg_real *pose, const mg_real *worl
   for (int k = 0; k < 3; k++) local[k] = mg_dot3(pose + 3 + 3 * k, world);
 }
 
-/* True if the tilt is so small that rounding of the poses hides its direction. */
 MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt) {
   return tilt < c->settings->flat_angle * c->settings->flat_angle;
 }
 
 /* Normal N in the axes of o and of f while the faces lay flat: the face normals of the patch, or the present N of
    a rim without one. Needs the placement there. */
-static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_start *onset) {
+static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_start *start) {
   mg_real least = MG_MAX, face[2][12];
-  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], c->search.placement + 5, onset->normal);
-  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 5, onset->axis);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], c->search.placement + 5, start->normal);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 5, start->axis);
   for (int patch = 0; patch < c->system->n_patch; patch++) {
     if (!mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[contact])) continue;
     const int swapped = mg_patch_body(c, patch, 0) != c->contacts.o[contact];
@@ -28,47 +27,45 @@ static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_st
     const mg_real sine = mg_sine_between(face[0] + 9, face[1] + 9);
     if (mg_dot3(face[0] + 9, face[1] + 9) > 0 || sine >= least) continue;
     least = sine;
-    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], face[0] + 9, onset->normal);
-    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], face[1] + 9, onset->axis);
-    for (int k = 0; k < 3; k++) onset->axis[k] *= -1;
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], face[0] + 9, start->normal);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], face[1] + 9, start->axis);
+    for (int k = 0; k < 3; k++) start->axis[k] *= -1;
   }
 }
 
-/* Initialise the tilt state of all contacts that start from flat; returns 0 where neither body is free. */
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_update_poses(c, t, x);
   for (int i = 0; i < c->system->n_contact; i++) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     if (!mg_is_free_body(c, c->contacts.f[i]) && !mg_is_free_body(c, c->contacts.o[i])) return 0;
-    mg_rolling_start *onset = c->step.rolling_starts + i;
+    mg_rolling_start *start = c->step.rolling_starts + i;
     mg_place_contact(c, i, mg_contact_eta(c, x, i), c->search.placement + 32);
-    mg_find_flat_normals(c, i, onset);
-    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], c->run->tilt_direction + 3 * i, onset->outward);
+    mg_find_flat_normals(c, i, start);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], c->run->tilt_direction + 3 * i, start->outward);
     const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, 0);
     const mg_real present_tilt = mg_dot3(at.along, at.tilt);
-    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], at.tilt, onset->tilt_start);
+    mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[i], at.tilt, start->tilt_start);
     for (int k = 0; k < 3 && mg_is_tilt_lost_in_rounding(c, present_tilt); k++)
-      onset->tilt_start[k] = (present_tilt > 0 ? present_tilt : 0) * onset->outward[k];
+      start->tilt_start[k] = (present_tilt > 0 ? present_tilt : 0) * start->outward[k];
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-      onset->azimuth[stage] = 0,
-      onset->tilt[stage] = (present_tilt > 0 ? present_tilt : 0) + sqrt(MG_EPS) * h / c->system->time;
+      start->azimuth[stage] = 0,
+      start->tilt[stage] = (present_tilt > 0 ? present_tilt : 0) + sqrt(MG_EPS) * h / c->system->time;
   }
   return 1;
 }
 
-/* Tilt of a contact and its frame at an azimuth, at the present poses. */
 MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact, mg_real azimuth) {
-  const mg_rolling_start *onset = c->step.rolling_starts + contact;
+  const mg_rolling_start *start = c->step.rolling_starts + contact;
   const mg_real *o = c->bodies.pose + 12 * c->contacts.o[contact], *f = c->bodies.pose + 12 * c->contacts.f[contact];
   mg_contact_tilt at;
-  mg_real out[3], aside[3], axis[3];
-  mg_to_world(o, onset->normal, 0, at.normal), mg_to_world(o, onset->outward, 0, out),
-      mg_to_world(f, onset->axis, 0, axis);
-  mg_cross_product(at.normal, out, aside);
+  mg_real out[3], lateral[3], axis[3];
+  mg_to_world(o, start->normal, 0, at.normal), mg_to_world(o, start->outward, 0, out),
+      mg_to_world(f, start->axis, 0, axis);
+  mg_cross_product(at.normal, out, lateral);
   const mg_real height = mg_dot3(axis, at.normal), cosine = cos(azimuth), sine = sin(azimuth);
   for (int k = 0; k < 3; k++) {
-    at.along[k] = cosine * out[k] + sine * aside[k];
-    at.across[k] = cosine * aside[k] - sine * out[k];
+    at.along[k] = cosine * out[k] + sine * lateral[k];
+    at.across[k] = cosine * lateral[k] - sine * out[k];
     at.tilt[k] = axis[k] - height * at.normal[k];
   }
   return at;
@@ -82,28 +79,25 @@ static void mg_relative_angular_velocity(const mg_context *c, int contact, mg_re
   for (int k = 0; k < 3; k++) out[k] = f[k] - o[k];
 }
 
-/* Store the rate of the tilt at a stage, from the present poses and velocities. */
 MG_INTERNAL void mg_note_tilt_rate(mg_context *c, int contact, int stage) {
-  mg_rolling_start *onset = c->step.rolling_starts + contact;
+  mg_rolling_start *start = c->step.rolling_starts + contact;
   mg_real turning[3], axis[3], rate[3];
   mg_relative_angular_velocity(c, contact, turning);
-  mg_to_world(c->bodies.pose + 12 * c->contacts.f[contact], onset->axis, 0, axis);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[contact], start->axis, 0, axis);
   mg_cross_product(turning, axis, rate);
-  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], rate, onset->tilt_rate[stage]);
+  mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], rate, start->tilt_rate[stage]);
 }
 
-/* Tilt at a stage of a step h, integrated from its rates because the poses round it away. */
 MG_INTERNAL void mg_tilt_of_stage(const mg_context *c, int contact, int stage, mg_real h, mg_real *tilt) {
-  const mg_rolling_start *onset = c->step.rolling_starts + contact;
-  mg_real local[3] = {onset->tilt_start[0], onset->tilt_start[1], onset->tilt_start[2]};
+  const mg_rolling_start *start = c->step.rolling_starts + contact;
+  mg_real local[3] = {start->tilt_start[0], start->tilt_start[1], start->tilt_start[2]};
   for (int j = 0; j < MG_RADAU_STAGES; j++) {
     const mg_real weight = h * mg_collocation_weight(stage, j);
-    for (int k = 0; k < 3; k++) local[k] += weight * onset->tilt_rate[j][k];
+    for (int k = 0; k < 3; k++) local[k] += weight * start->tilt_rate[j][k];
   }
   mg_to_world(c->bodies.pose + 12 * c->contacts.o[contact], local, 0, tilt);
 }
 
-/* Rotate a body of the contact in x so that it tilts by `tilt` along the azimuth of `at`. */
 MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                    mg_real *x) {
   const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
@@ -115,15 +109,12 @@ MG_INTERNAL void mg_rotate_to_tilt(const mg_context *c, int contact, const mg_co
   mg_rotate_quaternion(x + c->system->body_q[body] + 3, angle);
 }
 
-/* Deviation of the tilt from `tilt` along the azimuth, relative to it. */
 MG_INTERNAL mg_real mg_relative_tilt_error(const mg_contact_tilt *at, mg_real tilt) {
   mg_real sum = 0;
   for (int k = 0; k < 3; k++) sum += (at->tilt[k] - tilt * at->along[k]) * (at->tilt[k] - tilt * at->along[k]);
   return sqrt(sum) / tilt;
 }
 
-/* Change the angular velocity of a body in x so that the azimuth of its tilt has the given rate; the tilt of a
-   body that spins about N turns with it. */
 MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_contact_tilt *at, mg_real tilt,
                                      mg_real rate, mg_real *x) {
   const int turns_f = mg_is_free_body(c, c->contacts.f[contact]),
@@ -137,7 +128,6 @@ MG_INTERNAL void mg_set_azimuth_rate(const mg_context *c, int contact, const mg_
   for (int k = 0; k < 3; k++) w[k] += change * along[k];
 }
 
-/* Angular acceleration of f relative to o about a world direction. */
 MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int contact, const mg_real *slope,
                                                      const mg_real *direction) {
   mg_real sum = 0, turn[3];
@@ -150,8 +140,6 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
   return sum;
 }
 
-/* Find the point of f on which it rolls while rounding hides its tilt, by tilting it more; returns 0 where it
-   fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x) {
   const int body = mg_is_free_body(c, c->contacts.f[contact]) ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real kept[4], *turn = x + c->system->body_q[body] + 3;

@@ -1,21 +1,36 @@
-/* Time dependence: prescribed paths, prescribed joint motions and loads are sampled between the samples that a
-   step takes, so that none rises and falls unseen within a step; loads that depend on the state are sampled along
-   the interpolant. Limits the step; leaves driven bodies and prescribed rows at the time of the last sample. */
+/* Functions of time: prescribed paths, prescribed joint motions and loads are sampled between the stages of a
+   step, so that none rises and falls unseen; loads that depend on the state are sampled along the interpolant.
+   Limits the step. Writes c->step.time_samples; leaves driven bodies and prescribed rows at the time of the last
+   sample. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 
-enum { MG_TIME_PARTS = 7, MG_TIME_SAMPLES_MAX = 4096 }; /* parts of a step; looks at most */
+enum {
+  MG_TIME_PARTS = 7,         /* parts of a step between stages that enter its sum */
+  MG_TIME_SAMPLES_MAX = 4096 /* most samples of a step */
+};
 
 static const mg_real mg_sampled[MG_TIME_PARTS + 1] = {
-    /* times of a step, in parts of it, whose slopes count in its sum */
+    /* times of the stages that enter the sum, in parts of the step */
     0, (mg_real)0.25, (mg_real)0.3077, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.6513, (mg_real)0.8571, 1};
 
-#define MG_SAMPLE_SPACING (mg_real)0.2667 /* part between two of them */
+#define MG_SAMPLE_SPACING (mg_real)0.2667 /* largest part */
 
-enum { MG_FROM, MG_TO, MG_LOW, MG_HIGH, MG_OVER, MG_LEAST, MG_MOST, MG_WEIGHT, MG_OF_INSTANTS };
+/* Rows of c->step.time_samples, one value per function of time. */
+enum {
+  MG_TIME_FIRST,  /* value at the start of a part of the step */
+  MG_TIME_LAST,   /* value at its end */
+  MG_TIME_LOW,    /* least value inside it */
+  MG_TIME_HIGH,   /* largest value inside it */
+  MG_TIME_EXCESS, /* largest excess so far of values inside a part over the range of its ends */
+  MG_TIME_LEAST,  /* least value at the ends of parts */
+  MG_TIME_MOST,   /* largest value at the ends of parts */
+  MG_TIME_WEIGHT, /* weight that turns an excess into a multiple of the tolerance */
+  MG_TIME_ROWS    /* number of rows */
+};
 
 #define MG_EXTRAPOLATED_PART \
-  (mg_real)0.1 /* of what a function does in a step, that it may do beyond the ends of a part of it */
+  (mg_real)0.1 /* part of its variation in a step by which a function may leave the range of the ends of a part */
 
 /* True if the load depends on time or on the state. */
 static int mg_is_load_variable(const mg_system *s, int load) {
@@ -23,7 +38,6 @@ static int mg_is_load_variable(const mg_system *s, int load) {
   return kind->depends_on_time || kind->depends_on_state;
 }
 
-/* Number of functions of time, including those of loads that depend on the state. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s) {
   int count = 0;
   for (int b = 0; b < s->n_body; b++) count += 12 * mg_is_driven_body(s, b);
@@ -35,7 +49,6 @@ MG_INTERNAL int mg_time_function_count(const mg_system *s) {
   return count;
 }
 
-/* Number of loads that depend on the state; `timed`: of those that depend on time as well. */
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) {
@@ -45,16 +58,15 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   return count;
 }
 
-/* Memory of the samples of functions of time, in mg_real. */
-MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_OF_INSTANTS * mg_time_function_count(s); }
+MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_TIME_ROWS * mg_time_function_count(s); }
 
-/* Row of the sample memory: first value, last value, least, largest and so on. */
+/* Row of the samples: MG_TIME_FIRST .. */
 static mg_real *mg_time_sample_row(const mg_context *c, int which) {
   return c->step.time_samples + (long)which * c->layout.n_timed;
 }
 
-/* Evaluate all functions of time at t; bodies that move by forces are where they are, or, for `way` > 0, on the
-   interpolant of a step of that length. Leaves driven bodies and prescribed joint rows at t. */
+/* Evaluates all functions of time at t. Bodies that forces move keep their poses, or, for step_length > 0, follow
+   the interpolant of a step of that length. */
 static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_length, mg_real *value) {
   const mg_system *s = c->system;
   if (step_length > 0) {
@@ -111,9 +123,9 @@ static void mg_set_time_function_weights(const mg_context *c, mg_real h, mg_real
 
 /* Sample one part of a step, from t to t + h, and update by how much each function leaves the range of its ends. */
 static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real step_length, int sample_count) {
-  mg_real *from = mg_time_sample_row(c, MG_FROM), *to = mg_time_sample_row(c, MG_TO),
-          *low = mg_time_sample_row(c, MG_LOW);
-  mg_real *high = mg_time_sample_row(c, MG_HIGH), *excess = mg_time_sample_row(c, MG_OVER);
+  mg_real *from = mg_time_sample_row(c, MG_TIME_FIRST), *to = mg_time_sample_row(c, MG_TIME_LAST),
+          *low = mg_time_sample_row(c, MG_TIME_LOW);
+  mg_real *high = mg_time_sample_row(c, MG_TIME_HIGH), *excess = mg_time_sample_row(c, MG_TIME_EXCESS);
   for (int i = 0; i < c->layout.n_timed; i++) low[i] = MG_MAX, high[i] = -MG_MAX;
   for (int k = 1; k <= sample_count; k++) {
     mg_sample_time_functions(c, t + k * h / sample_count, step_length, to);
@@ -122,40 +134,39 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
   }
   for (int i = 0; i < c->layout.n_timed; i++) {
     excess[i] = fmax(excess[i], fmax(high[i] - fmax(from[i], to[i]), fmin(from[i], to[i]) - low[i]));
-    mg_time_sample_row(c, MG_LEAST)[i] = fmin(mg_time_sample_row(c, MG_LEAST)[i], to[i]);
-    mg_time_sample_row(c, MG_MOST)[i] = fmax(mg_time_sample_row(c, MG_MOST)[i], to[i]);
+    mg_time_sample_row(c, MG_TIME_LEAST)[i] = fmin(mg_time_sample_row(c, MG_TIME_LEAST)[i], to[i]);
+    mg_time_sample_row(c, MG_TIME_MOST)[i] = fmax(mg_time_sample_row(c, MG_TIME_MOST)[i], to[i]);
     from[i] = to[i];
   }
 }
 
-/* True if the samples that a step h takes show all that the functions of time do in it. */
+/* True if the stages of a step h show all that the functions of time do in it. */
 static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_length) {
   const mg_real sample_count = h / (c->settings->time_resolution * c->system->time);
   if (sample_count > MG_TIME_SAMPLES_MAX) return 0;
-  mg_real *excess = mg_time_sample_row(c, MG_OVER), *least = mg_time_sample_row(c, MG_LEAST),
-          *most = mg_time_sample_row(c, MG_MOST);
-  mg_sample_time_functions(c, c->run->t, step_length, mg_time_sample_row(c, MG_FROM));
-  for (int i = 0; i < c->layout.n_timed; i++) excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_FROM)[i];
+  mg_real *excess = mg_time_sample_row(c, MG_TIME_EXCESS), *least = mg_time_sample_row(c, MG_TIME_LEAST),
+          *most = mg_time_sample_row(c, MG_TIME_MOST);
+  mg_sample_time_functions(c, c->run->t, step_length, mg_time_sample_row(c, MG_TIME_FIRST));
+  for (int i = 0; i < c->layout.n_timed; i++)
+    excess[i] = 0, least[i] = most[i] = mg_time_sample_row(c, MG_TIME_FIRST)[i];
   for (int k = 0; k < MG_TIME_PARTS; k++) {
     const mg_real part = mg_sampled[k + 1] - mg_sampled[k];
     mg_sample_step_part(c, c->run->t + mg_sampled[k] * h, part * h, step_length, (int)(part * sample_count) + 1);
   }
-  mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_WEIGHT));
+  mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_TIME_WEIGHT));
   for (int i = 0; i < c->layout.n_timed; i++) {
     const mg_real rounding = 64 * MG_EPS * fmax(fabs(least[i]), fabs(most[i]));
-    const int hides = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
-    if (hides && excess[i] * mg_time_sample_row(c, MG_WEIGHT)[i] > 1) return 0;
+    const int is_unresolved = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
+    if (is_unresolved && excess[i] * mg_time_sample_row(c, MG_TIME_WEIGHT)[i] > 1) return 0;
   }
   return 1;
 }
 
-/* Step in s below which functions of time are not checked. */
+/* Step below which functions of time are not checked, s. */
 static mg_real mg_unchecked_step_length(const mg_context *c) {
   return c->settings->time_resolution * c->system->time / MG_SAMPLE_SPACING;
 }
 
-/* Halve the step h until its samples resolve the functions of time, not below look * time. Needs the poses at the
-   run's state. */
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
   const mg_real least = mg_unchecked_step_length(c);
   if (c->layout.n_timed <= 12 * c->layout.n_steady_loads || h <= least) return h;
@@ -165,17 +176,14 @@ MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
   return h;
 }
 
-/* True if a load that depends on the state rises and falls between the samples of the step just tried; leaves the
-   end of the step as it was. The cubic interpolant knows only the ends; the better one is tried as well because
-   it may show what the step has missed, while the cubic stays nearer to where the body turns back. */
 MG_INTERNAL int mg_has_unresolved_state_load(mg_context *c, mg_real h) {
   if (!c->layout.n_state_loads || c->settings->method == MG_RK4 || h <= mg_unchecked_step_length(c)) return 0;
-  mg_make_cubic(c, c->run->x, h);
-  int shows = mg_is_step_resolved_in_time(c, h, h);
-  if (shows && !mg_is_collocated(c)) {
-    mg_make_dense(c, c->run->t, c->run->x, h);
-    shows = mg_is_step_resolved_in_time(c, h, h);
+  mg_make_cubic_interpolant(c, c->run->x, h);
+  int is_resolved = mg_is_step_resolved_in_time(c, h, h);
+  if (is_resolved && !mg_is_collocated(c)) {
+    mg_make_interpolant(c, c->run->t, c->run->x, h);
+    is_resolved = mg_is_step_resolved_in_time(c, h, h);
   }
   mg_finish_step(c, c->run->t, h);
-  return !shows;
+  return !is_resolved;
 }

@@ -1,16 +1,16 @@
-/* Poses, twists and accelerations of the bodies, before any contact force. */
+/* Motion of the bodies: poses and twists at a state, loads, and accelerations without constraint forces (the free
+   part of equation (2.6) of Anitescu, Cremer and Potra, 1995). Writes c->bodies, and for the loads
+   c->bodies.wrench. */
 #include "model/model.h"
 
-MG_INTERNAL int mg_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
+MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
 
-/* True for a body that contact forces accelerate. */
-MG_INTERNAL int mg_moves(const mg_context *c, int body) {
-  return c->kernels->body_kinds[mg_kind_of(c, body)].motion >= MG_POINT;
+MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) {
+  return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion >= MG_POINT;
 }
 
-/* The velocity coordinates of one body: 6 of a free one, 3 of a point, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to) {
-  const int motion = c->kernels->body_kinds[mg_kind_of(c, body)].motion;
+  const int motion = c->kernels->body_kinds[mg_body_kind_of(c, body)].motion;
   if (motion < MG_POINT) return;
   to[0] = from[0], to[1] = from[1], to[2] = from[2];
   if (motion == MG_FREE) to[3] = from[3], to[4] = from[4], to[5] = from[5];
@@ -19,7 +19,7 @@ MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
-    const int kind = mg_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
+    const int kind = mg_body_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
     const mg_real *q = x + s->body_q[b], *u = x + s->n_q + s->body_u[b];
     mg_real *pose = c->bodies.pose + 12 * b, *twist = c->bodies.twist + 6 * b;
     if (motion == MG_DRIVEN)
@@ -32,7 +32,6 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   }
 }
 
-/* Of a load at t, with the bodies where c has them: 6 on each of its bodies. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
@@ -41,41 +40,40 @@ MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_rea
                           wrench, wrench + 6);
 }
 
-static void mg_load(mg_context *c, mg_real t, int load, mg_real *power) {
+/* Adds the wrenches of a load to those of its bodies, and its power to *power. */
+static void mg_add_load(mg_context *c, mg_real t, int load, mg_real *power) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load];
   mg_real wrench[12] = {0};
   mg_load_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++) {
     const int body = side ? b : a;
-    if (body < 0 || !mg_moves(c, body)) continue;
-    for (int i = 0; i < c->kernels->body_kinds[mg_kind_of(c, body)].n_u; i++) {
+    if (body < 0 || !mg_is_moved_by_forces(c, body)) continue;
+    for (int i = 0; i < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; i++) {
       c->bodies.wrench[6 * body + i] += wrench[6 * side + i];
       *power += wrench[6 * side + i] * c->bodies.twist[6 * body + i];
     }
   }
 }
 
-/* Writes q_dot and the power of the loads into x_dot, and the accelerations into c->bodies.acceleration. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_real power = 0;
   if (s->n_load) {
     for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
-    for (int i = 0; i < s->n_load; i++) mg_load(c, t, i, &power);
+    for (int i = 0; i < s->n_load; i++) mg_add_load(c, t, i, &power);
   }
   for (int b = 0; b < s->n_body; b++)
-    if (mg_moves(c, b))
-      c->kernels->body_motion(mg_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b], c->bodies.wrench + 6 * b,
-                              s->gravity, s->parameters + s->body_parameters[b], x_dot + s->body_q[b],
-                              c->bodies.acceleration + 6 * b);
+    if (mg_is_moved_by_forces(c, b))
+      c->kernels->body_motion(mg_body_kind_of(c, b), x + s->body_q[b], x + s->n_q + s->body_u[b],
+                              c->bodies.wrench + 6 * b, s->gravity, s->parameters + s->body_parameters[b],
+                              x_dot + s->body_q[b], c->bodies.acceleration + 6 * b);
   x_dot[c->layout.work_state] = power;
 }
 
-/* Brings every quaternion back to unit length. */
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
   for (int b = 0; b < c->system->n_body; b++) {
-    if (c->kernels->body_kinds[mg_kind_of(c, b)].motion != MG_FREE) continue;
+    if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion != MG_FREE) continue;
     mg_real *e = x + c->system->body_q[b] + 3;
     const mg_real inverse = 1 / sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
     for (int i = 0; i < 4; i++) e[i] *= inverse;
@@ -84,15 +82,13 @@ MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
 
 MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
   const int o = c->contacts.o[contact];
-  return mg_moves(c, o) ? o : c->contacts.f[contact];
+  return mg_is_moved_by_forces(c, o) ? o : c->contacts.f[contact];
 }
 
-/* True if the body moves freely in six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) {
-  return c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_FREE;
+  return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_FREE;
 }
 
-/* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {
   return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;
 }

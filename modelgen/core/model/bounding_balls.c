@@ -1,9 +1,9 @@
-/* How far apart shapes are at least, and how fast they come near each other at most, by balls around them. */
+/* Bounds from balls around the shapes: distances from below, and relative motion from above. Reads c->bodies. */
 #include "model/model.h"
 #include "base/base.h"
 
-/* Between two balls, their centres in the axes of their bodies. */
-static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
+/* Distance of two balls with centres in the axes of their bodies. */
+static mg_real mg_ball_distance(const mg_context *c, int o, const mg_real *centre_o, mg_real radius_o, int f,
                                 const mg_real *centre_f, mg_real radius_f) {
   mg_real a[3], b[3];
   mg_to_world(c->bodies.pose + 12 * o, centre_o, 1, a);
@@ -12,64 +12,65 @@ static mg_real mg_between_balls(const mg_context *c, int o, const mg_real *centr
   return sqrt(mg_dot3(span, span)) - radius_o - radius_f;
 }
 
-/* Between the shapes of a feature pair; 0 where one has no bound. */
-static mg_real mg_clearance(const mg_context *c, int feature_pair) {
+/* Lower bound of the distance of the features of a pair; 0 if one is unbounded. */
+static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) {
   const mg_real *o = mg_feature_numbers(c, feature_pair, 0), *f = mg_feature_numbers(c, feature_pair, 1);
   mg_real centre_o[3], centre_f[3];
   if (o[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2 || f[MG_FEATURE_BALL_RADIUS] >= MG_MAX / 2) return 0;
   mg_to_world(o + MG_FEATURE_PLACEMENT, o + MG_FEATURE_BALL_CENTRE, 1, centre_o);
   mg_to_world(f + MG_FEATURE_PLACEMENT, f + MG_FEATURE_BALL_CENTRE, 1, centre_f);
-  return mg_between_balls(c, mg_feature_body(c, feature_pair, 0), centre_o, o[MG_FEATURE_BALL_RADIUS],
+  return mg_ball_distance(c, mg_feature_body(c, feature_pair, 0), centre_o, o[MG_FEATURE_BALL_RADIUS],
                           mg_feature_body(c, feature_pair, 1), centre_f, f[MG_FEATURE_BALL_RADIUS]);
 }
 
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
-  return mg_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
+  return mg_feature_pair_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
 }
 
-/* Between the whole shapes of a pair; the faces of a box have no bound each, the box has. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   const mg_real *ball = c->system->pair_ball + 8 * pair;
   const int first = c->system->pair_feature_pair[pair];
   mg_real clear = MG_MAX, whole = 0;
   if (ball[3] >= 0 && ball[7] >= 0)
-    whole = mg_between_balls(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
+    whole = mg_ball_distance(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
                              ball[7]);
   for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
-    clear = fmin(clear, mg_clearance(c, feature_pair));
+    clear = fmin(clear, mg_feature_pair_clearance(c, feature_pair));
   return fmax(fmax(clear, whole), 0);
 }
 
-/* How far the shape of a body of a pair (0: o, 1: f) extends from the centre of mass; < 0: without end. */
-static mg_real mg_extent(const mg_context *c, int pair, int body) {
+/* Largest distance of a shape of a pair from the centre of mass of its body (0: o, 1: f); < 0: unbounded. */
+static mg_real mg_shape_extent(const mg_context *c, int pair, int body) {
   const mg_real *ball = c->system->pair_ball + 8 * pair + 4 * body;
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
-/* Of a body that extends so far from its centre of mass, as another body sees it. */
-static mg_motion_bound mg_seen_from(const mg_context *c, int seen, int from, mg_real extent) {
+/* Bound of the motion of the points of body `seen`, within `extent` of its centre of mass, in the axes of body
+   `from`. */
+static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, int from, mg_real extent) {
   const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
   const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,
                 *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
-  mg_real arm[3], v[3], w[3], dv[3], dw[3], own[3], down[3], swept[3], swung[3], turned[3];
+  mg_real arm[3], v[3], w[3], dv[3], dw[3], frame_w[3], frame_dw[3], frame_velocity[3], frame_acceleration[3],
+      coriolis[3];
   for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
-  mg_to_world(pose, a + 3, 0, own), mg_to_world(pose, da + 3, 0, down), mg_to_world(of, b + 3, 0, w),
+  mg_to_world(pose, a + 3, 0, frame_w), mg_to_world(pose, da + 3, 0, frame_dw), mg_to_world(of, b + 3, 0, w),
       mg_to_world(of, db + 3, 0, dw);
-  mg_cross_product(own, arm, swept), mg_cross_product(down, arm, swung), mg_cross_product(own, v, turned);
-  for (int k = 0; k < 3; k++) v[k] -= swept[k], dv[k] -= swung[k] + turned[k], w[k] -= own[k], dw[k] -= down[k];
+  mg_cross_product(frame_w, arm, frame_velocity), mg_cross_product(frame_dw, arm, frame_acceleration),
+      mg_cross_product(frame_w, v, coriolis);
+  for (int k = 0; k < 3; k++)
+    v[k] -= frame_velocity[k], dv[k] -= frame_acceleration[k] + coriolis[k], w[k] -= frame_w[k], dw[k] -= frame_dw[k];
   const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
   const mg_motion_bound motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
   return motion;
 }
 
-/* How fast two shapes come near each other at most, as the one sees it that says less; of shapes that are both without
-   end the parts no farther than the characteristic length count. */
-MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair) {
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair) {
   const int first = c->system->pair_feature_pair[pair], o = mg_feature_body(c, first, 0),
             f = mg_feature_body(c, first, 1);
-  const mg_real extent_o = mg_extent(c, pair, 0), extent_f = mg_extent(c, pair, 1);
-  const mg_motion_bound of_f = mg_seen_from(c, f, o, extent_f < 0 ? c->system->length : extent_f);
+  const mg_real extent_o = mg_shape_extent(c, pair, 0), extent_f = mg_shape_extent(c, pair, 1);
+  const mg_motion_bound of_f = mg_relative_motion_bound(c, f, o, extent_f < 0 ? c->system->length : extent_f);
   if (extent_o < 0) return of_f;
-  const mg_motion_bound of_o = mg_seen_from(c, o, f, extent_o);
+  const mg_motion_bound of_o = mg_relative_motion_bound(c, o, f, extent_o);
   return extent_f < 0 || of_o.speed < of_f.speed ? of_o : of_f;
 }

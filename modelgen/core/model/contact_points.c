@@ -1,7 +1,8 @@
-/* Keeping eta on the extremum: Newton's step for one contact, and for all. */
+/* Contact points: Newton's method for eta on the extremality equations (section 2 of the paper: the line between
+   the points is normal to both surfaces), for one contact and for all. Writes c->search.placement, c->rows.d and
+   the margins of the run. */
 #include "model/model.h"
 
-/* Layout of c->search.placement: d, residual (2), margin (2), normal (3), point_o (3), point_f (3). */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const int kind = c->contacts.kind[contact];
   mg_real *p = c->search.placement;
@@ -16,8 +17,6 @@ MG_INTERNAL mg_real mg_placement_margin(const mg_context *c) {
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
-/* One Newton step for every contact at the poses of x, but for those that are flat yet, whose points rounding would
-   move; writes d and the margin. Returns 0 if not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
@@ -35,7 +34,8 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   return 1;
 }
 
-static int mg_settled(const mg_context *c) {
+/* True if the residual of the placement is below extremality_residual. */
+static int mg_is_placement_converged(const mg_context *c) {
   return c->search.placement[1] <= c->settings->extremality_residual * c->system->length &&
          c->search.placement[2] <= c->settings->extremality_residual;
 }
@@ -44,7 +44,7 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place_contact(c, contact, eta, next);
-    if (mg_settled(c)) return step;
+    if (mg_is_placement_converged(c)) return step;
     for (int k = 0; k < n; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return -1;
       eta[k] = next[k];
@@ -53,7 +53,6 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
   return -1;
 }
 
-/* True for a contact starting from flat whose tilt is still below the angle `flat`. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact) {
   return c->run->rolling_start[contact] == MG_START_FLAT &&
          mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle) >= 0;

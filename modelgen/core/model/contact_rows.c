@@ -1,8 +1,10 @@
-/* The rows of the contacts: J, Gamma2; M^-1 J^T of any row, and the matrix J M^-1 J^T. */
+/* Rows of the contacts: J (Lemma 3.1, equation (3.3) of Anitescu, Cremer and Potra, 1995), Gamma2 (Corollary 3.2,
+   (3.11) with corrected signs), tangents and friction rows; M^-1 J^T of any row, and the Delassus matrix J M^-1
+   J^T. Writes c->rows and c->lcp.A. */
 #include "model/model.h"
 #include "base/base.h"
 
-/* Rotate t1, t2 and their rows to the principal axes of anisotropic friction; they stay where the axis is along
+/* Rotates t1, t2 and their rows to the principal axes of anisotropic friction; leaves them if that axis is along
    N. */
 static void mg_align_tangents_to_friction(mg_context *c, int contact, int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint);
@@ -17,10 +19,10 @@ static void mg_align_tangents_to_friction(mg_context *c, int contact, int constr
   mg_rotate_pair(x / size, y / size, c->rows.gamma + row, c->rows.gamma + row + 1);
 }
 
-/* The rows of a contact from those of a point of the rim, whose patch may name the bodies the other way round: then N
-   and t2 turn round, and slip along t1 and rolling about t2 change sign. */
-static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
-                             const mg_real *block) {
+/* Copies rows of a point of the rim to a contact. The feature pair of the point may have o and f exchanged
+   (`turned`): then N and t2 are reversed, and slip along t1 and rolling about t2 change sign. */
+static void mg_set_rim_rows(mg_context *c, int contact, const mg_contact_kind *point, int turned,
+                            const mg_real *block) {
   mg_real *normal = c->rows.normal + 3 * contact;
   for (int i = 0; i < c->kernels->contact_kinds[c->contacts.kind[contact]].rows; i++) {
     const int row = i ? c->layout.friction_row_begin + c->system->contact_friction_row[contact] + i - 1 : contact;
@@ -38,20 +40,20 @@ static void mg_take_rim_rows(mg_context *c, int contact, const mg_contact_kind *
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-/* The feature pair of the point of a patch with rows enough to stand for a contact of the rim, or -1. */
-static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_link) {
+/* Feature pair of a support point of the patch that has as many rows as the contact's feature pair, or -1. */
+static int mg_rim_feature_pair(const mg_context *c, int patch, int contact_feature_pair) {
   const mg_system *s = c->system;
   for (int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + 1;
        feature_pair >= c->layout.support_feature_pair_begin + 3 * patch; feature_pair--)
     if (c->kernels->contact_kinds[s->feature_pair_kind[feature_pair]].rows >=
-        c->kernels->contact_kinds[s->feature_pair_kind[contact_link]].rows)
+        c->kernels->contact_kinds[s->feature_pair_kind[contact_feature_pair]].rows)
       return feature_pair;
   return -1;
 }
 
-/* True if the rim of a fresh contact is still flat on the plane, its lean rounding: then its rows are those of the
-   point where it begins to roll, which its own equations do not tell. */
-static int mg_begins_to_roll(mg_context *c, int contact) {
+/* True if the contact starts from flat and its tilt is still within rounding; then its rows are set to those of
+   the point at which it begins to roll, because its own equations are singular. */
+static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const mg_real lost = c->settings->flat_angle * c->settings->flat_angle;
   const int patch =
@@ -69,11 +71,11 @@ static int mg_begins_to_roll(mg_context *c, int contact) {
                             c->bodies.twist + 6 * f, 0, c->contacts.point_parameters, c->rows.d + contact, block,
                             block + 36, block + 72, none, c->rows.normal + 3 * contact,
                             c->rows.tangents ? c->rows.tangents + 6 * contact : 0);
-  mg_take_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->contacts.o[contact], block);
+  mg_set_rim_rows(c, contact, c->kernels->contact_kinds + kind, o != c->contacts.o[contact], block);
   return 1;
 }
 
-/* Copy the rows that the kernel of a contact gave into the row arrays of all contacts. */
+/* Copies the rows that the kernel of a contact gave to the rows of all contacts. */
 static void mg_scatter_contact_rows(mg_context *c, int contact) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   for (int i = 0; i < kind->rows; i++) {
@@ -86,12 +88,12 @@ static void mg_scatter_contact_rows(mg_context *c, int contact) {
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
+MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
   for (int i = 0; i < s->n_contact; i++) {
     const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
               below = c->kernels->contact_kinds[kind].rows > 1;
-    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_begins_to_roll(c, i))) continue;
+    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_set_rows_of_flat_start(c, i))) continue;
     c->kernels->contact_rates(
         kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f, c->bodies.twist + 6 * f,
         x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->rows.d + i,
@@ -103,7 +105,6 @@ MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x) {
   }
 }
 
-/* J_i times a velocity or acceleration given as 6 numbers a body; rows are padded with zeros. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   const mg_real *J = c->rows.J + 12 * contact;
@@ -115,6 +116,7 @@ MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real
   return sum;
 }
 
+/* MJ = M^-1 J^T of one body, w its mass_inverse. */
 static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {
   const mg_real x = J[3], y = J[4], z = J[5];
   for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
@@ -125,72 +127,68 @@ static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, 
   for (int k = 0; k < 3; k++) MJ[3 + k] = w[1 + k] * x + w[4 + k] * y + w[7 + k] * z;
 }
 
-/* M^-1 J_i^T, zero for bodies whose motion is given. Returns J_i M^-1 J_i^T. */
-MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact) {
+MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real *J = c->rows.J + 12 * contact, *MJ = c->rows.MJ + 12 * contact, sum = 0;
-  if (mg_moves(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
-  if (mg_moves(c, f)) mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
+  if (mg_is_moved_by_forces(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
+  if (mg_is_moved_by_forces(c, f))
+    mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
   return sum;
 }
 
-/* per_body += M^-1 J_i^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   const mg_real *MJ = c->rows.MJ + 12 * contact;
-  if (mg_moves(c, o))
+  if (mg_is_moved_by_forces(c, o))
     for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
-  if (mg_moves(c, f))
+  if (mg_is_moved_by_forces(c, f))
     for (int k = 0; k < 6; k++) per_body[6 * f + k] += MJ[6 + k] * amount;
 }
 
-static const mg_real *mg_half(const mg_context *c, const mg_real *rows, int contact, int body) {
+/* The six columns of a row that belong to a body. */
+static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows, int contact, int body) {
   return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }
 
-/* A = J M^-1 J^T over the listed contacts, through the contacts that share a moving body. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_inverse_mass_row(c, list[r]);
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
       const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
-      const mg_real *J = mg_half(c, c->rows.J, list[r], body);
+      const mg_real *J = mg_body_half_row(c, c->rows.J, list[r], body);
       for (int k = c->islands.incident_begin[body]; k < c->islands.incident_begin[body + 1]; k++) {
         const int column = c->lcp.column[c->islands.incident[k]];
         if (column < 0) continue;
-        const mg_real *MJ = mg_half(c, c->rows.MJ, c->islands.incident[k], body);
+        const mg_real *MJ = mg_body_half_row(c, c->rows.MJ, c->islands.incident[k], body);
         c->lcp.A[r + n * column] += mg_dot6(J, MJ);
       }
     }
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
 }
 
-/* The part of d_dot that driven bodies and given motions make. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
-    if (c->kernels->body_kinds[mg_kind_of(c, body)].motion == MG_DRIVEN)
+    if (c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_DRIVEN)
       rate += mg_dot6(c->rows.J + 12 * contact + 6 * side, c->bodies.twist + 6 * body);
   }
   return rate;
 }
 
-MG_INTERNAL void mg_gap_rates(mg_context *c) {
+MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
   if (c->system->n_friction) mg_update_slip_velocities(c);
 }
 
-/* First row of a friction row group of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint) {
   return c->layout.friction_row_begin + c->system->contact_friction_row[contact] + c->system->friction_row[constraint];
 }
 
-/* Attach the tangential rows of a contact to the bodies of its feature pair and clear them. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
   const int *row_range = c->system->contact_friction_row + contact, first = c->layout.friction_row_begin + row_range[0];
   for (int i = 0; i < row_range[1] - row_range[0]; i++) {
@@ -201,13 +199,11 @@ MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
   }
 }
 
-/* Rotate a pair of components by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;
 }
 
-/* Compute slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++)
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);

@@ -1,4 +1,12 @@
-/* What the files of the core share: the scratch of one call. */
+/* The context of one call: the caller's structures and the scratch memory, by subject.
+
+   Every public function makes an mg_context on its stack (run/workspace.c) and passes it down. Its arrays are parts of
+   the caller's `work` and `iwork`. Scratch is valid within one call, except c->joints, which also lasts from one call
+   of mg_advance to the next.
+
+   Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
+   contact (which tries feature pairs out), rows of joints, friction rows. The number of a contact is the number of its
+   normal row. [per row] and the like give the shapes of arrays; J has 12 columns, of body o, then of body f. */
 #ifndef MG_CONTEXT_H
 #define MG_CONTEXT_H
 
@@ -8,212 +16,294 @@
 #include "modelgen.h"
 #include "region/region.h"
 
-#define MG_GRID 17          /* samples along each side of a chart at the start */
-#define MG_COARSE 9         /* and during a run */
-#define MG_SAMPLES 289      /* MG_GRID squared */
-#define MG_SAMPLE_SIZE 9    /* of a sample: in its shape's axes, in its body's, its direction there */
-#define MG_STARTS 8         /* of Newton's method on one feature pair */
-#define MG_MINIMA 24        /* closest points of one pair */
-#define MG_LEAVES_FEATURE 3 /* mark in c->events.triggered: the contact leaves its feature pair */
-#define MG_PASSES_BORDER \
-  4 /* mark in c->events.triggered: it stays, but passes a border beyond which others may begin */
+#define MG_GRID 17     /* samples along each side of a chart in a search at the start */
+#define MG_COARSE 9    /* samples along each side of a chart in a search during a run */
+#define MG_SAMPLES 289 /* most samples of a feature: MG_GRID squared */
+#define MG_SAMPLE_SIZE                                                                                           \
+  9                  /* numbers of a stored sample: point in its shape's axes, in its body's, direction in those \
+                      */
+#define MG_STARTS 8  /* most starts of Newton's method in one search of a feature pair */
+#define MG_MINIMA 24 /* most minima of the distance of one pair */
+#define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
+#define MG_RADAU_STAGES 7      /* stages of Radau collocation */
+#define MG_MAX_ETA 8           /* room for the eta of one contact */
+#define MG_STAGES 17           /* rows of c->step.slopes: 16 of DOP853, one for the right-hand side at other states */
 
-#define MG_NONFINITE_STEP_CUT ((mg_real)0.2) /* part of a step that is tried after one without a finite end */
-#define MG_PRESSURE_AT_EDGE \
-  5 /* mark in c->events.triggered of a slot's first support point: the centre of pressure leaves the hull */
-#define MG_FACES_SEPARATE 6 /* the same: no force is left between the faces */
-#define MG_ROLLS_ONTO_RIM 7 /* the same: an imaginary edge gives way to the rim */
-#define MG_FLAT_AGAIN 8     /* the same: or to the face, which is flat again */
-#define MG_EDGE_UNLOADED 9  /* the same: a side of the hull that is held no longer presses at one of its ends */
+#define MG_NONFINITE_STEP_CUT ((mg_real)0.2) /* factor of the step after one whose end is not finite */
 
-#define MG_FRICTION_EXCEEDED 10 /* the same: friction does not hold the faces any longer */
-#define MG_SLIP_ENDS 11         /* the same: slip between the faces dies */
+/* Marks in c->events.triggered; 0: no event, 1: the gap closes, or the force becomes tensile, or a gap without force
+   opens. Marks from MG_PRESSURE_AT_EDGE on are of the first support point of a slot. */
+#define MG_LEAVES_FEATURE 3     /* the contact leaves its feature pair */
+#define MG_PASSES_BORDER 4      /* the contact stays and passes a border beyond which others may begin */
+#define MG_PRESSURE_AT_EDGE 5   /* the centre of pressure leaves the hull */
+#define MG_FACES_SEPARATE 6     /* the resultant of the pressure becomes tensile */
+#define MG_ROLLS_ONTO_RIM 7     /* the tilt about a held edge is large enough for contact on the rim */
+#define MG_FLAT_AGAIN 8         /* the face that turned about a held edge is flat again */
+#define MG_EDGE_UNLOADED 9      /* the force at one end of a held side of the hull becomes tensile */
+#define MG_FRICTION_EXCEEDED 10 /* the friction force of a sticking patch reaches the limit surface */
+#define MG_SLIP_ENDS 11         /* the slip of a patch ends */
 
-#define MG_POINT_PARAMETERS 32 /* more than the parameters of a point on a plane */
-#define MG_RADAU_STAGES 7      /* stages of collocation */
-#define MG_MAX_ETA 8           /* more than the entries of any contact's eta */
-#define MG_STAGES 17           /* rows of K: 16 of DOP853, one spare for the right-hand side at events */
+typedef struct mg_patch_friction mg_patch_friction; /* friction of the patch in a slot (forces/forces.h) */
 
-typedef struct mg_patch_friction mg_patch_friction; /* of a slot (rubs.h) */
-
-typedef struct { /* a point of a shape: its chart coordinates, in the shape's axes, in the world */
-  mg_real uv[2], local[3], point[3], direction[3];
+/* A sampled point of a feature. */
+typedef struct {
+  mg_real uv[2];        /* chart coordinates */
+  mg_real local[3];     /* point in the axes of the shape, m */
+  mg_real point[3];     /* point in world axes, m */
+  mg_real direction[3]; /* exterior normal of a surface or unit tangent of a curve, world axes */
 } mg_sample;
 
-typedef struct { /* where Newton's method starts on one feature pair, the likeliest first */
-  int count;
-  mg_real merit[MG_STARTS], eta[MG_STARTS][6];
+/* Starts of Newton's method on one feature pair. */
+typedef struct {
+  int count;                 /* starts */
+  mg_real merit[MG_STARTS];  /* their merit, m, ascending: the smaller the likelier */
+  mg_real eta[MG_STARTS][6]; /* eta of each */
 } mg_newton_starts;
 
+/* Bounds of an event margin: of what is left before an event function is zero; MG_MAX: nothing is watched. */
 typedef struct {
-  mg_real lower, upper;
-} mg_event_margin; /* bounds of what is left before an event; MG_MAX: nothing is watched */
+  mg_real lower; /* lower bound */
+  mg_real upper; /* upper bound */
+} mg_event_margin;
 
-typedef struct { /* an extremum; undecided: which side of two curves is outside cannot be told */
-  int feature_pair, undecided;
-  mg_real d, margin, point[3], normal[3], eta[6];
+/* A minimum of the distance on a feature pair. */
+typedef struct {
+  int feature_pair;  /* feature pair */
+  int undecided;     /* 1: two curves touch, and it is not known which side is outside */
+  mg_real d;         /* gap, m */
+  mg_real margin;    /* distance from a singularity, 1 */
+  mg_real point[3];  /* contact point on the body with the smaller number, m */
+  mg_real normal[3]; /* unit normal from that body to the other */
+  mg_real eta[6];    /* eta */
 } mg_minimum;
 
+/* Minima of one pair, in order of |d|. */
 typedef struct {
-  int count;
-  mg_minimum list[MG_MINIMA];
+  int count;                  /* minima */
+  mg_minimum list[MG_MINIMA]; /* the minima */
 } mg_minima;
 
-typedef struct { /* of points of one body that another sees: how fast they move at most, and how fast that may grow */
-  mg_real speed, acceleration;
+/* Bound of the motion of the points of one body in the axes of another. */
+typedef struct {
+  mg_real speed;        /* m/s */
+  mg_real acceleration; /* m/s^2 */
 } mg_motion_bound;
 
-typedef struct { /* how the bodies of a fresh contact lean on each other during its first step */
-  mg_real normal[3], outward[3], axis[3]; /* N and the way out in o's axes; N in f's axes */
-  mg_real azimuth[MG_RADAU_STAGES], tilt[MG_RADAU_STAGES],
-      stiffness[MG_RADAU_STAGES]; /* at the stages: rad from the way out; rad; 1/s^2 */
-  mg_real tilt_start[3],
-      tilt_rate[MG_RADAU_STAGES][3];      /* lean, in o's axes, and what it changes by at the stages, rad/s */
-  mg_real whole_step[MG_RADAU_STAGES][2]; /* azimuth, stiffness of the whole step, while half is tried */
-  mg_real azimuth_noise[MG_RADAU_STAGES]; /* what rounding of the poses makes of the azimuth, rad */
+/* A contact that starts to roll from flat, during its first step. The tilt of the bodies is the part across N, in o's
+   axes, of the vector that was N while f lay flat; its azimuth is its angle from the outward direction about N. */
+typedef struct {
+  mg_real normal[3];                      /* N while flat, axes of o */
+  mg_real outward[3];                     /* outward direction, along the plane, axes of o */
+  mg_real axis[3];                        /* N while flat, axes of f */
+  mg_real azimuth[MG_RADAU_STAGES];       /* azimuth at the stages, rad */
+  mg_real tilt[MG_RADAU_STAGES];          /* size of the tilt at the stages, rad */
+  mg_real stiffness[MG_RADAU_STAGES];     /* derivative by the azimuth of the tilt acceleration across it, 1/s^2 */
+  mg_real tilt_start[3];                  /* tilt at the start of the step, axes of o */
+  mg_real tilt_rate[MG_RADAU_STAGES][3];  /* rate of the tilt at the stages, rad/s, axes of o */
+  mg_real whole_step[MG_RADAU_STAGES][2]; /* azimuth and stiffness of the whole step, kept while half of it is tried */
+  mg_real azimuth_noise[MG_RADAU_STAGES]; /* rounding error of the azimuth, rad */
 } mg_rolling_start;
 
-typedef struct { /* a contact's lean: the part across N of what was N when f lay flat, and the frame of an azimuth */
-  mg_real normal[3], along[3], across[3], tilt[3];
+/* Tilt of a contact that starts from flat, world axes. */
+typedef struct {
+  mg_real normal[3]; /* N */
+  mg_real along[3];  /* unit vector in the plane at an azimuth */
+  mg_real across[3]; /* N x along */
+  mg_real tilt[3];   /* tilt */
 } mg_contact_tilt;
 
-typedef struct { /* over a singular place: as it was before, per row 12, 1, 1, per contact 3, 3, per body 6, 6; least
-                    margin after */
-  mg_real *column, *rate, *impulse, *point, *landing_point, *free_twist, *impulse_work, power, margin;
+/* Passage of a singular contact by an impulse (events/singular_passage.c). */
+typedef struct {
+  mg_real *column;        /* [12 per row] M^-1 J^T, with the friction of slip, before the passage */
+  mg_real *rate;          /* [per row] row velocity before */
+  mg_real *impulse;       /* [per row] impulse of the passage */
+  mg_real *point;         /* [3 per contact] contact point of f before, m */
+  mg_real *landing_point; /* [3 per contact] contact point of f after, m */
+  mg_real *free_twist;    /* [6 per body] acceleration without the forces of the rows before */
+  mg_real *impulse_work;  /* [6 per body] change of the twist by loads and by the forces at both ends */
+  mg_real power;          /* power of the loads before, W */
+  mg_real margin;         /* least margin of a closed contact after */
 } mg_singular_passage;
 
-/* Scratch memory of one call, by subject. All arrays are carved from the caller's memory (run/workspace.c). */
-
-typedef struct { /* complementarity problem over listed rows, and the solvers' memory */
-  mg_real *A, *b, *z, *work;
-  mg_real *reduced_A, *reduced_b, *reduced_z; /* joints eliminated */
-  int *rows, *mask, *iwork;                   /* rows of the problem; of which the active set is */
-  int *joint_mask;                            /* joint rows among those assembled */
-  int *column;                                /* per row: its column in A, else -1 */
+/* Complementarity problem over listed rows, and memory of its solvers. */
+typedef struct {
+  mg_real *A;         /* [n n] J M^-1 J^T of the listed rows, column-major */
+  mg_real *b;         /* [n] right-hand side */
+  mg_real *z;         /* [n] solution */
+  mg_real *work;      /* [mg_lcp_work_size(n)] memory of the solvers */
+  mg_real *reduced_A; /* [k k] A after the elimination of bilateral rows */
+  mg_real *reduced_b; /* [k] b after the elimination of bilateral rows */
+  mg_real *reduced_z; /* [n] forces of the bilateral rows */
+  int *rows;          /* [n] row of each unknown */
+  int *mask;          /* [n] active set of the unknowns */
+  int *iwork;         /* [mg_lcp_iwork_size(n)] memory of the solvers */
+  int *joint_mask;    /* [n] bilateral rows; of joint rows alone: the independent ones */
+  int *column;        /* [per row] its column in A, else -1 */
 } mg_lcp_workspace;
 
-typedef struct {                    /* rows that share moving bodies */
-  int *parent, *head, *next, *rows; /* union-find over bodies; chain of rows of each island; rows of one */
-  int *incident_begin, *incident;   /* rows at body b: incident[incident_begin[b]] .. */
+/* Islands: sets of rows that share moving bodies. */
+typedef struct {
+  int *parent;         /* [per body] union-find forest */
+  int *head;           /* [per body] first row of the island of which the body is the root, or -1 */
+  int *next;           /* [per row] next row of its island, or -1 */
+  int *rows;           /* [n] rows of one island */
+  int *incident_begin; /* [per body + 1] range of incident */
+  int *incident;       /* rows that act on a body */
 } mg_island_workspace;
 
-typedef struct { /* rank of the joint rows */
-  mg_real *independence,
-      *best_independence; /* per row: its part independent of the others, 0..1; per joint: largest product */
-  mg_real *previous_MJ;   /* per row 12: M^-1 J^T after the step before */
-  int *was_independent, *is_independent; /* per row: after the step before; at any step */
+/* Rank of the joint rows. */
+typedef struct {
+  mg_real *independence; /* [per joint row] part of its diagonal entry of J M^-1 J^T independent of rows before, 0..1 */
+  mg_real *best_independence; /* [per joint] largest product of the independence of its rows so far */
+  mg_real *previous_MJ;       /* [12 per joint row] M^-1 J^T after the step before */
+  int *was_independent;       /* [per joint row] 1: independent after the step before */
+  int *is_independent;        /* [per joint row] 1: independent after any step so far */
 } mg_joint_workspace;
 
-typedef struct {                     /* friction of single contacts */
-  mg_real *force_ratio;              /* per friction row: force of slip over -N */
-  mg_real *slip_angle;               /* per friction constraint: rad, direction of slip from run->slip_direction */
-  int couples_normal, follows_angle; /* while forces are sought: slipping rows follow N; and slip_angle */
-  int *triggered,
-      *mode_before;         /* per friction constraint: its event has triggered; its mode at the start of the step */
-  int *bound, *is_yielding; /* per friction constraint: MG_BOUND_..; its force exceeds the bound */
-  mg_real *slip_time_left;  /* per friction constraint: s, that slip which was stopped would have lasted */
-  mg_real *cone, *work;     /* MG_CONE a contact; memory of the solver */
-  int *cone_contact, *cone_first, *cone_rows, *marks, *iwork; /* per contact of the problem */
+/* Friction of single contacts. */
+typedef struct {
+  mg_real *force_ratio;    /* [per friction row] friction force of slip over minus the normal force */
+  mg_real *slip_angle;     /* [per friction constraint] direction of slip, rad from run->slip_direction */
+  int couples_normal;      /* 1 while forces are sought: friction of slip is proportional to the normal force */
+  int follows_angle;       /* 1 while forces are sought: slip has the direction of slip_angle */
+  int *triggered;          /* [per friction constraint] 1: its event has triggered */
+  int *mode_before;        /* [per friction constraint] its mode at the start of the step */
+  int *bound;              /* [per friction constraint] what bounds its force: MG_BOUND_SLIP .. */
+  int *is_yielding;        /* [per friction constraint] 1: its force exceeds the static bound */
+  mg_real *slip_time_left; /* [per friction constraint] time that slip which was stopped would have lasted, s */
+  mg_real *cone;           /* [MG_CONE per contact of the problem] coefficients */
+  mg_real *work;           /* memory of the solver */
+  int *cone_contact;       /* [per contact of the problem] its contact */
+  int *cone_first;         /* [per contact of the problem] its first unknown */
+  int *cone_rows;          /* [per contact of the problem] its number of rows: 1, 3 or 6 */
+  int *marks;              /* [per contact of the problem] MG_MARK_FORCE .. */
+  int *iwork;              /* memory of the solver */
 } mg_friction_workspace;
 
-typedef struct { /* planar contacts: the patch looked at last, and one record a slot */
-  mg_arc *arcs;  /* boundaries of a patch */
-  mg_region_pair regions;
-  mg_real *hull_memory;
-  mg_hull hull;
-  int hull_patch;                    /* the patch whose hull is laid, or -1 */
-  mg_real deepest, deepest_point[2]; /* m: largest margin found inside that hull, and its point */
-  mg_patch_friction *friction;       /* per slot */
-  mg_winkler_pressure_field pressure;
-  mg_boundary_strip *strips;
-  long strip_capacity;
-  mg_real *reduced_problem; /* friction problem without bilateral rows */
-  int pressure_rounds;      /* pressures tried for the forces that are sought */
-  int *is_covered;          /* per contact: covered by a patch that is held */
-  int *trial, *barred;      /* per slot: MG_TRIAL_..; a patch not to be held again now, or -1 */
+/* Patches: regions, hull and pressure of the patch treated last, and one record per slot. */
+typedef struct {
+  mg_arc *arcs;                       /* arcs of both regions */
+  mg_region_pair regions;             /* both regions */
+  mg_real *hull_memory;               /* memory of the hull */
+  mg_hull hull;                       /* overlap of the regions and its convex hull */
+  int hull_patch;                     /* patch of regions and hull, or -1 */
+  mg_real deepest;                    /* largest margin found so far in a hull that does not change, m */
+  mg_real deepest_point[2];           /* point of that margin, axes of the hull, m */
+  mg_patch_friction *friction;        /* [per slot] friction of its patch */
+  mg_winkler_pressure_field pressure; /* pressure between the faces */
+  mg_boundary_strip *strips;          /* boundary of the loaded part of the region */
+  long strip_capacity;                /* room for strips */
+  mg_real *reduced_problem;           /* friction problem without bilateral rows: matrix, right-hand side, solution */
+  int pressure_rounds;                /* pressures tried for the forces that are sought */
+  int *is_covered;                    /* [per contact] 1: covered by a patch that is held */
+  int *trial;                         /* [per slot] 1: held on trial; MG_TRIAL_ON_EDGE, MG_TRIAL_TORN_OFF */
+  int *barred;                        /* [per slot] patch that may not be held again at this time, or -1 */
 } mg_patch_workspace;
 
-typedef struct {      /* search for closest points */
-  mg_sample *samples; /* of both sides of a feature pair: 2 MG_SAMPLES */
-  mg_real *merit;     /* of the samples of o with their best mate */
-  int *mate;
-  mg_real *table;    /* samples kept between searches, MG_SAMPLE_SIZE each */
-  int *table_filled; /* per table */
-  mg_newton_starts starts;
-  mg_minima abandoned; /* closest points that contacts left in this step */
-  mg_real *placement;  /* outputs of the place kernel */
+/* Search for closest points. */
+typedef struct {
+  mg_sample *samples;      /* [2 MG_SAMPLES] samples of the two features of a pair */
+  mg_real *merit;          /* [MG_SAMPLES] merit of a sample of the first feature with its partner, m */
+  int *partner;            /* [MG_SAMPLES] partner of a sample of the first feature among those of the second */
+  mg_real *table;          /* [MG_SAMPLE_SIZE per sample] samples kept between searches */
+  int *table_filled;       /* [per table] 1: filled */
+  mg_newton_starts starts; /* starts of Newton's method */
+  mg_minima abandoned;     /* minima that contacts have left in this step */
+  mg_real *placement; /* outputs of contact_place: d, residual (2), margin (2), N (3), points of o and f (3, 3); from
+                         32 on eta_next */
 } mg_search_workspace;
 
-typedef struct { /* one step of the integrator */
-  mg_real *slopes, *stage, *end,
-      *settled;          /* slopes of the stages; states: at a stage, at the end, at the end with eta corrected */
-  mg_real *scale;        /* per state: size against which its error is measured */
-  mg_real *interpolant;  /* 8 rows */
-  mg_real *time_samples; /* what functions of time do in the step */
-  mg_rolling_start *rolling_starts; /* per contact */
-  mg_real rolling_step; /* s: a step from flat tried at this state, which the interpolant follows; 0: none */
-  mg_real slip_limit;   /* s: longest explicit step after slip has begun */
-  mg_real stop_time;    /* s: where mg_advance stops */
-  int sign_changed;     /* an event function changed sign at a stage */
+/* One step of an integrator. */
+typedef struct {
+  mg_real *slopes;                  /* [MG_STAGES n_states] right-hand sides of the stages; of collocation: slope at the
+                                       start, then states, then slopes of the stages */
+  mg_real *stage;                   /* [n_states] state at a stage or on the interpolant */
+  mg_real *end;                     /* [n_states] state at the end of the step */
+  mg_real *settled;                 /* [n_states] state at the end with eta corrected; in time-stepping: state at which
+                                       rows are taken */
+  mg_real *scale;                   /* [n_states] size of each state, against which its error is measured */
+  mg_real *interpolant;             /* [8 n_states] coefficients of the interpolant */
+  mg_real *time_samples;            /* samples of the functions of time in a step */
+  mg_rolling_start *rolling_starts; /* [per contact] start of rolling */
+  mg_real rolling_step; /* length of a step from flat tried at this state, which the interpolant holds, s; 0:
+                           none */
+  mg_real slip_limit;   /* longest explicit step after the start of slip, s */
+  mg_real stop_time;    /* t_stop of mg_advance, s */
+  int sign_changed;     /* 1: an event function had changed sign at a stage */
 } mg_step_workspace;
 
-typedef struct {      /* events of one step */
-  int *triggered;     /* per contact: 0, 1, or MG_LEAVES_FEATURE .. */
-  int *within_border; /* per contact: within its watched borders at the start of the step; MG_PASSES_BORDER: on one */
-  int *broken_condition;    /* per contact: the condition that leads it off its feature pair */
-  mg_real *gap_before;      /* per contact 2: d and d_dot where the step, or the part looked at, begins */
-  int *gap_dips;            /* per contact: MG_GAP_MAY_CLOSE .. within that part */
-  mg_event_margin *margins; /* what is left before events at samples of a step, then now: per contact, per slot
-                               (force, margin of the centre of pressure, friction), per friction constraint */
-  int *is_near;             /* per contact: takes part in a step of time-stepping */
-  mg_singular_passage passage;
+/* Events of one step. */
+typedef struct {
+  int *triggered;           /* [per contact] 0, 1 or a mark MG_LEAVES_FEATURE .. */
+  int *within_border;       /* [per contact] 1: watched conditions held at the start; MG_PASSES_BORDER: on a border */
+  int *broken_condition;    /* [per contact] condition that leads it off its feature pair */
+  mg_real *gap_before;      /* [2 per contact] d and d_dot at the start of the step, or of the part looked at */
+  int *gap_dips;            /* [per contact] MG_GAP_MAY_CLOSE or MG_GAP_OSCILLATES within that part, or 0 */
+  mg_event_margin *margins; /* [per sample of the step, and the present state last] event margins: of each contact
+                               (support points of a slot: force, centre of pressure, friction), of each friction
+                               constraint */
+  int *is_near;             /* [per contact] 1: takes part in a step of time-stepping */
+  mg_singular_passage passage; /* singular passage */
 } mg_event_workspace;
 
+/* Numbers of rows and states. */
 typedef struct {
-  int joint_row_begin, joint_row_end;       /* rows of joints */
-  int friction_row_begin, friction_row_end; /* rows of friction */
-  int support_begin;                        /* contacts from here on are support points of patches */
-  int support_feature_pair_begin;           /* feature pairs from here on are those of support points */
-  int n_states;                             /* length of x */
-  int work_state;                           /* index of the work in x */
-  int n_live_states;                        /* states without the eta of contacts on no feature pair */
-  int n_driven, n_moving;                   /* bodies of given motion; bodies that forces move */
-  int has_prescribed_joint;                 /* the motion of a joint is a function of time */
-  int n_timed;                              /* functions of time */
-  int n_state_loads, n_steady_loads;        /* loads that depend on the state; those of them that do not on time */
-} mg_layout;                                /* order of rows: contacts, a spare contact, joints, friction */
+  int joint_row_begin;            /* first row of joints */
+  int joint_row_end;              /* row after the last of joints */
+  int friction_row_begin;         /* first friction row */
+  int friction_row_end;           /* row after the last friction row: number of all rows */
+  int support_begin;              /* contacts from here on are support points of patches */
+  int support_feature_pair_begin; /* feature pairs from here on are those of support points */
+  int n_states;                   /* length of x */
+  int work_state;                 /* index of the work in x */
+  int n_live_states;              /* length of x without the eta of contacts on no feature pair */
+  int n_driven;                   /* bodies with prescribed motion */
+  int n_moving;                   /* bodies that forces move */
+  int has_prescribed_joint;       /* 1: a joint has a prescribed motion */
+  int n_timed;                    /* functions of time */
+  int n_state_loads;              /* loads that depend on the state */
+  int n_steady_loads;             /* loads that depend on the state and not on time */
+} mg_layout;
 
+/* Bodies at the state evaluated last. */
 typedef struct {
-  mg_real *pose;         /* per body 12: position of the centre of mass, m, and rotation matrix by columns */
-  mg_real *twist;        /* per body 6: velocity, world axes, m/s, and angular velocity, body axes, rad/s */
-  mg_real *acceleration; /* per body 6: rate of the twist, without contact forces until those are found */
-  mg_real *wrench;       /* per body 6: force, world axes, N, and torque, body axes, N m */
+  mg_real *pose;         /* [12 per body] position of the centre of mass, m, and rotation matrix by columns */
+  mg_real *twist;        /* [6 per body] velocity, world axes, m/s, and angular velocity, body axes, rad/s */
+  mg_real *acceleration; /* [6 per body] rate of the twist; without contact forces until those are found */
+  mg_real *wrench;       /* [6 per body] force, world axes, N, and torque, body axes, N m; also changes of the twist */
 } mg_body_workspace;
 
-typedef struct {        /* rows of constraints: one per contact, joint row and friction row */
-  mg_real *J, *MJ;      /* per row 12, body o then f: J and M^-1 J^T */
-  mg_real *d;           /* per row: gap or joint error, m or rad */
-  mg_real *gamma;       /* per row: velocity term Gamma2 of d's second derivative */
-  mg_real *d_dot;       /* per row: first derivative of d */
-  mg_real *time_rate;   /* per row: the part of d_dot by functions of time */
-  mg_real *row_rate;    /* per row: second derivative of d, or the velocity asked for in an impact or correction */
-  mg_real *normal;      /* per contact 3: N, world axes */
-  mg_real *tangents;    /* per contact 6: t1, t2, world axes */
-  mg_real *eta_dot;     /* n_eta: rate of the closest-point coordinates */
-  mg_real *kernel_rows; /* rows of one contact as its kernel writes them: 6, 6 and 1 a row */
+/* Rows of constraints at the state evaluated last. */
+typedef struct {
+  mg_real *J;           /* [12 per row] J */
+  mg_real *MJ;          /* [12 per row] M^-1 J^T */
+  mg_real *d;           /* [per row] gap or joint error, m or rad */
+  mg_real *gamma;       /* [per row] velocity term of the second derivative of d: Gamma1, Gamma2 */
+  mg_real *d_dot;       /* [per row] first derivative of d; of friction rows slip, spin, rolling velocity */
+  mg_real *time_rate;   /* [per row] partial derivative of d by time */
+  mg_real *row_rate;    /* [per row] second derivative of d, or the velocity sought in an impact or correction */
+  mg_real *normal;      /* [3 per contact] N */
+  mg_real *tangents;    /* [6 per contact] t1, t2 */
+  mg_real *eta_dot;     /* [n_eta] rate of eta */
+  mg_real *kernel_rows; /* rows of one contact as its kernel writes them: J_o and J_f (36 each), gamma (6) */
 } mg_row_workspace;
 
+/* Solution of the rows. */
 typedef struct {
-  mg_real *force;   /* per row: N or N m */
-  mg_real *impulse; /* per row: N s or N m s */
+  mg_real *force;   /* [per row] N or N m */
+  mg_real *impulse; /* [per row] N s or N m s */
 } mg_row_solution;
 
-typedef struct {                                 /* per contact: kind and bodies of its feature pair */
-  int *kind, *o, *f;                             /* index of the contact kind; bodies o and f */
-  int *n_eta, *parameters;                       /* length of eta, 0 on no feature pair; offset into parameters */
-  mg_real point_parameters[MG_POINT_PARAMETERS]; /* parameters of a support point's contact */
+/* Kind and bodies of each contact, from its feature pair. */
+typedef struct {
+  int *kind;                                     /* [per row] contact kind */
+  int *o, *f;                                    /* [per row] bodies o and f; of joint rows bodies a and b */
+  int *n_eta;                                    /* [per contact] length of eta; 0 on no feature pair */
+  int *parameters;                               /* [per contact] offset into parameters */
+  mg_real point_parameters[MG_POINT_PARAMETERS]; /* parameters of the support point looked at last */
 } mg_contact_view;
 
+/* The context. The first four are the caller's. */
 typedef struct {
   const mg_system *system;
   const mg_kernels *kernels;
@@ -234,19 +324,28 @@ typedef struct {
   mg_event_workspace events;
 } mg_context;
 
-typedef struct { /* two shapes of a contact kind, where they are */
-  const mg_kernels *kernels;
-  int kind;
-  const mg_real *pose_o, *pose_f, *parameters;
+/* Two shapes of a contact kind at given poses. */
+typedef struct {
+  const mg_kernels *kernels;                   /* kernels of the library */
+  int kind;                                    /* contact kind */
+  const mg_real *pose_o, *pose_f, *parameters; /* poses of the bodies; parameters of the kind */
 } mg_shape_pair;
 
-typedef struct {             /* what Newton's method is asked for */
-  mg_real length, tolerance; /* a residual below (small * length, small) */
-  const mg_real *step_limit; /* how far each entry of eta may go in one step */
+/* Goal and limits of Newton's method on the extremality equations. */
+typedef struct {
+  mg_real length;            /* length to which tolerance refers, m */
+  mg_real tolerance;         /* the residual is to be below tolerance * length (lengths), tolerance (angles) */
+  const mg_real *step_limit; /* [n_eta] bound of the change of each entry of eta in one step; MG_MAX: a sign */
 } mg_newton_goal;
 
-typedef struct { /* their separation function along a normal */
-  mg_real normal[3], d, slope[2], hessian[3], tangents[6], eta[6];
+/* Separation of two convex shapes along a normal, as contact_seek gives it. */
+typedef struct {
+  mg_real normal[3];   /* unit normal */
+  mg_real d;           /* separation, m */
+  mg_real slope[2];    /* its slope on the sphere of normals, m */
+  mg_real hessian[3];  /* minus its second derivative: 11, 12, 22, m */
+  mg_real tangents[6]; /* tangents of the sphere at the normal */
+  mg_real eta[6];      /* support points of both shapes, in their axes, m */
 } mg_separation_view;
 
 #endif

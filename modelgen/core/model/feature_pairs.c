@@ -1,11 +1,12 @@
-/* Which feature pair each contact is on, copied to where the loops over contacts look. */
-/* How far a contact is from leaving its feature pair: inequalities of its points, its normal and its eta. */
+/* Feature pairs of the contacts: which one each contact is on (c->contacts), and the conditions under which it
+   stays there, inequalities in the contact point, the normal and eta (MG_CONDITION_QUADRIC ..). */
 #include "model/model.h"
 #include "base/base.h"
 
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact) { return c->run->feature_pair[contact] >= 0; }
 
-static int mg_eta_room(const mg_context *c, int contact) {
+/* Entries of eta for which a contact has room. */
+static int mg_eta_capacity(const mg_context *c, int contact) {
   const mg_system *s = c->system;
   return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
 }
@@ -14,7 +15,6 @@ MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact
   return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
 }
 
-/* The parameters of a contact's kind; the point of a support point is the run's. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
   const mg_real *held = c->system->parameters + c->contacts.parameters[contact];
   if (!mg_is_support_contact(c, contact)) return held;
@@ -24,7 +24,6 @@ MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
   return c->contacts.point_parameters;
 }
 
-/* Makes a contact, or the spare one behind the last, stand on a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair) {
   const mg_system *s = c->system;
   c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
@@ -32,32 +31,29 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
 }
 
-/* No condition ends or watches a contact on the feature pair. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
 
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
 
-/* Each contact of the pair has a feature pair for good; else they share the pair's feature pairs. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
   return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
-/* What each entry of eta on a feature pair is measured against. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale) {
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side), n = mg_carried[carrier];
-    const int charted = carrier == MG_CHART ? 2 : carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+    const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
+    const int coordinate_count =
+        parametrisation == MG_CHART ? 2 : parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
-      *scale++ = k < charted           ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
-                 : carrier == MG_LOCAL ? c->system->length
-                                       : 1;
+      *scale++ = k < coordinate_count          ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
+                 : parametrisation == MG_LOCAL ? c->system->length
+                                               : 1;
   }
 }
 
-/* A contact on no feature pair is infinitely far away, so that no loop over contacts needs to ask. */
-MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact) {
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int held = c->run->feature_pair[contact],
             feature_pair = held < 0 ? s->pair_feature_pair[s->contact_pair[contact]] : held;
@@ -67,18 +63,17 @@ MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact) {
   c->layout.n_live_states += c->contacts.n_eta[contact];
   if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, mg_contact_eta(c, c->step.scale, contact));
   for (int k = 0; k < 12; k++) c->rows.J[12 * contact + k] = c->rows.MJ[12 * contact + k] = 0;
-  for (int k = 0; k < mg_eta_room(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
+  for (int k = 0; k < mg_eta_capacity(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
   c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;
   if (s->n_friction) mg_reset_friction_rows(c, contact);
   if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
 }
 
-/* Puts the contact on a feature pair with this eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
   mg_real *kept = mg_contact_eta(c, c->run->x, contact);
   c->run->feature_pair[contact] = feature_pair;
-  mg_read_feature_pair(c, contact);
-  for (int k = 0; k < mg_eta_room(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
+  mg_load_feature_pair(c, contact);
+  for (int k = 0; k < mg_eta_capacity(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
   if (feature_pair < 0) c->run->closed[contact] = c->run->active[contact] = c->run->rolling_start[contact] = 0;
 }
 
@@ -95,12 +90,13 @@ MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int si
   return side ? kind->parametrisation_f : kind->parametrisation_o;
 }
 
-static void mg_direction_in(const mg_context *c, int feature_pair, int side, const mg_real *world, mg_real *local) {
+/* Transforms a direction from world axes to the axes of a feature's shape. */
+static void mg_direction_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
+                                       mg_real *local) {
   mg_rotate_back(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side) + 3, world, local);
   mg_rotate_back(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT + 3, local, local);
 }
 
-/* A point of the world in the axes of the shape on one side of a feature pair. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local) {
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side),
@@ -112,9 +108,9 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
   mg_rotate_back(place + 3, arm, local);
 }
 
-/* The parameter of a curve at a point of it that eta does not tell: on a straight edge its first axis, on a circle or
-   an ellipse the angle. */
-static mg_real mg_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
+/* Parameter of a curve at one of its points, if eta does not hold it: of a straight edge the first coordinate, of
+   a circle or ellipse the angle. */
+static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
   const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
   const int shape = c->system->feature_shape[2 * feature_pair + side];
   const mg_real *parameters = c->system->parameters + c->system->feature_parameters[2 * feature_pair + side];
@@ -125,31 +121,34 @@ static mg_real mg_parameter_at(const mg_context *c, int feature_pair, int side, 
   return atan2(point[1] / y[1], point[0] / x[0]);
 }
 
-static int mg_is_charted(const mg_context *c, int feature_pair, int side) {
-  const int carrier = mg_parametrisation(c, feature_pair, side);
-  return carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE;
+/* True if eta holds coordinates of the feature. */
+static int mg_has_coordinates_in_eta(const mg_context *c, int feature_pair, int side) {
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
+  return parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
-/* The chart coordinates of one side; those of a plane or of a curve that eta does not tell are its first axes: an arc
-   of a rounded corner needs no ends on a plane, for its circle lies within the corner. */
-static void mg_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta, const mg_real *point,
-                           mg_real *uv) {
-  const mg_real *own = eta + (side ? mg_carried[mg_parametrisation(c, feature_pair, 0)] : 0);
-  uv[0] = mg_is_charted(c, feature_pair, side) ? own[0] : point[0];
+/* Chart coordinates of a contact point on a feature. Where eta does not hold them, as for planes, they are the
+   first coordinates of the point. */
+static void mg_feature_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta,
+                                   const mg_real *point, mg_real *uv) {
+  const mg_real *own = eta + (side ? mg_parametrisation_size[mg_parametrisation(c, feature_pair, 0)] : 0);
+  uv[0] = mg_has_coordinates_in_eta(c, feature_pair, side) ? own[0] : point[0];
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
-static mg_real mg_quadric(const mg_real *a, const mg_real *x) {
+/* Value of an MG_CONDITION_QUADRIC. */
+static mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] + a[7] * x[0] * x[1] +
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }
 
-/* -N.w, w = a T x z + b z the direction from an edge into a face beside it, at a point of it with coordinates uv. */
-static mg_real mg_wing(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
-                       const mg_real *uv, const mg_real *N) {
+/* Value of an MG_CONDITION_WING at a point x with coordinates uv. */
+static mg_real mg_wing_condition(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
+                                 const mg_real *uv, const mg_real *N) {
   const mg_system *s = c->system;
-  const mg_real at[2] = {mg_is_charted(c, feature_pair, side) ? uv[0] : mg_parameter_at(c, feature_pair, side, x),
-                         uv[1]};
+  const mg_real at[2] = {
+      mg_has_coordinates_in_eta(c, feature_pair, side) ? uv[0] : mg_curve_parameter_at(c, feature_pair, side, x),
+      uv[1]};
   mg_real point[3], T[3];
   c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], at,
                           s->parameters + s->feature_parameters[2 * feature_pair + side], point, T);
@@ -167,18 +166,18 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   const int side = s->condition_feature[k];
   mg_real x[3], N[3], uv[2];
   mg_point_in_shape_axes(c, feature_pair, side, c->search.placement + (side ? 11 : 8), x);
-  mg_direction_in(c, feature_pair, side, c->search.placement + 5, N);
+  mg_direction_in_shape_axes(c, feature_pair, side, c->search.placement + 5, N);
   for (int i = 0; i < 3 && side; i++) N[i] = -N[i];
-  mg_coordinates(c, feature_pair, side, eta, x, uv);
+  mg_feature_coordinates(c, feature_pair, side, eta, x, uv);
   switch (s->condition_kind[k]) {
     case MG_CONDITION_QUADRIC:
-      return mg_quadric(a, x) / s->length;
+      return mg_quadric_condition(a, x) / s->length;
     case MG_CONDITION_PARAMETER:
       return a[1] * (uv[(int)a[0]] - a[2]) / mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + (int)a[0]];
     case MG_CONDITION_DISC:
       return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
     case MG_CONDITION_WING:
-      return mg_wing(c, feature_pair, side, a, x, uv, N);
+      return mg_wing_condition(c, feature_pair, side, a, x, uv, N);
     case MG_CONDITION_TILT:
       return a[3] * (mg_sine_between(a, N) - c->settings->flat_angle);
     default:
@@ -186,8 +185,6 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   }
 }
 
-/* The least of the conditions of a feature pair at eta, and which it is, among those that are watched only or among the
-   others; needs mg_place_contact there. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which) {
   mg_real least = MG_MAX;
@@ -205,11 +202,10 @@ MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_
   return mg_least_feature_pair_condition(c, feature_pair, eta, 0, which);
 }
 
-MG_INTERNAL int mg_has_signs(const mg_context *c, int feature_pair) {
+MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {
   return mg_parametrisation(c, feature_pair, 0) == MG_SIGN || mg_parametrisation(c, feature_pair, 1) == MG_SIGNED_CURVE;
 }
 
-/* No condition on the normal tells the outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)

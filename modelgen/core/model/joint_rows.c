@@ -1,7 +1,7 @@
-/* The rows of the joints (2.3): value, J, Gamma1, and what a given motion makes of their rates. */
+/* Rows of the joints: values, J, Gamma1 (equation (2.3) of Anitescu, Cremer and Potra, 1995) and the rates of
+   prescribed motions. Writes c->rows. */
 #include "model/model.h"
 
-/* Who takes part in each row; contacts come first, then a spare. */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
   const mg_system *s = c->system;
   c->layout.has_prescribed_joint = 0;
@@ -28,7 +28,6 @@ MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t) {
   }
 }
 
-/* Appends the rows of all joints to a list of n; returns its length. */
 MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n) {
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) list[n++] = i;
   return n;
@@ -40,7 +39,6 @@ MG_INTERNAL int mg_row_joint(const mg_context *c, int row) {
   return joint;
 }
 
-/* The joint with the largest |value| among the rows, and its size. */
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size) {
   int worst = c->layout.joint_row_begin;
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)

@@ -1,136 +1,319 @@
-/* The scene as the solver sees it at one state: bodies, feature pairs, rows of contacts and joints, planar contacts,
-   and what becomes of a contact at an event. May use: base, region. */
+/* The scene at one state: bodies, feature pairs, rows of contacts and joints, planar contacts, and the transitions of a
+   contact at an event. Sides of a feature pair and of a patch are 0: o, 1: f. May use: base, region. */
 #ifndef MG_MODEL_H
 #define MG_MODEL_H
 
 #include "model/context.h"
 
-static const int mg_carried[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta by carrier */
+static const int mg_parametrisation_size[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta, by MG_NONE .. MG_TURN */
 
+/* Cause of a transition of a contact (transitions.c gives the state after it and the event). */
 enum {
-  MG_IMPACT_INELASTIC,
-  MG_IMPACT_AVOIDED,
-  MG_TOUCHES_DOWN,
-  MG_IMPACT_REBOUND,
-  MG_PUSHED_OPEN,
-  MG_LIFTS_OFF,
-  MG_CONTACT_APPEARS,
-  MG_FEATURE_CHANGES,
-  MG_CONTACT_VANISHES,
-  MG_ENDS_RUN,
-  MG_PATCH_BEGINS,
-  MG_PATCH_TURNS_OVER_EDGE
+  MG_IMPACT_INELASTIC,     /* an impact without rebound */
+  MG_IMPACT_AVOIDED,       /* an approach that impacts at other contacts end */
+  MG_TOUCHES_DOWN,         /* an impact after which the contact stays closed, reported */
+  MG_IMPACT_REBOUND,       /* an impact with rebound */
+  MG_PUSHED_OPEN,          /* an impact at another contact opens it */
+  MG_LIFTS_OFF,            /* the force vanishes and the gap opens */
+  MG_CONTACT_APPEARS,      /* a search has found new closest points */
+  MG_FEATURE_CHANGES,      /* the contact changes to another feature pair */
+  MG_CONTACT_VANISHES,     /* the closest points have ceased to exist */
+  MG_ENDS_RUN,             /* the contact is singular and ends the run */
+  MG_PATCH_BEGINS,         /* first support point: the patch rests */
+  MG_PATCH_TURNS_OVER_EDGE /* first support point: the patch turns over an edge */
 };
 
+/* Marks in c->patches.trial beyond 1 (held on trial). */
 enum {
-  MG_TRIAL_ON_EDGE = 2,
-  MG_TRIAL_TORN_OFF = 3
-}; /* marks in c->patches.trial: the slot's support points stand on points of the edge; and had rested flat */
+  MG_TRIAL_ON_EDGE = 2, /* an impact has moved the support points to points of the edge of the hull */
+  MG_TRIAL_TORN_OFF = 3 /* the same, of a patch that had rested */
+};
 
 /* bodies.c */
-MG_INTERNAL int mg_kind_of(const mg_context *c, int body);
-MG_INTERNAL int mg_moves(const mg_context *c, int body);
+
+/* Body kind of a body. */
+MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body);
+
+/* True if forces move the body (MG_POINT, MG_FREE). */
+MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
+
+/* Copies the velocity coordinates of a body: 6 of a free body, 3 of a point mass, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
+
+/* Writes poses and twists of all bodies at time t and state x; of driven bodies also their accelerations. */
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
+
+/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+
+/* Writes q_dot and the power of the loads into x_dot, and the accelerations without constraint forces into
+   c->bodies.acceleration. Needs the poses at x. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
+
+/* Scales all quaternions in x to unit length. */
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x);
+
+/* Body of a contact that forces move; o if both do. */
 MG_INTERNAL int mg_moving_body(const mg_context *c, int contact);
+
+/* True if the body has six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
+
+/* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
 /* feature_pairs.c */
+
+/* True if the contact is on a feature pair. */
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
+
+/* Eta of a contact in x. */
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
+
+/* Parameters of the contact kind of a contact; of a support point with the point that the run holds. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
+
+/* Sets kind, parameters and bodies of a contact (n_contact: the spare one) to those of a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
+
+/* True if the feature pair has no conditions. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
+
+/* First contact of a pair of shapes. */
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
+
+/* True if each contact of the pair has a feature pair of its own; else the contacts share all feature pairs of the
+   pair. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
+
+/* Scales of the entries of eta on a feature pair. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
-MG_INTERNAL void mg_read_feature_pair(mg_context *c, int contact);
+
+/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair
+   gets an infinite gap, so that no loop over contacts need ask. */
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
+
+/* Puts a contact on a feature pair with the given eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
+
+/* Numbers of a feature (side 0: o, 1: f) of a feature pair, see MG_FEATURE_PLACEMENT. */
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
+
+/* Body of a feature of a feature pair. */
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
+
+/* Parametrisation of a feature, MG_NONE .. */
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
+
+/* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);
+
+/* Sine of the angle between two unit vectors. */
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
+
+/* Value of condition k at eta; it holds if >= 0. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
+
+/* Least value of the conditions of a feature pair at eta, of the watched ones or of the others, and its number in
+ *which (-1: there are none). Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which);
+
+/* Least value of the conditions that are not only watched. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
-MG_INTERNAL int mg_has_signs(const mg_context *c, int feature_pair);
+
+/* True if eta holds signs that select the direction of N (two curves). */
+MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
+
+/* True if no condition on the normal determines which side of the curves is outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contact_rows.c */
-MG_INTERNAL void mg_contact_rows(mg_context *c, const mg_real *x);
+
+/* Evaluates d, J, Gamma2, eta_dot, N and tangents of all contacts at x. Needs the poses at x. */
+MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
+
+/* J of a row times velocities or accelerations, 6 per body. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
-MG_INTERNAL mg_real mg_inverse_mass_row(mg_context *c, int contact);
+
+/* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
+MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
+
+/* per_body += M^-1 J^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
+
+/* c->lcp.A = J M^-1 J^T over n listed rows; uses that rows without a common moving body have zero entries. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
+
+/* Part of d_dot that prescribed motions of bodies and joints cause. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
-MG_INTERNAL void mg_gap_rates(mg_context *c);
+
+/* Writes d_dot of all rows at the present twists. */
+MG_INTERNAL void mg_update_gap_rates(mg_context *c);
+
+/* First row of a friction constraint of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
+
+/* Assigns the friction rows of a contact to the bodies of its feature pair and sets them to zero. */
 MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
+
+/* Rotates the components (a, b) of a vector by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
+
+/* Writes slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* joint_rows.c */
+
+/* Assigns bodies to the joint rows. */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c);
+
+/* Evaluates the rows of all joints at t. Needs the poses and twists. */
 MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t);
+
+/* Appends all joint rows to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n);
+
+/* Joint of a joint row. */
 MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
+
+/* Joint of the row with the largest |value|, and that size. */
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 
 /* contact_points.c */
+
+/* Evaluates contact_place for a contact at eta into c->search.placement; eta_next receives one Newton step.
+   Returns the length of eta. */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
+
+/* Margin of the placement evaluated last, dimensionless. */
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
+
+/* Takes one Newton step of eta in x for every contact at time t, except for those that are still flat, whose
+   points rounding would move; writes d and margins. Returns 0 if eta is not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);
+
+/* Newton's method on eta of a contact at the present poses. Returns the number of steps, or -1 after 50. */
 MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta);
+
+/* True for a contact that starts from flat and whose tilt is still below flat_angle. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
+
+/* True if the features of a pair are farther apart than search_gap. */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
+
+/* Lower bound of the distance of a pair of shapes, m: the larger of that of their own balls and the least of those
+   of their features. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
-MG_INTERNAL mg_motion_bound mg_pair_motion(const mg_context *c, int pair);
+
+/* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
+   smaller one; of unbounded shapes the parts within the characteristic length count. */
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
 
 /* planar_contacts.c */
+
+/* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);
+
+/* First of the three support contacts of a slot. */
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot);
+
+/* Patch that a slot holds, or -1. */
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot);
+
+/* Slot that holds a patch, or -1. */
 MG_INTERNAL int mg_slot_of_patch(const mg_context *c, int patch);
+
+/* An empty slot for a patch, or -1. */
 MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch);
+
+/* True if the feature pair lies in the patch. */
 MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int feature_pair);
-MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real lean);
+
+/* Patch in which the contact's feature pair lies and whose faces are opposed within an angle, or -1. */
+MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real tilt_tolerance);
+
+/* True if the feature pair exists only while the faces lie flat. */
 MG_INTERNAL int mg_is_feature_pair_of_flat_faces(const mg_context *c, int feature_pair);
+
+/* True if the feature pair exists only while the bodies are tilted. */
 MG_INTERNAL int mg_is_feature_pair_of_tilted_faces(const mg_context *c, int feature_pair);
+
+/* True if the contact's feature pair is for flat faces and its gap is out of reach, so that leaving it is no event. */
 MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact);
+
+/* True if a rim of the patch has just started to roll. */
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
+
+/* True if a patch of the pair is opening from flat. */
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);
+
+/* Longest step in s after which the faces of opening patches tilt no more than a search finds at once. */
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c);
+
+/* True if the contact is on a rim whose faces have just opened, and its gap and velocity are those of a fall from
+   rest since then: it was pressed without having equations, and does not bounce. */
 MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact);
+
+/* True if the feature pair lies in a patch that is held, or in one that starts to roll over a rim. */
 MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair);
+
+/* True if faces of the pair's shapes may lie in the patch. */
 MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair);
+
+/* True if a patch of the pair is held. */
 MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair);
+
+/* Request a search of all pairs of a patch at the end of the step. */
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch);
+
+/* Body of one side of a patch: 0 for o, 1 for f. */
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side);
+
+/* Point of f, in its body's axes, of the feature pair of a support contact. */
 MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c, int feature_pair);
+
+/* Put a patch into a slot: its three support contacts are placed, closed and active. */
 MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch);
+
+/* Empty a slot: its support contacts leave their feature pairs. */
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot);
+
+/* Pose of one face of a patch in world axes: origin and rotation, 12 numbers. */
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out);
+
+/* True if the contact is a support that an impact has moved to the edge of its hull. */
 MG_INTERNAL int mg_is_support_on_edge(const mg_context *c, int contact);
+
+/* True if the slot holds an edge in place of a patch. */
 MG_INTERNAL int mg_is_edge_pivot(const mg_context *c, int slot);
+
+/* True if the edge held is a straight side of the hull. */
 MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot);
+
+/* Cause for which the held edge ends, or 0: enough tilt, flat again, or one end unloaded. */
 MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor);
+
+/* Event function of a held edge, for the given cause. */
 MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int cause);
 
 /* transitions.c */
+
+/* Appends an event to the list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed);
+
+/* Applies a transition to a contact: sets it closed or open and appends its event. `cause`: MG_IMPACT_INELASTIC .. */
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed);
+
+/* Clears the event marks of all contacts. */
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c);
+
+/* Advances t by h with compensated summation (Kahan), so that many short steps lose nothing. */
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h);
 
 #endif

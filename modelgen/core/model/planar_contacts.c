@@ -1,45 +1,39 @@
-/* Planar contact patches: which patches are held, in which slots, which feature pairs they cover, and how far faces
-   have opened. A slot holds a patch by three support contacts. Writes feature pairs, points and modes of support
-   contacts, patch friction modes and search requests. */
+/* Planar contacts (section 5 of Anitescu, Cremer and Potra, 1995): which patches are held, in which slots, which
+   feature pairs they cover, and how far faces have opened. A slot holds a patch by three support points, by which
+   J and Gamma2 of all points of the faces are determined (Lemma 5.1). Writes feature pairs, points and modes of
+   support points, patch friction modes and search requests of the run. */
 #include "model/model.h"
 #include "base/base.h"
 
-/* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact) {
   return contact >= c->layout.support_begin && contact < c->system->n_contact;
 }
 
-/* First of the three support contacts of a slot. */
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot) { return c->layout.support_begin + 3 * slot; }
 
-/* Patch that a slot holds, or -1. */
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot) {
   const int feature_pair = c->run->feature_pair[mg_first_support(c, slot)];
   return feature_pair < 0 ? -1 : (feature_pair - c->layout.support_feature_pair_begin) / 3;
 }
 
-/* Slot that holds a patch, or -1. */
 MG_INTERNAL int mg_slot_of_patch(const mg_context *c, int patch) {
   for (int slot = c->system->patch_slots[2 * patch]; slot < c->system->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_of_slot(c, slot) == patch) return slot;
   return -1;
 }
 
-/* An empty slot for a patch, or -1. */
 MG_INTERNAL int mg_find_free_slot(const mg_context *c, int patch) {
   for (int slot = c->system->patch_slots[2 * patch]; slot < c->system->patch_slots[2 * patch + 1]; slot++)
     if (mg_patch_of_slot(c, slot) < 0) return slot;
   return -1;
 }
 
-/* True if the feature pair lies in the patch. */
 MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int feature_pair) {
   for (int k = c->system->patch_covered[patch]; k < c->system->patch_covered[patch + 1]; k++)
     if (c->system->covered_feature_pair[k] == feature_pair) return 1;
   return 0;
 }
 
-/* Patch in which the contact's feature pair lies and whose faces are opposed within an angle, or -1. */
 MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real tilt_tolerance) {
   const int feature_pair = c->run->feature_pair[contact];
   mg_real o[12], f[12];
@@ -52,8 +46,7 @@ MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, 
   return -1;
 }
 
-/* 1 if the feature pair exists only while its bodies are tilted, -1 only while their faces lie flat, 0 in both cases.
- */
+/* 1 if the feature pair exists only while the faces are tilted, -1 only while they lie flat, 0 in both cases. */
 static int mg_feature_pair_tilt_condition(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
@@ -61,38 +54,34 @@ static int mg_feature_pair_tilt_condition(const mg_context *c, int feature_pair)
   return 0;
 }
 
-/* True if the feature pair exists only while the faces lie flat. */
 MG_INTERNAL int mg_is_feature_pair_of_flat_faces(const mg_context *c, int feature_pair) {
   return mg_feature_pair_tilt_condition(c, feature_pair) < 0;
 }
 
-/* True if the feature pair exists only while the bodies are tilted. */
 MG_INTERNAL int mg_is_feature_pair_of_tilted_faces(const mg_context *c, int feature_pair) {
   return mg_feature_pair_tilt_condition(c, feature_pair) > 0;
 }
 
-/* True if the contact's feature pair is for flat faces and its gap is out of reach, so that leaving it is no event. */
 MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact) {
   return c->rows.d[contact] > c->settings->search_gap * c->system->length &&
          mg_is_feature_pair_of_flat_faces(c, c->run->feature_pair[contact]);
 }
 
-/* True if a rim of the patch has just started to roll. */
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch) {
   for (int i = 0; i < c->layout.support_begin; i++)
     if (c->run->rolling_start[i] && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i])) return 1;
   return 0;
 }
 
-/* True if the patch has feature pairs that exist only while its faces are tilted, such as rims. */
+/* True if the patch covers feature pairs that exist only while its faces are tilted, such as rims. */
 static int mg_has_tilted_feature_pairs(const mg_context *c, int patch) {
   for (int k = c->system->patch_covered[patch]; k < c->system->patch_covered[patch + 1]; k++)
     if (mg_is_feature_pair_of_tilted_faces(c, c->system->covered_feature_pair[k])) return 1;
   return 0;
 }
 
-/* True if the faces of a patch lie on each other but no slot holds them, and their rim has no equations until
-   they tilt more. */
+/* True if the faces of a patch lie on each other but no slot holds them, and their rim has no equations until they
+   tilt more. */
 static int mg_is_patch_opening(const mg_context *c, int patch) {
   mg_real o[12], f[12];
   if (mg_slot_of_patch(c, patch) >= 0 || mg_is_patch_rolling_start(c, patch)) return 0;
@@ -104,14 +93,13 @@ static int mg_is_patch_opening(const mg_context *c, int patch) {
          mg_has_tilted_feature_pairs(c, patch);
 }
 
-/* True if a patch of the pair is opening from flat. */
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair) {
   for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_is_patch_of_pair(c, patch, pair) && mg_is_patch_opening(c, patch)) return 1;
   return 0;
 }
 
-/* Angular velocity in rad/s at which the faces of a patch tilt against each other. */
+/* Angular velocity at which the faces of a patch tilt relative to each other, rad/s. */
 static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
   mg_real o[12], w[3] = {0}, angular_velocity[3];
   mg_face_pose(c, patch, 0, o);
@@ -124,7 +112,6 @@ static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
   return sqrt(fmax(mg_dot3(w, w) - spin * spin, 0));
 }
 
-/* Longest step in s after which the faces of opening patches tilt no more than a search finds at once. */
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c) {
   mg_real longest = MG_MAX;
   for (int patch = 0; patch < c->system->n_patch; patch++)
@@ -133,8 +120,6 @@ MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c) {
   return longest;
 }
 
-/* True if the contact is on a rim whose faces have just opened, and its gap and velocity are those of a fall from
-   rest since then: it was pressed without having equations, and does not bounce. */
 MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact) {
   const int feature_pair = c->run->feature_pair[contact];
   if (!c->system->n_patch || feature_pair < 0 || !mg_is_feature_pair_of_tilted_faces(c, feature_pair)) return 0;
@@ -148,7 +133,6 @@ MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact) {
   return -4 * c->rows.d[contact] > fall_length && -4 * c->rows.d[contact] < 3 * fall_length;
 }
 
-/* True if the feature pair lies in a patch that is held, or in one that starts to roll over a rim. */
 MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
@@ -160,7 +144,6 @@ MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair
   return 0;
 }
 
-/* True if faces of the pair's shapes may lie in the patch. */
 MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair) {
   if (c->system->patch_pair[patch] == pair) return 1;
   for (int k = c->system->patch_covered[patch]; k < c->system->patch_covered[patch + 1]; k++)
@@ -168,7 +151,6 @@ MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair) {
   return 0;
 }
 
-/* True if a patch of the pair is held. */
 MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
@@ -177,46 +159,40 @@ MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
   return 0;
 }
 
-/* Request a search of all pairs of a patch at the end of the step. */
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
   for (int pair = 0; pair < c->system->n_pair; pair++)
     if (mg_is_patch_of_pair(c, patch, pair)) c->run->moved_since_search[pair] = MG_MAX / 2;
 }
 
-/* Body of one side of a patch: 0 for o, 1 for f. */
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
   const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch;
   return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
 }
 
-/* Point of f, in its body's axes, of the feature pair of a support contact. */
 MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   return s->parameters + s->feature_pair_parameters[feature_pair] +
          c->kernels->contact_kinds[s->feature_pair_kind[feature_pair]].n_parameters - 3;
 }
 
-/* Put a support contact on its feature pair, closed and active. */
+/* Puts a support point on its feature pair, closed and active. */
 static void mg_place_support(mg_context *c, int support, int feature_pair) {
   mg_set_feature_pair(c, support, feature_pair, 0);
   for (int k = 0; k < 3; k++) c->run->point[3 * support + k] = mg_support_point_of_feature_pair(c, feature_pair)[k];
   c->run->closed[support] = c->run->active[support] = 1;
 }
 
-/* Put a patch into a slot: its three support contacts are placed, closed and active. */
 MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch) {
   c->run->patch_mode[slot] = MG_FRICTION_OFF;
   for (int k = 0; k < 3; k++)
     mg_place_support(c, mg_first_support(c, slot) + k, c->layout.support_feature_pair_begin + 3 * patch + k);
 }
 
-/* Empty a slot: its support contacts leave their feature pairs. */
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot) {
   c->run->patch_mode[slot] = MG_FRICTION_OFF;
   for (int k = 0; k < 3; k++) mg_set_feature_pair(c, mg_first_support(c, slot) + k, -1, 0);
 }
 
-/* Pose of one face of a patch in world axes: origin and rotation, 12 numbers. */
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
   const mg_real *place = c->system->numbers + c->system->patch_numbers[patch] + 12 * side;
   const mg_real *pose = c->bodies.pose + 12 * mg_patch_body(c, patch, side);
@@ -224,28 +200,25 @@ MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real 
   for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, out + 3 + 3 * k);
 }
 
-/* True if the contact is a support that an impact has moved to the edge of its hull. */
 MG_INTERNAL int mg_is_support_on_edge(const mg_context *c, int contact) {
   return mg_is_support_contact(c, contact) &&
          c->patches.trial[(contact - c->layout.support_begin) / 3] >= MG_TRIAL_ON_EDGE;
 }
 
-/* True if the slot holds an edge in place of a patch. */
 MG_INTERNAL int mg_is_edge_pivot(const mg_context *c, int slot) {
   return mg_patch_of_slot(c, slot) >= 0 && !c->run->closed[mg_first_support(c, slot) + 2];
 }
 
-/* True if the edge held is a straight side of the hull. */
 MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot) {
   return c->run->rolling_start[mg_first_support(c, slot)] == MG_ON_STRAIGHT_EDGE;
 }
 
-/* Tilt about the held edge in rad; negative where the face would penetrate. */
+/* Tilt about the held edge, rad; negative where the face would penetrate. */
 static mg_real mg_pivot_tilt(const mg_context *c, int slot) {
   return asin(2 * c->rows.d[mg_first_support(c, slot) + 2] / c->system->length);
 }
 
-/* Tilt in rad up to which the edge is held. */
+/* Tilt up to which the edge is held, rad. */
 static mg_real mg_pivot_tilt_limit(const mg_context *c, int slot) {
   return mg_is_hull_side_pivot(c, slot) ? c->settings->margin_warn : c->settings->imaginary_edge;
 }
@@ -256,7 +229,6 @@ static mg_real mg_least_edge_end_force(const mg_context *c, int slot, const mg_r
   return amount[support] < amount[support + 1] ? amount[support] : amount[support + 1];
 }
 
-/* Cause for which the held edge ends, or 0: enough tilt, flat again, or one end unloaded. */
 MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_real *amount, mg_real floor) {
   const mg_real tilt = mg_pivot_tilt(c, slot);
   if (mg_is_hull_side_pivot(c, slot) && mg_least_edge_end_force(c, slot, amount) < -fabs(floor))
@@ -265,7 +237,6 @@ MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_
   return tilt < -c->settings->feature_border ? MG_FLAT_AGAIN : 0;
 }
 
-/* Event function of a held edge, for the given cause. */
 MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int cause) {
   if (cause == MG_EDGE_UNLOADED) return mg_least_edge_end_force(c, slot, c->solution.force);
   return cause == MG_ROLLS_ONTO_RIM ? mg_pivot_tilt_limit(c, slot) - mg_pivot_tilt(c, slot) : mg_pivot_tilt(c, slot);

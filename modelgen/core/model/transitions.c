@@ -1,13 +1,16 @@
 /* Transition table of a contact: for each cause the state after it (closed, open or unchanged) and the event that
-   is reported. Writes the closed and active sets of the run and the event list. Which closed contacts carry force
-   is decided by the complementarity problem of accelerations. */
+   is reported. Which closed contacts carry force is decided by the complementarity problem of accelerations
+   (forces/contact_modes.c). Writes the closed and active sets of the run, the event list and the time. */
 #include "model/model.h"
 
-enum { MG_MODE_UNCHANGED = -1, MG_NO_EVENT = -1 };
+enum {
+  MG_MODE_UNCHANGED = -1, /* the contact stays closed or open */
+  MG_NO_EVENT = -1        /* no event is reported */
+};
 
 static const struct {
-  int closed; /* after it: 1, 0, or as before */
-  int event;  /* that is reported, if any */
+  int closed; /* 1: closed afterwards, 0: open, or MG_MODE_UNCHANGED */
+  int event;  /* event that is reported, or MG_NO_EVENT */
 } mg_transitions[] = {
     [MG_IMPACT_INELASTIC] = {1, MG_NO_EVENT},
     [MG_TOUCHES_DOWN] = {1, MG_EVENT_TOUCH_DOWN},
@@ -23,7 +26,6 @@ static const struct {
     [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
-/* Append one event to the event list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed) {
   if (events->count >= events->capacity) return;
@@ -32,8 +34,6 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   events->feature_pair[k] = c->run->feature_pair[contact];
 }
 
-/* Apply one row of the transition table to a contact: set it closed or open and report the event of the
-   transition. */
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed) {
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
@@ -42,12 +42,10 @@ MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, i
   if (event != MG_NO_EVENT) mg_append_event(c, events, t, event, contact, speed);
 }
 
-/* Clear the event marks of all contacts. */
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.triggered[i] = 0;
 }
 
-/* Time passes; what rounding leaves out of its sum is kept: many short steps lose nothing. */
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h) {
   const mg_real t = run->t, step = h + run->t_roundoff;
   run->t = t + step;

@@ -18,7 +18,6 @@ static void mg_move_supports_to_edge(mg_context *c, int slot, mg_real ends[2][3]
   c->run->closed[support + 2] = c->run->active[support + 2] = 0;
 }
 
-/* Hold the tangent of a smooth rim at a world point, the imaginary edge of section 5.3. */
 MG_INTERNAL void mg_hold_tangent_edge(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
   const mg_real half = c->system->length / 2;
   mg_real o[12], along[3], ends[2][3];
@@ -29,7 +28,6 @@ MG_INTERNAL void mg_hold_tangent_edge(mg_context *c, int slot, const mg_real *wo
   mg_move_supports_to_edge(c, slot, ends, outward);
 }
 
-/* Hold a straight side of the hull. */
 MG_INTERNAL void mg_hold_hull_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   mg_move_supports_to_edge(c, slot, ends, outward);
   c->run->rolling_start[mg_first_support(c, slot)] = MG_ON_STRAIGHT_EDGE;
@@ -44,7 +42,6 @@ static void mg_start_contact_from_edge(mg_context *c, int patch, const mg_real *
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
-/* End the held edge: the contacts at its ends, or at its middle, take over. */
 MG_INTERNAL void mg_end_edge_pivot(mg_context *c, int slot, mg_events *events) {
   const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
             on_hull_side = mg_is_hull_side_pivot(c, slot);

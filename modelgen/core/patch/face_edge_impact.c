@@ -71,8 +71,6 @@ static int mg_place_support_on_edge(mg_context *c, int slot, const mg_support_po
   return 1;
 }
 
-/* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
-   returns 0 where the hull is polygonal, the face already rolls, or the approach is too slow to tilt it. */
 MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
   const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot);
   mg_real before[3];
@@ -113,8 +111,6 @@ static mg_real mg_worst_restitution_violation(mg_context *c, int slot, mg_suppor
   return rebound_least;
 }
 
-/* One step of the exchange: free the supports that do not push and put one at the worst violation; returns how
-   many moved. */
 MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
   const mg_real missed = -c->settings->feature_border * c->system->length / c->system->time;
   int count = 0;
@@ -130,7 +126,6 @@ MG_INTERNAL int mg_exchange_edge_supports(mg_context *c, int n) {
   return count;
 }
 
-/* Append the supports on hull edges to a list of unilateral rows; returns its length. */
 MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_support_on_edge(c, i)) list[n++] = i;
@@ -139,25 +134,25 @@ MG_INTERNAL int mg_append_edge_supports(const mg_context *c, int *list, int n) {
 
 /* After the impact, find where the face stays in contact: returns 1 for a point, 2 for a side, 0 where it
    separates or stays flat. */
-static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_boundary *brink) {
+static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_boundary *nearest) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   mg_real field[3];
   mg_normal_velocity_field(c, patch, c->bodies.twist, field);
-  const mg_real least = mg_least_field_over_hull(c, patch, field, brink->at),
-                steep = sqrt(mg_dot2(field + 1, field + 1));
-  if (least > rest || !(steep * c->system->length > rest)) return brink->n = 0;
-  brink->margin = 0, brink->normal[0] = -field[1] / steep, brink->normal[1] = -field[2] / steep;
+  const mg_real least = mg_least_field_over_hull(c, patch, field, nearest->at),
+                slope_norm = sqrt(mg_dot2(field + 1, field + 1));
+  if (least > rest || !(slope_norm * c->system->length > rest)) return nearest->n = 0;
+  nearest->margin = 0, nearest->normal[0] = -field[1] / slope_norm, nearest->normal[1] = -field[2] / slope_norm;
   for (int i = 0; i < c->patches.hull.n_edge; i++) {
     const mg_hull_edge *e = c->patches.hull.edges + i;
     const mg_real u = mg_field_value_at(field, c->patches.hull.vertices[e->from_vertex].point),
                   v = mg_field_value_at(field, c->patches.hull.vertices[e->to_vertex].point);
     if (e->direction || u > rest || v > rest || e->length <= MG_SHORT_SIDE * c->patches.hull.regions->coincidence)
       continue;
-    mg_read_support_point(&c->patches.hull, e->from_vertex, brink->at),
-        mg_read_support_point(&c->patches.hull, e->to_vertex, brink->at + 1);
-    return brink->n = 2;
+    mg_read_support_point(&c->patches.hull, e->from_vertex, nearest->at),
+        mg_read_support_point(&c->patches.hull, e->to_vertex, nearest->at + 1);
+    return nearest->n = 2;
   }
-  return brink->n = 1;
+  return nearest->n = 1;
 }
 
 /* Open, without an event, the covered contacts that separate: they were struck with their face. */
@@ -169,12 +164,11 @@ static void mg_open_covered_contacts(mg_context *c, int slot) {
       c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
 }
 
-/* Finish the impacts on hull edges: the faces separate, or tip over the edge where they stay. */
 MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int support = mg_first_support(c, slot), patch = mg_patch_of_slot(c, slot),
               was_resting = c->patches.trial[slot] == MG_TRIAL_TORN_OFF;
-    mg_nearest_boundary brink;
+    mg_nearest_boundary nearest;
     mg_real speed = 0;
     int struck = was_resting;
     if (c->patches.trial[slot] < MG_TRIAL_ON_EDGE) continue;
@@ -185,18 +179,17 @@ MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
     if (!struck) continue;
     mg_open_covered_contacts(c, slot);
     mg_request_pair_searches(c, patch);
-    const int stays = mg_find_lasting_edge_contact(c, patch, &brink);
+    const int stays = mg_find_lasting_edge_contact(c, patch, &nearest);
     if (was_resting)
       mg_apply_contact_transition(c, events, support, stays ? MG_PATCH_TURNS_OVER_EDGE : MG_LIFTS_OFF, c->run->t, 0);
     else mg_apply_contact_transition(c, events, support, stays ? MG_TOUCHES_DOWN : MG_IMPACT_REBOUND, c->run->t, speed);
     if (!stays) continue;
     mg_release_covered_contacts(c);
     c->patches.trial[slot] = 0;
-    mg_tip_patch_at(c, slot, &brink);
+    mg_tip_patch_at(c, slot, &nearest);
   }
 }
 
-/* True if the gap closes faster than the drift tolerance; also an approach too slow to bounce is stopped. */
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact) {
   return c->rows.d_dot[contact] < -c->settings->drift_tolerance * c->system->length / c->system->time;
 }

@@ -6,7 +6,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Velocity along N of a body's material point at a world point. */
 MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
                                                 const mg_real *N) {
   const mg_real *pose = c->bodies.pose + 12 * body, *twist = twists + 6 * body;
@@ -40,20 +39,17 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
   return mg_overlay_patch_regions(c, patch) > 2;
 }
 
-/* True if the contact lies in a patch whose faces lie on each other. */
 MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {
   const int patch = mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle);
   return patch >= 0 && mg_is_patch_flat(c, patch, c->settings->start_gap * c->system->length, 1);
 }
 
-/* Mark the contacts on feature pairs that a held patch covers. */
 MG_INTERNAL void mg_mark_covered_contacts(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     c->patches.is_covered[i] = i < c->layout.support_begin && mg_is_on_feature_pair(c, i) &&
                                mg_is_feature_pair_covered(c, c->run->feature_pair[i]);
 }
 
-/* Hold every free patch that lies flat, on trial; returns their number. */
 MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, int moving) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.trial[slot] = 0;
@@ -70,14 +66,11 @@ MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, i
   return count;
 }
 
-/* Release all patches held on trial. */
 MG_INTERNAL void mg_release_trial_patches(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
     if (c->patches.trial[slot]) c->patches.trial[slot] = 0, mg_release_patch(c, slot);
 }
 
-/* Release the trial patches that the amounts on their supports would end; with impulses, move their supports to
-   the edge of a curved hull instead. Returns how many were rejected. */
 MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg_real floor, int impulses) {
   int count = 0;
   mg_real margin;
@@ -94,7 +87,6 @@ MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg
   return count;
 }
 
-/* Take the contacts that held patches cover off their feature pairs. */
 MG_INTERNAL void mg_release_covered_contacts(mg_context *c) {
   const mg_real none[6] = {0};
   mg_mark_covered_contacts(c);
@@ -133,8 +125,6 @@ static int mg_tip_trial_patch(mg_context *c, mg_events *events) {
   return 1;
 }
 
-/* Begin the patches that lie flat and that the contact forces press together within their hulls; the contacts
-   they cover are released. */
 MG_INTERNAL void mg_begin_flat_patches(mg_context *c, mg_events *events, mg_real touching) {
   if (!mg_hold_flat_patches_on_trial(c, touching, 0)) return;
   if (c->system->n_friction) mg_evaluate_run_state(c);

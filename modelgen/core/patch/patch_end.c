@@ -28,13 +28,10 @@ static void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, 
   }
 }
 
-/* Restore the contacts that a patch covered; with friction its faces count as flat still, so that contacts stand
-   on points of them. */
 MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima *found) {
   mg_search_covered_feature_pairs(c, patch, mg_has_patch_friction(c, patch), found);
 }
 
-/* Contact, among those that the patch covers, at a world point, or -1. */
 MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world) {
   mg_real least = c->settings->search_merge_distance * c->system->length, next[6];
   int nearest = -1;
@@ -49,7 +46,6 @@ MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real
   return nearest;
 }
 
-/* Set a contact closed and active. */
 MG_INTERNAL void mg_close_contact(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
 
 /* True if the feature pair joins a plane and a curve that passes the world point at parameter t; then eta of the
@@ -131,7 +127,6 @@ static int mg_is_smooth_boundary_point(const mg_context *c, int patch, const mg_
   return at->crossing_arc < 0 && (alone || (fabs(at->t - ends[0]) > near && fabs(at->t - ends[1]) > near));
 }
 
-/* World position of an extreme point of the hull. */
 MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point *at, mg_real *world) {
   const mg_real local[3] = {at->point[0], at->point[1], 0};
   mg_to_world(o, local, 1, world);
@@ -150,69 +145,65 @@ static int mg_is_curved_boundary_point(const mg_context *c, const mg_support_poi
 }
 
 /* Hold a straight edge in place of the patch where the face tips about one; returns 0 where it does not. */
-static int mg_hold_pivot_edge(mg_context *c, int slot, const mg_nearest_boundary *brink, mg_real world[2][3],
+static int mg_hold_pivot_edge(mg_context *c, int slot, const mg_nearest_boundary *nearest, mg_real world[2][3],
                               const mg_real *outward) {
   const int patch = mg_patch_of_slot(c, slot);
-  if (brink->n == 2) {
-    if (!mg_is_curved_boundary_point(c, brink->at) && !mg_is_curved_boundary_point(c, brink->at + 1)) return 0;
+  if (nearest->n == 2) {
+    if (!mg_is_curved_boundary_point(c, nearest->at) && !mg_is_curved_boundary_point(c, nearest->at + 1)) return 0;
     mg_hold_hull_side(c, slot, world, outward);
     return 1;
   }
-  if (!(c->settings->imaginary_edge > 0) || !mg_is_smooth_boundary_point(c, patch, brink->at)) return 0;
+  if (!(c->settings->imaginary_edge > 0) || !mg_is_smooth_boundary_point(c, patch, nearest->at)) return 0;
   mg_hold_tangent_edge(c, slot, world[0], outward);
   return 1;
 }
 
-/* True if the boundary that the centre of pressure has reached is curved and has not started to roll. */
 MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   mg_support_resultant(c, slot, c->solution.force, centre);
-  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
+  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
   int curved = 0;
-  for (int k = 0; k < brink.n; k++) curved |= mg_is_curved_boundary_point(c, brink.at + k);
+  for (int k = 0; k < nearest.n; k++) curved |= mg_is_curved_boundary_point(c, nearest.at + k);
   return curved && !mg_is_patch_rolling_start(c, mg_patch_of_slot(c, slot));
 }
 
-/* Tip a patch over a point or a side of its hull: the patch ends and contacts or an edge begin there. */
-MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *brink) {
+MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *nearest) {
   const int patch = mg_patch_of_slot(c, slot);
   mg_real o[12], outward[3], world[2][3];
   mg_minima found;
   mg_hull_pose(c, patch, o);
-  const mg_real hull_normal[3] = {brink->normal[0], brink->normal[1], 0};
+  const mg_real hull_normal[3] = {nearest->normal[0], nearest->normal[1], 0};
   mg_to_world(o, hull_normal, 0, outward);
-  for (int k = 0; k < brink->n; k++) mg_hull_point_to_world(o, brink->at + k, world[k]);
+  for (int k = 0; k < nearest->n; k++) mg_hull_point_to_world(o, nearest->at + k, world[k]);
   const int has_friction = mg_has_patch_friction(c, patch);
-  if (!has_friction && mg_hold_pivot_edge(c, slot, brink, world, outward)) return;
-  const int on_points = has_friction && brink->n == 2 &&
-                        (mg_is_curved_boundary_point(c, brink->at) || mg_is_curved_boundary_point(c, brink->at + 1));
+  if (!has_friction && mg_hold_pivot_edge(c, slot, nearest, world, outward)) return;
+  const int on_points =
+      has_friction && nearest->n == 2 &&
+      (mg_is_curved_boundary_point(c, nearest->at) || mg_is_curved_boundary_point(c, nearest->at + 1));
   mg_release_patch(c, slot);
-  mg_search_covered_feature_pairs(c, patch, has_friction && (on_points || !mg_is_curved_boundary_point(c, brink->at)),
+  mg_search_covered_feature_pairs(c, patch, has_friction && (on_points || !mg_is_curved_boundary_point(c, nearest->at)),
                                   &found);
   if (on_points) {
     mg_close_covered_contacts(c, patch);
     return;
   }
-  for (int k = 0; k < brink->n; k++) {
-    const int smooth = mg_is_smooth_boundary_point(c, patch, brink->at + k);
+  for (int k = 0; k < nearest->n; k++) {
+    const int smooth = mg_is_smooth_boundary_point(c, patch, nearest->at + k);
     const int contact = smooth ? -1 : mg_find_contact_at_point(c, patch, world[k]);
     if (contact >= 0) mg_close_contact(c, contact);
-    else mg_start_rim_contact(c, patch, brink->at + k, world[k], outward);
+    else mg_start_rim_contact(c, patch, nearest->at + k, world[k], outward);
   }
 }
 
-/* Tip a patch over the boundary point nearest to its centre of pressure. */
 MG_INTERNAL void mg_tip_patch(mg_context *c, int slot) {
   mg_real centre[3];
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   mg_support_resultant(c, slot, c->solution.force, centre);
-  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &brink);
-  mg_tip_patch_at(c, slot, &brink);
+  mg_patch_hull_margin(c, mg_patch_of_slot(c, slot), centre, &nearest);
+  mg_tip_patch_at(c, slot, &nearest);
 }
 
-/* End the patches that the impulses would pull apart or press outside their hulls; the contacts they cover are
-   struck instead. Returns their number. */
 MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse, mg_real floor) {
   mg_minima found;
   mg_real margin, centre[3];
@@ -231,7 +222,6 @@ MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse,
   return count;
 }
 
-/* Replace patches with friction by single contacts where another contact is struck; returns their number. */
 MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
   mg_minima found;
   int count = 0, struck = 0;
@@ -247,7 +237,6 @@ MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
   return count;
 }
 
-/* End the patches whose events are marked, and report them; returns their number. */
 MG_INTERNAL int mg_end_patches(mg_context *c, mg_events *events) {
   mg_minima found;
   int count = 0;

@@ -1,34 +1,43 @@
-/* Coulomb friction summed over what is pressed (rubbing.h), from integrals along its boundary.
+/* Coulomb friction integrated over the loaded region (region/region.h), by integrals along its boundary. About the
+   instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the integral
+   along each ray is a polynomial; the remaining integral along the boundary has a closed form on straight strips,
+   and is smooth on curves except near the centre, towards which these are subdivided. Where the centre is far away,
+   the direction is smooth over the region, and Gauss quadrature on rays from a point of the region converges fast.
 
-   About the instantaneous centre of rotation the direction of slip depends on the polar angle alone, so that the
-   integral along each ray is a polynomial; what remains along the boundary has a closed form on straight strips, and is
-   smooth on curves but near the centre, towards which these are divided. Where the centre is far, the direction is
-   smooth all over the region, and Gauss' rule on rays from a point of it converges fast; where it is very far, with few
-   nodes. */
-/* How much of what friction can hold a force and torque take: the least that a twist rubs of all on which they work
-   alike. A smooth convex function of two unknowns, by the method of Broyden, Fletcher, Goldfarb and Shanno (Nocedal and
+   The coefficient of friction that holds a given wrench: the minimum of the frictional power over all twists on
+   which the wrench has the same power, a smooth convex function of two unknowns, by the BFGS method (Nocedal and
    Wright, Numerical Optimization, 2006, chapter 6). */
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_FAR_CENTRE 3 /* extents: from there on the centre of rotation is far */
+#define MG_FAR_ROTATION_CENTRE                                                          \
+  3 /* distance of the rotation centre over the reach of the pressure: from here on far \
+     */
 
-#define MG_PURE_TRANSLATION 40
+#define MG_NEARLY_TRANSLATION 40 /* the same: from here on few nodes are enough */
 
-typedef struct { /* about the centre of rotation, d off it: of e = d/|d| by 1, d; of |d| by 1, d */
-  mg_real centre[2], e[2], ed[3], r, rd[2];
-} mg_ring;
-
-#define MG_TWIST_STEPS 80
-
+/* Integrals over the loaded region about the rotation centre, from which a point is at d. */
 typedef struct {
-  const mg_winkler_pressure_field *press;
-  mg_real radius, from[3],
-      across[2][3]; /* twists from + y0 across0 + y1 across1, torque and w in units of the radius */
+  mg_real centre[2]; /* rotation centre, axes of the hull, m */
+  mg_real e[2];      /* of e = d / |d| */
+  mg_real ed[3];     /* of e d: xx, xy, yy */
+  mg_real r;         /* of |d| */
+  mg_real rd[2];     /* of |d| d */
+} mg_rotation_integrals;
+
+#define MG_TWIST_STEPS 80 /* most steps of the BFGS method */
+
+/* Twists on which a force has power 1: from + y0 across0 + y1 across1, with torques divided, angular velocities
+   multiplied by the radius. */
+typedef struct {
+  const mg_winkler_pressure_field *press; /* pressure */
+  mg_real radius;                         /* radius, m */
+  mg_real from[3];                        /* twist of least size */
+  mg_real across[2][3];                   /* directions of the plane, unit length */
 } mg_search_plane;
 
-/* Adds a piece of boundary at d with weight d cross dx. */
-static void mg_add_ring(mg_ring *g, mg_real weight, const mg_real *d) {
+/* Adds an element of the boundary at d from the rotation centre, with weight d x dx. */
+static void mg_add_boundary_element(mg_rotation_integrals *g, mg_real weight, const mg_real *d) {
   const mg_real r = sqrt(mg_dot2(d, d));
   if (!(r > 0)) return;
   const mg_real x = d[0] / r, y = d[1] / r;
@@ -37,8 +46,8 @@ static void mg_add_ring(mg_ring *g, mg_real weight, const mg_real *d) {
   g->r += weight * r / 3, g->rd[0] += weight * r * d[0] / 4, g->rd[1] += weight * r * d[1] / 4;
 }
 
-/* Adds a straight piece of boundary from P to Q. */
-static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
+/* Adds the straight piece of boundary from P to Q, in closed form. */
+static void mg_add_straight_boundary(mg_rotation_integrals *g, const mg_real *P, const mg_real *Q) {
   const mg_real length = mg_distance2(P, Q), p[2] = {P[0] - g->centre[0], P[1] - g->centre[1]};
   if (!(length > 0)) return;
   const mg_real t[2] = {(Q[0] - P[0]) / length, (Q[1] - P[1]) / length}, h = mg_cross2(p, t);
@@ -55,37 +64,37 @@ static void mg_add_straight(mg_ring *g, const mg_real *P, const mg_real *Q) {
   g->r += h / 3 * r0;
 }
 
-/* Adds a curve, in halves while it is long against its distance from the centre of rotation. */
-static void mg_add_curve(mg_ring *g, const mg_placed_arc *k, mg_real t0, mg_real t1, const mg_real *P, const mg_real *Q,
-                         mg_real least) {
+/* Adds a curved piece of boundary, in halves while it is long compared with its distance from the rotation centre. */
+static void mg_add_curved_boundary(mg_rotation_integrals *g, const mg_placed_arc *k, mg_real t0, mg_real t1,
+                                   const mg_real *P, const mg_real *Q, mg_real least) {
   const mg_real t = (t0 + t1) / 2, length = mg_distance2(P, Q);
   mg_real x[2], T[2];
   mg_arc_point(k, t, x, T);
   const mg_real near = fmin(fmin(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
   if (2 * length > near && length > least) {
-    mg_add_curve(g, k, t0, t, P, x, least), mg_add_curve(g, k, t, t1, x, Q, least);
+    mg_add_curved_boundary(g, k, t0, t, P, x, least), mg_add_curved_boundary(g, k, t, t1, x, Q, least);
     return;
   }
   for (int j = 0; j < MG_NODES; j++) {
     mg_arc_point(k, t0 + mg_node[j] * (t1 - t0), x, T);
     const mg_real d[2] = {x[0] - g->centre[0], x[1] - g->centre[1]};
-    mg_add_ring(g, mg_node_weight[j] * (t1 - t0) * mg_cross2(d, T), d);
+    mg_add_boundary_element(g, mg_node_weight[j] * (t1 - t0) * mg_cross2(d, T), d);
   }
 }
 
-/* The sums about the centre of rotation; along the line where the pressure vanishes too, from its foot to each end. */
-static void mg_go_round_ring(const mg_winkler_pressure_field *p, mg_ring *g) {
+/* Integrals about the rotation centre; the line where the pressure vanishes is part of the boundary. */
+static void mg_integrate_about_rotation_centre(const mg_winkler_pressure_field *p, mg_rotation_integrals *g) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
-    if (s->straight) mg_add_straight(g, s->begin, s->end);
-    else mg_add_curve(g, p->hull->arcs + s->arc, s->t[0], s->t[1], s->begin, s->end, sqrt(MG_EPS) * p->reach);
-    if (s->ends[0]) mg_add_straight(g, p->line_foot, s->begin);
-    if (s->ends[1]) mg_add_straight(g, s->end, p->line_foot);
+    if (s->straight) mg_add_straight_boundary(g, s->begin, s->end);
+    else mg_add_curved_boundary(g, p->hull->arcs + s->arc, s->t[0], s->t[1], s->begin, s->end, sqrt(MG_EPS) * p->reach);
+    if (s->ends[0]) mg_add_straight_boundary(g, p->zero_line_point, s->begin);
+    if (s->ends[1]) mg_add_straight_boundary(g, s->end, p->zero_line_point);
   }
 }
 
-/* From the sums about the centre of rotation, q off the centre of pressure, to G about that. */
-static void mg_shift_ring(const mg_ring *g, const mg_real *q, int sign, mg_real G[3][3]) {
+/* Friction matrix G about the centre of pressure from integrals about the rotation centre, which is q from it. */
+static void mg_shift_to_pressure_centre(const mg_rotation_integrals *g, const mg_real *q, int sign, mg_real G[3][3]) {
   const mg_real ed[2][2] = {{g->ed[0], g->ed[1]}, {g->ed[1], g->ed[2]}};
   for (int j = 0; j < 3; j++) {
     const mg_real by = j ? q[j - 1] : 1;
@@ -95,8 +104,8 @@ static void mg_shift_ring(const mg_ring *g, const mg_real *q, int sign, mg_real 
   }
 }
 
-/* Adds a point of the region, d off the centre of pressure. */
-static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
+/* Adds the friction of a point at d from the centre of pressure. */
+static void mg_add_point_friction(const mg_real *twist, mg_real weight, const mg_real *d, mg_real G[3][3]) {
   const mg_real v[2] = {twist[0] - twist[2] * d[1], twist[1] + twist[2] * d[0]}, size = sqrt(mg_dot2(v, v));
   if (!(size > 0)) return;
   const mg_real by[3] = {weight, weight * d[0], weight * d[1]}, u[2] = {v[0] / size, v[1] / size},
@@ -104,9 +113,10 @@ static void mg_add_slip(const mg_real *twist, mg_real weight, const mg_real *d, 
   for (int j = 0; j < 3; j++) G[0][j] += u[0] * by[j], G[1][j] += u[1] * by[j], G[2][j] += arm * by[j];
 }
 
-/* The triangle of a piece of boundary at x, of weight (x - foot) cross dx. */
-static void mg_add_ray(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real weight,
-                       const mg_real *x, mg_real G[3][3]) {
+/* Adds the triangle between the reference point and an element of the boundary at x, of weight (x - reference) x
+   dx, by n nodes along the ray. */
+static void mg_add_ray_friction(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real weight,
+                                const mg_real *x, mg_real G[3][3]) {
   static const mg_real few[2][MG_FEW_NODES] = {
       {(mg_real)0.0694318442029737123880268, (mg_real)0.330009478207571867598667, (mg_real)0.669990521792428132401333,
        (mg_real)0.930568155797026287611973},
@@ -115,12 +125,14 @@ static void mg_add_ray(const mg_winkler_pressure_field *p, const mg_real *twist,
   const mg_real *node = n == MG_FEW_NODES ? few[0] : mg_node, *part = n == MG_FEW_NODES ? few[1] : mg_node_weight;
   for (int j = 0; j < n; j++) {
     mg_real d[2];
-    for (int k = 0; k < 2; k++) d[k] = p->line_foot[k] - p->centre[k] + node[j] * (x[k] - p->line_foot[k]);
-    mg_add_slip(twist, part[j] * node[j] * weight, d, G);
+    for (int k = 0; k < 2; k++) d[k] = p->zero_line_point[k] - p->centre[k] + node[j] * (x[k] - p->zero_line_point[k]);
+    mg_add_point_friction(twist, part[j] * node[j] * weight, d, G);
   }
 }
 
-static void mg_add_far_friction(const mg_winkler_pressure_field *p, const mg_real *twist, int n, mg_real G[3][3]) {
+/* Friction matrix for a far rotation centre, by n nodes along each ray. */
+static void mg_integrate_far_rotation(const mg_winkler_pressure_field *p, const mg_real *twist, int n,
+                                      mg_real G[3][3]) {
   for (long i = 0; i < p->n; i++) {
     const mg_boundary_strip *s = p->strips + i;
     for (int j = 0; j < MG_NODES; j++) {
@@ -128,9 +140,9 @@ static void mg_add_far_friction(const mg_winkler_pressure_field *p, const mg_rea
       if (s->straight)
         for (int k = 0; k < 2; k++) x[k] = s->begin[k] + mg_node[j] * T[k];
       else mg_arc_point(p->hull->arcs + s->arc, s->t[0] + mg_node[j] * (s->t[1] - s->t[0]), x, T);
-      const mg_real arm[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]},
+      const mg_real arm[2] = {x[0] - p->zero_line_point[0], x[1] - p->zero_line_point[1]},
                     whole = s->straight ? 1 : s->t[1] - s->t[0];
-      mg_add_ray(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
+      mg_add_ray_friction(p, twist, n, mg_node_weight[j] * whole * mg_cross2(arm, T), x, G);
     }
   }
 }
@@ -138,29 +150,30 @@ static void mg_add_far_friction(const mg_winkler_pressure_field *p, const mg_rea
 MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg_real *twist, mg_real G[3][3]) {
   const mg_real away = sqrt(mg_dot2(twist, twist)), turn = fabs(twist[2]) * p->reach;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = 0;
-  if (away >= MG_FAR_CENTRE * turn) {
-    mg_add_far_friction(p, twist, away < MG_PURE_TRANSLATION * turn ? MG_NODES : MG_FEW_NODES, G);
+  if (away >= MG_FAR_ROTATION_CENTRE * turn) {
+    mg_integrate_far_rotation(p, twist, away < MG_NEARLY_TRANSLATION * turn ? MG_NODES : MG_FEW_NODES, G);
     return;
   }
   const mg_real q[2] = {-twist[1] / twist[2], twist[0] / twist[2]};
-  mg_ring ring = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
-  mg_go_round_ring(p, &ring);
-  mg_shift_ring(&ring, q, twist[2] > 0 ? 1 : -1, G);
+  mg_rotation_integrals integrals = {{p->centre[0] + q[0], p->centre[1] + q[1]}, {0, 0}, {0, 0, 0}, 0, {0, 0}};
+  mg_integrate_about_rotation_centre(p, &integrals);
+  mg_shift_to_pressure_centre(&integrals, q, twist[2] > 0 ? 1 : -1, G);
 }
 
-static void mg_twist_of(const mg_search_plane *s, const mg_real *y, mg_real *twist) {
+/* Twist at y on the search plane. */
+static void mg_twist_on_plane(const mg_search_plane *s, const mg_real *y, mg_real *twist) {
   for (int k = 0; k < 3; k++) twist[k] = s->from[k] + y[0] * s->across[0][k] + y[1] * s->across[1][k];
 }
 
-/* What a twist rubs, and how that grows with y. */
+/* Frictional power of the twist at y, and its slope by y. */
 static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, mg_real *slope) {
   mg_real twist[3], force[3], G[3][3], power = 0;
-  mg_twist_of(s, y, twist);
+  mg_twist_on_plane(s, y, twist);
   twist[2] /= s->radius;
   mg_friction_matrix(s->press, twist, G);
-  const mg_real *level = s->press->coefficients;
+  const mg_real *coefficients = s->press->coefficients;
   for (int k = 0; k < 3; k++) {
-    force[k] = G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2];
+    force[k] = G[k][0] * coefficients[0] + G[k][1] * coefficients[1] + G[k][2] * coefficients[2];
     power += force[k] * twist[k];
   }
   force[2] /= s->radius;
@@ -171,8 +184,8 @@ static mg_real mg_friction_power_at(const mg_search_plane *s, const mg_real *y, 
   return power;
 }
 
-/* The plane of twists on which the force, of size 1, works 1. */
-static void mg_open_plane(mg_search_plane *s, const mg_real *force) {
+/* Sets the plane of twists on which a force of size 1 has power 1. */
+static void mg_set_search_plane(mg_search_plane *s, const mg_real *force) {
   int least = 0;
   mg_real size = 0;
   for (int k = 1; k < 3; k++)
@@ -188,9 +201,10 @@ static void mg_open_plane(mg_search_plane *s, const mg_real *force) {
   }
 }
 
-/* A shorter step until the power falls as it should (Armijo); the slope at its end. Returns the power there. */
-static mg_real mg_step_down(const mg_search_plane *s, mg_real power, const mg_real *slope, mg_real *y, mg_real *step,
-                            mg_real *slope_next) {
+/* Shortens the step until the power falls sufficiently (Armijo); moves y, and writes the slope there. Returns the
+   power. */
+static mg_real mg_armijo_step(const mg_search_plane *s, mg_real power, const mg_real *slope, mg_real *y, mg_real *step,
+                              mg_real *slope_next) {
   mg_real next[2], found = power;
   const mg_real fall = slope[0] * step[0] + slope[1] * step[1];
   for (mg_real part = 1; part > sqrt(MG_EPS); part /= 2) {
@@ -204,8 +218,8 @@ static mg_real mg_step_down(const mg_search_plane *s, mg_real power, const mg_re
   return power;
 }
 
-/* The inverse of the Hessian that the step taken suggests; H: xx, xy, yy. */
-static void mg_update_inverse(mg_real *H, const mg_real *step, const mg_real *grown) {
+/* BFGS update of the inverse Hessian H (xx, xy, yy) by a step and the change of the slope. */
+static void mg_bfgs_update(mg_real *H, const mg_real *step, const mg_real *grown) {
   const mg_real curve = step[0] * grown[0] + step[1] * grown[1];
   if (!(curve > 0)) return;
   const mg_real Hg[2] = {H[0] * grown[0] + H[1] * grown[1], H[1] * grown[0] + H[2] * grown[1]};
@@ -224,17 +238,17 @@ MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_winkler_pressure_field *p, c
   twist[0] = 1, twist[1] = twist[2] = 0;
   if (!(size > 0)) return 0;
   const mg_real unit[3] = {force[0] / size, force[1] / size, force[2] / size};
-  mg_open_plane(&s, unit);
+  mg_set_search_plane(&s, unit);
   mg_real power = mg_friction_power_at(&s, y, slope), H[3] = {1 / power, 0, 1 / power};
   for (int i = 0; i < MG_TWIST_STEPS && fabs(slope[0]) + fabs(slope[1]) > 64 * MG_EPS * power; i++) {
     mg_real step[2] = {-H[0] * slope[0] - H[1] * slope[1], -H[1] * slope[0] - H[2] * slope[1]};
-    power = mg_step_down(&s, power, slope, y, step, next);
+    power = mg_armijo_step(&s, power, slope, y, step, next);
     if (step[0] == 0 && step[1] == 0) break;
     const mg_real grown[2] = {next[0] - slope[0], next[1] - slope[1]};
-    mg_update_inverse(H, step, grown);
+    mg_bfgs_update(H, step, grown);
     slope[0] = next[0], slope[1] = next[1];
   }
-  mg_twist_of(&s, y, twist);
+  mg_twist_on_plane(&s, y, twist);
   const mg_real length = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + twist[2] * twist[2]);
   for (int k = 0; k < 3; k++) twist[k] /= length;
   return size / power;

@@ -1,8 +1,9 @@
-/* Points along the boundaries of an intersection and of its hull, loop after loop. */
+/* Points along the boundary of an overlap and along its hull, loop after loop. */
 #include "region/region.h"
 #include "base/base.h"
 
-static void mg_put_point(mg_outline *out, const mg_real *p) {
+/* Adds a point; points beyond the capacity are counted only. */
+static void mg_add_outline_point(mg_outline *out, const mg_real *p) {
   if (out->count < out->capacity) {
     out->point[2 * out->count] = p[0], out->point[2 * out->count + 1] = p[1];
     out->loop[out->count] = out->n_loop;
@@ -10,27 +11,28 @@ static void mg_put_point(mg_outline *out, const mg_real *p) {
   out->count++;
 }
 
-/* Points of a curve from t0 on, `fine` to a span; its end is left to what follows. */
-static void mg_trace(const mg_hull *h, int track, mg_real t0, mg_real t1, int fine, mg_outline *out) {
-  const mg_placed_arc *k = h->arcs + track;
+/* Points of an arc from t0 towards t1, n to a curve; the end belongs to what follows. */
+static void mg_trace_curve(const mg_hull *h, int arc, mg_real t0, mg_real t1, int fine, mg_outline *out) {
+  const mg_placed_arc *k = h->arcs + arc;
   const int n = k->straight ? 1 : fine;
   for (int i = 0; i < n; i++) {
     mg_real p[2], T[2];
     mg_arc_point(k, t0 + i * (t1 - t0) / n, p, T);
-    mg_put_point(out, p);
+    mg_add_outline_point(out, p);
   }
 }
 
+/* Points of a piece, forwards or backwards. */
 static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int back, int fine, mg_outline *out) {
   const mg_placed_arc *k = h->arcs + piece->arc;
   for (int i = 0; i < k->n_span; i++) {
     const mg_arc_span *s = h->spans + k->span + (back ? k->n_span - 1 - i : i);
     const mg_real a = fmax(s->t_begin, piece->t[0]), b = fmin(s->t_end, piece->t[1]);
-    if (a < b) mg_trace(h, piece->arc, back ? b : a, back ? a : b, fine, out);
+    if (a < b) mg_trace_curve(h, piece->arc, back ? b : a, back ? a : b, fine, out);
   }
 }
 
-/* The piece not yet traced that begins or ends nearest to p, within `reach`; back: it ends there. */
+/* Piece not yet traced that begins or ends nearest to p, within `reach`, or -1; *back: it ends there. */
 static int mg_next_piece(const mg_hull *h, const mg_real *p, mg_real reach, int *back) {
   int next = -1;
   for (int i = 0; i < h->n_piece; i++)
@@ -63,9 +65,9 @@ MG_INTERNAL void mg_outline_hull(const mg_hull *h, int fine, mg_outline *out) {
   for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
     const mg_hull_vertex *a = h->vertices + (e->direction < 0 ? e->to_vertex : e->from_vertex);
-    if (e->direction > 0) mg_trace(h, a->arc, a->t, a->t_end, fine, out);
-    else if (e->direction < 0) mg_trace(h, a->arc, a->t_end, a->t, fine, out);
-    else mg_put_point(out, h->vertices[e->from_vertex].point);
+    if (e->direction > 0) mg_trace_curve(h, a->arc, a->t, a->t_end, fine, out);
+    else if (e->direction < 0) mg_trace_curve(h, a->arc, a->t_end, a->t, fine, out);
+    else mg_add_outline_point(out, h->vertices[e->from_vertex].point);
   }
   out->n_loop = h->n_edge > 0;
 }

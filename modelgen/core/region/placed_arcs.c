@@ -1,12 +1,12 @@
-/* Arcs placed in the plane, and divided into spans of little turn. */
+/* Arcs placed in the plane, divided into spans that turn little. Writes arcs and spans of a hull. */
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_SPAN_TURN 0.3 /* rad, of a span */
+#define MG_SPAN_TURN 0.3 /* most turn of a span, rad */
 
-#define MG_SPANS_MAX 512 /* spans of an arc at most */
+#define MG_SPANS_MAX 512 /* most spans of an arc */
 
-#define MG_INFLECTION_PARTS 8 /* parts of a span in which an inflection is sought */
+#define MG_INFLECTION_PARTS 8 /* parts of a span between which the sign of the curvature is compared */
 
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent) {
   const mg_real uv[2] = {t, 0};
@@ -19,47 +19,49 @@ MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point,
   tangent[1] = a[1] * d[0] + a[3] * d[1] + a[5] * d[2];
 }
 
-/* The unit tangent in place of one of any length. */
-static void mg_unit2(mg_real *d) {
+/* Scales a tangent to unit length. */
+static void mg_normalise2(mg_real *d) {
   const mg_real size = sqrt(mg_dot2(d, d));
   if (size > 0) d[0] /= size, d[1] /= size;
 }
 
-static void mg_turn_of(mg_arc_span *s) {
+/* Turn of a span; large if its tangents point backwards. */
+static void mg_set_span_turn(mg_arc_span *s) {
   mg_real chord[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]};
-  mg_unit2(chord);
+  mg_normalise2(chord);
   const int back = mg_dot2(chord, s->begin_tangent) < 0.5 || mg_dot2(chord, s->end_tangent) < 0.5;
   s->turn = back ? 4 : fabs(mg_cross2(chord, s->begin_tangent)) + fabs(mg_cross2(chord, s->end_tangent));
 }
 
-MG_INTERNAL void mg_make_span(const mg_hull *h, int track, mg_real a, mg_real b, mg_arc_span *span) {
-  span->arc = track, span->t_begin = a, span->t_end = b;
-  mg_arc_point(h->arcs + track, a, span->begin, span->begin_tangent),
-      mg_arc_point(h->arcs + track, b, span->end, span->end_tangent);
-  mg_unit2(span->begin_tangent), mg_unit2(span->end_tangent);
-  mg_turn_of(span);
+MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span) {
+  span->arc = arc, span->t_begin = a, span->t_end = b;
+  mg_arc_point(h->arcs + arc, a, span->begin, span->begin_tangent),
+      mg_arc_point(h->arcs + arc, b, span->end, span->end_tangent);
+  mg_normalise2(span->begin_tangent), mg_normalise2(span->end_tangent);
+  mg_set_span_turn(span);
 }
 
-/* Whether the arc is a straight line, to rounding. */
+/* True if the arc is a straight line up to rounding. */
 static int mg_is_straight(const mg_placed_arc *k) {
   static const mg_real parts[] = {0.23, 0.5, 0.81};
   mg_real P[2], Q[2], T[2], E[2];
   mg_arc_point(k, k->t0, P, T), mg_arc_point(k, k->t1, Q, E);
   mg_real chord[2] = {Q[0] - P[0], Q[1] - P[1]};
   const mg_real size = fabs(P[0]) + fabs(P[1]) + fabs(Q[0]) + fabs(Q[1]);
-  mg_unit2(chord), mg_unit2(T), mg_unit2(E);
+  mg_normalise2(chord), mg_normalise2(T), mg_normalise2(E);
   int straight = mg_dot2(chord, T) > 0.5 && mg_dot2(chord, E) > 0.5;
   for (int i = 0; i < 3 && straight; i++) {
     mg_real x[2], D[2];
     mg_arc_point(k, k->t0 + parts[i] * (k->t1 - k->t0), x, D);
     const mg_real arm[2] = {x[0] - P[0], x[1] - P[1]};
-    mg_unit2(D);
+    mg_normalise2(D);
     straight = fabs(mg_cross2(chord, arm)) <= 4 * MG_EPS * size && fabs(mg_cross2(chord, D)) <= sqrt(MG_EPS);
   }
   return straight;
 }
 
-static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
+/* Value at t of the function of which a zero is sought. */
+static mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t) {
   mg_real x[2], T[2], E[2];
   if (sought == MG_ZERO_CURVATURE) {
     const mg_real step = (k->t1 - k->t0) / 4096;
@@ -71,18 +73,16 @@ static mg_real mg_sought(const mg_placed_arc *k, int sought, const mg_real *v, m
   return sought == MG_ZERO_SUPPORT ? mg_dot2(v, T) : mg_dot2(arm, T);
 }
 
-/* The zero between a and b, or the end nearer to it; of feet only one that is nearest: the secant's, safeguarded
- * (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b) {
-  mg_real fa = mg_sought(k, sought, v, a), fb = mg_sought(k, sought, v, b), t = b;
-  if (sought == MG_ZERO_FOOT && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
+  mg_real fa = mg_zero_function(k, sought, v, a), fb = mg_zero_function(k, sought, v, b), t = b;
+  if (sought == MG_ZERO_NEAREST && !(fa < 0 && fb > 0)) return fa + fb > 0 ? a : b;
   if (fa == 0 || fb == 0 || (fa > 0) == (fb > 0)) return fabs(fa) < fabs(fb) ? a : b;
   const mg_real least = MG_EPS * (fabs(a) + fabs(b));
   for (int i = 1; i < 100 && fabs(b - a) > least; i++) {
     const int halve = i % 8 == 0;
     t = halve ? (a + b) / 2 : b - fb * (b - a) / (fb - fa);
     if (!halve && fabs(t - b) <= least / 2) return t;
-    const mg_real f = mg_sought(k, sought, v, t);
+    const mg_real f = mg_zero_function(k, sought, v, t);
     if (f == 0) return t;
     if (f * fb < 0) {
       a = b, fa = fb;
@@ -95,16 +95,16 @@ MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_
   return t;
 }
 
-/* Ends a span at the first inflection within it, if there is one. */
+/* Ends a span at the first inflection in it. */
 static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   const mg_placed_arc *k = h->arcs + s->arc;
   const mg_real part = (s->t_end - s->t_begin) / MG_INFLECTION_PARTS;
-  mg_real before = mg_sought(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
+  mg_real before = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, s->t_begin);
   for (int i = 0; i < MG_INFLECTION_PARTS; i++) {
     const mg_real low = s->t_begin + i * part, high = low + part,
-                  bend = mg_sought(k, MG_ZERO_CURVATURE, s->begin, high);
-    const int changed = (before > 0) != (bend > 0);
-    before = bend;
+                  curvature = mg_zero_function(k, MG_ZERO_CURVATURE, s->begin, high);
+    const int changed = (before > 0) != (curvature > 0);
+    before = curvature;
     if (!changed) continue;
     const mg_real t = mg_zero_on_arc(k, MG_ZERO_CURVATURE, s->begin, low, high);
     if (!(t > s->t_begin + part / 64 && t < s->t_end - part / 64)) continue;
@@ -113,9 +113,9 @@ static void mg_end_at_inflection(const mg_hull *h, mg_arc_span *s) {
   }
 }
 
-/* At most `most` spans of an arc from its start on, each as long as its turn allows. */
-static void mg_divide(mg_hull *h, int track, int most) {
-  mg_placed_arc *k = h->arcs + track;
+/* Divides an arc into at most `most` spans, as long as their turn permits. */
+static void mg_divide_arc(mg_hull *h, int arc, int most) {
+  mg_placed_arc *k = h->arcs + arc;
   const mg_real whole = k->t1 - k->t0;
   mg_real part = k->straight ? 1 : (mg_real)1 / 8, done = 0;
   k->span = h->n_span;
@@ -124,7 +124,7 @@ static void mg_divide(mg_hull *h, int track, int most) {
     if (part < least) part = least;
     const mg_real end = done + part > 1 - part / 2 ? 1 : done + part;
     mg_arc_span *s = h->spans + h->n_span;
-    mg_make_span(h, track, h->n_span > k->span ? s[-1].t_end : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
+    mg_make_span(h, arc, h->n_span > k->span ? s[-1].t_end : k->t0, end < 1 ? k->t0 + end * whole : k->t1, s);
     if (s->turn > MG_SPAN_TURN && part > (mg_real)1 / MG_SPANS_MAX && part / 2 > least) {
       part /= 2;
       continue;
@@ -137,28 +137,28 @@ static void mg_divide(mg_hull *h, int track, int most) {
   k->n_span = h->n_span - k->span;
 }
 
-/* The spans of all arcs; the curves share the room equally. */
-static void mg_divide_all(mg_hull *h) {
+/* Divides all arcs; curves share the capacity equally. */
+static void mg_divide_all_arcs(mg_hull *h) {
   const int n = h->regions->n_arc;
   int straight = 0, curved = 0;
   for (int i = 0; i < n; i++) straight += h->arcs[i].straight, curved += !h->arcs[i].straight;
   h->n_span = 0;
   for (int i = 0; i < n; i++) {
-    if (h->arcs[i].straight) mg_divide(h, i, 1), straight--;
-    else mg_divide(h, i, (h->span_capacity - h->n_span - straight) / curved), curved--;
+    if (h->arcs[i].straight) mg_divide_arc(h, i, 1), straight--;
+    else mg_divide_arc(h, i, (h->span_capacity - h->n_span - straight) / curved), curved--;
   }
 }
 
-/* The arc that goes on where arc i ends. */
-static int mg_following(const mg_region_pair *r, int i) {
+/* Arc that follows arc i in its loop. */
+static int mg_next_arc_of_loop(const mg_region_pair *r, int i) {
   const int loop = r->arc[i].loop;
   if (i + 1 < r->n_arc && i + 1 != r->n_o && r->arc[i + 1].loop == loop) return i + 1;
   while (i > 0 && i != r->n_o && r->arc[i - 1].loop == loop) i--;
   return i;
 }
 
-/* The pose of the face's frame in the plane that arc i is placed in; o's own, and at first f's as well. */
-static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
+/* Places arc i: in the axes of its own face (pose 0), or in those of o's face. */
+static void mg_place_arc(mg_hull *h, int i, const mg_real *pose) {
   const mg_real *place = h->regions->arc[i].place;
   mg_placed_arc *k = h->arcs + i;
   for (int row = 0; row < 2; row++) {
@@ -171,26 +171,27 @@ static void mg_place_track(mg_hull *h, int i, const mg_real *pose) {
   }
 }
 
-/* Points that arcs of one loop share are the same point. */
+/* Makes the end of arc i equal to the beginning of the next. */
 static void mg_close_loop(mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_arc_span *last = h->spans + k->span + k->n_span - 1;
   for (int j = 0; j < 2; j++) last->end[j] = h->spans[h->arcs[k->next].span].begin[j];
 }
 
-static mg_real mg_reach_of_track(const mg_hull *h, int i) {
+/* Largest coordinate sum of the points of an arc. */
+static mg_real mg_arc_extent(const mg_hull *h, int i) {
   mg_real most = 0;
   for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
     most = fmax(most, fabs(h->spans[j].begin[0]) + fabs(h->spans[j].begin[1]));
   return most;
 }
 
-/* Whether the region that an arc bounds lies on its right. */
-static int mg_has_right(const mg_hull *h, int i) {
+/* True if the region that an arc bounds lies on its right. */
+static int mg_is_region_on_right(const mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
   mg_real x[2], T[2];
   mg_arc_point(k, (k->t0 + k->t1) / 2, x, T);
-  mg_unit2(T);
+  mg_normalise2(T);
   const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence,
                 right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
   return mg_locate_point(h, k->side, right) == 1;
@@ -202,13 +203,13 @@ MG_INTERNAL void mg_divide_arcs(mg_hull *h) {
     mg_placed_arc *k = h->arcs + i;
     k->kernels = r->kernels, k->shape = r->arc[i].shape, k->parameters = r->arc[i].parameters, k->t0 = r->arc[i].t0,
     k->t1 = r->arc[i].t1;
-    k->side = i >= r->n_o, k->next = mg_following(r, i);
-    mg_place_track(h, i, 0);
+    k->side = i >= r->n_o, k->next = mg_next_arc_of_loop(r, i);
+    mg_place_arc(h, i, 0);
     k->straight = mg_is_straight(k);
   }
-  mg_divide_all(h);
+  mg_divide_all_arcs(h);
   for (int i = 0; i < r->n_arc; i++) mg_close_loop(h, i);
-  for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_has_right(h, i);
+  for (int i = 0; i < r->n_arc; i++) h->arcs[i].right = mg_is_region_on_right(h, i);
 }
 
 MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
@@ -216,7 +217,7 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   h->mirrored = pose[3] * pose[7] - pose[4] * pose[6] < 0;
   for (int i = r->n_o; i < r->n_arc; i++) {
     const mg_placed_arc *k = h->arcs + i;
-    mg_place_track(h, i, pose);
+    mg_place_arc(h, i, pose);
     for (int j = k->span; j < k->span + k->n_span; j++) {
       mg_arc_span *s = h->spans + j;
       mg_make_span(h, i, s->t_begin, s->t_end, s);
@@ -226,6 +227,6 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   h->size = 0;
   for (int i = 0; i < r->n_arc; i++) {
     mg_close_loop(h, i);
-    h->size = fmax(h->size, mg_reach_of_track(h, i));
+    h->size = fmax(h->size, mg_arc_extent(h, i));
   }
 }

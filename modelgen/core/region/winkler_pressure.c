@@ -1,25 +1,30 @@
-/* The pressure between two faces from its resultant and its centre: on what it acts, and its coefficients. */
+/* Winkler pressure between two faces from its resultant and its centre (region/region.h): Newton's method for the
+   coefficients of p = max(0, a + b.x), which are the minimum of a convex function whose Hessian are the moments of
+   the loaded region. Writes the pressure field. */
 #include "region/region.h"
 #include "base/base.h"
 
-#define MG_PRESSURE_STEPS 60
+#define MG_PRESSURE_STEPS 60 /* most steps of Newton's method and of the continuation */
 
-#define MG_EDGE 8192 /* of the size of a hull: nearer to its edge no pressure is sought */
+#define MG_HULL_EDGE_PART \
+  8192 /* extent of a hull over the least distance of the centre of pressure from its boundary */
 
-#define MG_NEWTON_PART_MIN 1e-6 /* of a Newton step */
+#define MG_NEWTON_PART_MIN 1e-6 /* least part of a Newton step */
 
-#define MG_CONTINUATION_PART_MIN 1e-3 /* of what is left of the way to a centre */
+#define MG_CONTINUATION_PART_MIN 1e-3 /* least part of the rest of the way that the continuation takes in one step */
 
-MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long room,
+MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips) {
-  p->hull = h, p->capacity = room, p->strips = strips, p->n = p->partly_unloaded = 0;
+  p->hull = h, p->capacity = capacity, p->strips = strips, p->n = p->partly_unloaded = 0;
 }
 
+/* a + b.(x - centre). */
 static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real *x) {
   return p->coefficients[0] + p->coefficients[1] * (x[0] - p->centre[0]) + p->coefficients[2] * (x[1] - p->centre[1]);
 }
 
-static void mg_put_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
+/* Adds a strip, or its reverse. */
+static void mg_add_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
   if (p->n == p->capacity) return;
   mg_boundary_strip *s = p->strips + p->n++;
   *s = *strip;
@@ -28,7 +33,7 @@ static void mg_put_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *
     s->t[k] = strip->t[!k], s->ends[k] = strip->ends[!k], s->begin[k] = strip->end[k], s->end[k] = strip->begin[k];
 }
 
-/* The part of a straight strip that is pressed. */
+/* Adds the loaded part of a straight piece. */
 static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, int back) {
   const mg_real a = mg_pressure_at(p, s.begin), b = mg_pressure_at(p, s.end);
   if (a <= 0 && b <= 0) {
@@ -42,11 +47,12 @@ static void mg_clip_straight(mg_winkler_pressure_field *p, mg_boundary_strip s, 
     const mg_real at[2] = {s.begin[0] + part * (s.end[0] - s.begin[0]), s.begin[1] + part * (s.end[1] - s.begin[1])};
     x[0] = at[0], x[1] = at[1], s.ends[end] = p->partly_unloaded = 1;
   }
-  mg_put_strip(p, &s, back);
+  mg_add_strip(p, &s, back);
 }
 
-/* Where the pressure vanishes on a curve between two parameters at which it has opposite signs. */
-static mg_real mg_find_level(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0, mg_real t1) {
+/* Parameter of a curve between t0 and t1, where the pressure has opposite signs, at which it vanishes. */
+static mg_real mg_find_zero_pressure(const mg_winkler_pressure_field *p, const mg_placed_arc *k, mg_real t0,
+                                     mg_real t1) {
   mg_real x[2], T[2], low = t0, high = t1;
   mg_arc_point(k, t0, x, T);
   const int sign = mg_pressure_at(p, x) > 0;
@@ -65,16 +71,18 @@ static mg_real mg_find_level(const mg_winkler_pressure_field *p, const mg_placed
   return t;
 }
 
-static void mg_put_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, const int *ends, int back) {
-  mg_boundary_strip s = {track, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
+/* Adds the strip of a curve from t0 to t1. */
+static void mg_add_curved_strip(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, const int *ends,
+                                int back) {
+  mg_boundary_strip s = {arc, 0, {ends[0], ends[1]}, {t0, t1}, {0, 0}, {0, 0}};
   mg_real T[2];
-  mg_arc_point(p->hull->arcs + track, t0, s.begin, T), mg_arc_point(p->hull->arcs + track, t1, s.end, T);
-  mg_put_strip(p, &s, back);
+  mg_arc_point(p->hull->arcs + arc, t0, s.begin, T), mg_arc_point(p->hull->arcs + arc, t1, s.end, T);
+  mg_add_strip(p, &s, back);
 }
 
-/* The parts of a curve that are pressed; it turns by so little that there are two at most. */
-static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, mg_real t1, int back) {
-  const mg_placed_arc *k = p->hull->arcs + track;
+/* Adds the loaded parts of a curved piece, two at most because it turns little. */
+static void mg_clip_curve(mg_winkler_pressure_field *p, int arc, mg_real t0, mg_real t1, int back) {
+  const mg_placed_arc *k = p->hull->arcs + arc;
   const mg_real along[2] = {p->coefficients[1], p->coefficients[2]};
   mg_real t[3] = {t0, t0, t1}, value[3], slope[3], T[2], x[2];
   for (int i = 0; i < 3; i += 2)
@@ -85,14 +93,14 @@ static void mg_clip_curve(mg_winkler_pressure_field *p, int track, mg_real t0, m
     const int in = value[half] > 0, out = value[half + 1] > 0;
     if (!in || !out) p->partly_unloaded = 1;
     if (!in && !out) continue;
-    const mg_real at = in == out ? 0 : mg_find_level(p, k, t[half], t[half + 1]);
+    const mg_real at = in == out ? 0 : mg_find_zero_pressure(p, k, t[half], t[half + 1]);
     const int ends[2] = {!in, !out};
-    mg_put_curve(p, track, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
+    mg_add_curved_strip(p, arc, in ? t[half] : at, out ? t[half + 1] : at, ends, back);
   }
 }
 
-/* The boundary of what is pressed with the pressure at hand; all of it with a pressure of 1. */
-static void mg_strip_boundary(mg_winkler_pressure_field *p) {
+/* Strips of the boundary of the loaded region for the present coefficients. */
+static void mg_find_loaded_boundary(mg_winkler_pressure_field *p) {
   const mg_hull *h = p->hull;
   p->n = p->partly_unloaded = 0;
   for (int i = 0; i < h->n_piece; i++) {
@@ -119,19 +127,21 @@ static void mg_strip_boundary(mg_winkler_pressure_field *p) {
   }
 }
 
-/* Adds the moments of the triangle between a piece of boundary, at x with weight x cross dx, and the foot. */
+/* Adds the moments of the triangle between the reference point and an element of the boundary at x, with weight x
+   x dx. */
 static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const mg_real *x) {
-  const mg_real d[2] = {x[0] - p->line_foot[0], x[1] - p->line_foot[1]};
+  const mg_real d[2] = {x[0] - p->zero_line_point[0], x[1] - p->zero_line_point[1]};
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
   m[3] += weight * d[0] * d[0] / 4, m[4] += weight * d[0] * d[1] / 4, m[5] += weight * d[1] * d[1] / 4;
   p->reach = fmax(p->reach, mg_distance2(x, p->centre));
 }
 
-/* The moments of what is pressed about a point on the line where the pressure vanishes, on which no boundary counts,
-   moved to the centre. */
-static void mg_take_moments(mg_winkler_pressure_field *p) {
-  const mg_real *o = p->line_foot, shift[2] = {p->line_foot[0] - p->centre[0], p->line_foot[1] - p->centre[1]};
+/* Moments of the loaded region about a point of the line where the pressure vanishes, so that this line does not
+   contribute, shifted to the centre. */
+static void mg_compute_moments(mg_winkler_pressure_field *p) {
+  const mg_real *o = p->zero_line_point,
+                shift[2] = {p->zero_line_point[0] - p->centre[0], p->zero_line_point[1] - p->centre[1]};
   mg_real *m = p->moments;
   for (int k = 0; k < 6; k++) m[k] = 0;
   p->reach = 0;
@@ -156,42 +166,41 @@ static void mg_take_moments(mg_winkler_pressure_field *p) {
   m[1] += shift[0] * m[0], m[2] += shift[1] * m[0];
 }
 
-/* The coefficients whose pressure, on what is pressed, has these moments 1, x, y about the centre; 0 without area. */
-MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *level) {
+MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_real *moment, mg_real *coefficients) {
   const mg_real *m = p->moments, r = p->reach;
   const mg_real x = m[1] / m[0], y = m[2] / m[0], xx = m[3] - x * m[1], xy = m[4] - x * m[2], yy = m[5] - y * m[2];
   const mg_real free = yy - xy * xy / xx, bx = moment[1] - x * moment[0], by = moment[2] - y * moment[0];
   if (!(m[0] > 0) || !(xx > 0) || !(free > 0) || !(r > 0)) return 0;
-  level[2] = (by - xy / xx * bx) / free, level[1] = (bx - xy * level[2]) / xx;
-  level[0] = moment[0] / m[0] - x * level[1] - y * level[2];
+  coefficients[2] = (by - xy / xx * bx) / free, coefficients[1] = (bx - xy * coefficients[2]) / xx;
+  coefficients[0] = moment[0] / m[0] - x * coefficients[1] - y * coefficients[2];
   return 1;
 }
 
-/* All of the region pressed alike, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about) {
-  for (int k = 0; k < 2; k++) p->centre[k] = p->line_foot[k] = about[k];
+  for (int k = 0; k < 2; k++) p->centre[k] = p->zero_line_point[k] = about[k];
   p->coefficients[0] = 1, p->coefficients[1] = p->coefficients[2] = 0;
-  mg_strip_boundary(p);
-  mg_take_moments(p);
+  mg_find_loaded_boundary(p);
+  mg_compute_moments(p);
 }
 
-static void mg_set_level(mg_winkler_pressure_field *p, const mg_real *level) {
-  for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
-  mg_strip_boundary(p);
-  const mg_real slope = level[1] * level[1] + level[2] * level[2];
+/* Sets the coefficients, loaded region and moments. */
+static void mg_set_coefficients(mg_winkler_pressure_field *p, const mg_real *coefficients) {
+  for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
+  mg_find_loaded_boundary(p);
+  const mg_real slope = coefficients[1] * coefficients[1] + coefficients[2] * coefficients[2];
   for (int k = 0; k < 2; k++)
-    p->line_foot[k] = p->centre[k] - (p->partly_unloaded ? level[0] * level[1 + k] / slope : 0);
-  mg_take_moments(p);
+    p->zero_line_point[k] = p->centre[k] - (p->partly_unloaded ? coefficients[0] * coefficients[1 + k] / slope : 0);
+  mg_compute_moments(p);
 }
 
-/* What the pressure wanted minimises: half its square, less the level's share of the moments. */
-static mg_real mg_press_merit(const mg_winkler_pressure_field *p, mg_real force) {
+/* Half the integral of p^2 less force times the coefficient a: the convex function that the coefficients minimise. */
+static mg_real mg_pressure_merit(const mg_winkler_pressure_field *p, mg_real force) {
   const mg_real *m = p->moments, *l = p->coefficients;
   return (m[0] * l[0] * l[0] + m[3] * l[1] * l[1] + m[5] * l[2] * l[2]) / 2 + m[1] * l[0] * l[1] + m[2] * l[0] * l[2] +
          m[4] * l[1] * l[2] - force * l[0];
 }
 
-/* The middle of a hull's corners, and how far they are from it at most. */
+/* Mean of the vertices of a hull; returns their largest distance from it. */
 static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   mg_real reach = 0;
   middle[0] = middle[1] = 0;
@@ -202,77 +211,78 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   return reach;
 }
 
-/* Brings a point that is not inside the hull, or too near its edge for a pressure to be told, to there; returns whether
-   it had to. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
-  mg_nearest_boundary brink;
+  mg_nearest_boundary nearest;
   mg_real middle[2];
-  const mg_real margin = mg_hull_margin(h, x, &brink), reach = mg_hull_middle(h, middle), least = reach / MG_EDGE;
+  const mg_real margin = mg_hull_margin(h, x, &nearest), reach = mg_hull_middle(h, middle),
+                least = reach / MG_HULL_EDGE_PART;
   if (margin >= least || h->n_edge == 0) return 0;
   for (int k = 0; k < 2; k++) {
-    const mg_real at = brink.n == 2 ? x[k] + margin * brink.normal[k] : brink.at[0].point[k];
+    const mg_real at = nearest.n == 2 ? x[k] + margin * nearest.normal[k] : nearest.at[0].point[k];
     x[k] = at + least / reach * (middle[k] - at);
   }
   return 1;
 }
 
-/* The pressure with this resultant and this centre from one that is near it, by Newton's method for the least of a
-   convex function, whose Hessian the moments are; 0 where it is not found. */
-static int mg_press_from(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre, const mg_real *start) {
+/* Pressure with a resultant and a centre from one near it, by Newton's method. Returns 0 if it fails. */
+static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre,
+                              const mg_real *start) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_real level[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
+  mg_real coefficients[3], from[3] = {0, 0, 0}, merit = MG_MAX, part = 1, last = MG_MAX;
   int near = 0;
   for (int k = 0; k < 2; k++) p->centre[k] = centre[k];
-  for (int k = 0; k < 3; k++) level[k] = start[k];
+  for (int k = 0; k < 3; k++) coefficients[k] = start[k];
   for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     mg_real tried[3], change = 0;
-    for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (level[k] - from[k]);
-    mg_set_level(p, tried);
-    const mg_real now = p->coefficients[0] > 0 ? mg_press_merit(p, force) : MG_MAX;
+    for (int k = 0; k < 3; k++) tried[k] = from[k] + part * (coefficients[k] - from[k]);
+    mg_set_coefficients(p, tried);
+    const mg_real now = p->coefficients[0] > 0 ? mg_pressure_merit(p, force) : MG_MAX;
     if (!near && !(now < merit + fabs(merit) * 8 * MG_EPS) && part > MG_NEWTON_PART_MIN) {
       part /= 2;
       continue;
     }
-    if (!mg_solve_moments(p, moment, level)) return 0;
+    if (!mg_solve_moments(p, moment, coefficients)) return 0;
     const mg_real r[3] = {1, p->reach, p->reach};
-    for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(level[k] - tried[k]) * r[k]);
+    for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(coefficients[k] - tried[k]) * r[k]);
     const mg_real noise = 65536 * MG_EPS * p->hull->size / p->reach; /* of a part so small */
     const int stalls = near && change > last / 4;                    /* Newton's method does so at rounding alone */
-    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * level[0]) {
-      for (int k = 0; k < 3; k++) p->coefficients[k] = level[k];
+    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * coefficients[0]) {
+      for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
       return 1;
     }
-    merit = now, part = 1, last = change, near = change <= level[0] / 16; /* where rounding would tell the merit */
+    merit = now, part = 1, last = change,
+    near = change <= coefficients[0] / 16; /* there the merit is dominated by rounding */
   }
   return 0;
 }
 
-/* The same from the middle of the face, whose pressure is even, on the straight way to the centre. */
-static int mg_press_along(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
+/* The same by continuation from the middle of the overlap, whose pressure is uniform, along a straight line to the
+   centre. */
+static int mg_continue_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   mg_uniform_pressure(p, centre);
   const mg_real area = p->moments[0];
   const mg_real way[2] = {-p->moments[1] / area, -p->moments[2] / area};
-  mg_real level[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
+  mg_real coefficients[3] = {force / area, 0, 0}, left = 1, part = (mg_real)0.5;
   for (int step = 0; step < MG_PRESSURE_STEPS; step++) {
     const mg_real next = left * (1 - part);
-    mg_real at[2], start[3] = {level[0], level[1], level[2]};
-    for (int k = 0; k < 2; k++) at[k] = centre[k] - next * way[k], start[0] += level[1 + k] * (left - next) * way[k];
-    if (!mg_press_from(p, force, at, start)) {
+    mg_real at[2], start[3] = {coefficients[0], coefficients[1], coefficients[2]};
+    for (int k = 0; k < 2; k++)
+      at[k] = centre[k] - next * way[k], start[0] += coefficients[1 + k] * (left - next) * way[k];
+    if (!mg_newton_pressure(p, force, at, start)) {
       if ((part /= 2) < MG_CONTINUATION_PART_MIN) return 0;
       continue;
     }
     if (next == 0) return 1;
-    for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
+    for (int k = 0; k < 3; k++) coefficients[k] = p->coefficients[k];
     left = next, part = 1;
   }
   return 0;
 }
 
-/* The pressure with this resultant and this centre, which must be inside the hull; 0 where it is not found. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre) {
   const mg_real moment[3] = {force, 0, 0};
-  mg_real level[3];
+  mg_real coefficients[3];
   mg_uniform_pressure(p, centre);
-  if (!mg_solve_moments(p, moment, level)) return 0;
-  return mg_press_from(p, force, centre, level) || mg_press_along(p, force, centre);
+  if (!mg_solve_moments(p, moment, coefficients)) return 0;
+  return mg_newton_pressure(p, force, centre, coefficients) || mg_continue_pressure(p, force, centre);
 }

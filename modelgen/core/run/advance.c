@@ -1,4 +1,5 @@
-/* The loop: step, search for events, commit, project, change mode, keep the ledger. */
+/* The loop of a run (mg_advance): take a step, search it for events, accept the state, project drift, change
+   modes, update diagnostics. Writes the state of the run, samples and events. */
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -9,8 +10,9 @@
 #include "events/events.h"
 #include "timestep/timestep.h"
 
-/* Tries steps from *h down until one is accurate enough; *h is then its size, and run->h the next to try. */
-static int mg_accurate_step(mg_context *c, mg_real *h) {
+/* Tries steps from *h down until one is accurate enough; *h then is its length, and run->h the next to try.
+   Returns an outcome. */
+static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
   mg_real most = 6;
   c->step.rolling_step = 0;
@@ -33,33 +35,34 @@ static int mg_accurate_step(mg_context *c, mg_real *h) {
   }
 }
 
-/* The end of the step h with eta on the extremum, in c->step.settled. Returns 0 where a closed contact passed its
-   singularity, or lost it, and a shorter step can still come nearer. */
-static int mg_settle_end(mg_context *c, mg_real h) {
+/* Places the contacts at the end of the step h, in c->step.settled. Returns 0 if a closed contact is singular or
+   lost there and a shorter step may come nearer. */
+static int mg_place_step_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = c->step.end[i];
   mg_normalise_quaternions(c, c->step.settled);
-  int sound = mg_place_all_contacts(c, run->t + h, c->step.settled);
+  int is_valid = mg_place_all_contacts(c, run->t + h, c->step.settled);
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_contact_singular(c, i)) sound = 0;
-  return sound || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
+    if (mg_is_contact_singular(c, i)) is_valid = 0;
+  return is_valid || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
 }
 
-/* A contact that carries force parts or approaches at the end of the step, by more than the step may err: its points
-   have leapt, as those of a rim do that passes flat. A shorter step can come nearer. Needs the rates there. */
-static int mg_leaps(const mg_context *c, mg_real h) {
+/* True if the gap rate of a loaded contact at the end of the step exceeds the error that a step may have: its
+   contact point has moved too far, as on a rim that passes flat. Needs the rates at the end. */
+static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
   const mg_real least = c->system->length / c->system->time,
                 part = c->settings->separation_speed_factor * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
   if (mg_has_rolling_start(c) || h <= c->settings->event_tolerance * c->system->time) return 0;
   for (int i = 0; i < c->layout.support_begin; i++) {
     if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->rows.d_dot[i]) > part * least)) continue;
-    if (fabs(c->rows.d_dot[i]) > part * mg_pair_motion(c, c->system->contact_pair[i]).speed) return 1;
+    if (fabs(c->rows.d_dot[i]) > part * mg_pair_motion_bound(c, c->system->contact_pair[i]).speed) return 1;
   }
   return 0;
 }
 
-static void mg_commit(mg_context *c, mg_real h) {
+/* Makes c->step.settled the state of the run. */
+static void mg_accept_state(mg_context *c, mg_real h) {
   for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.settled[i];
   mg_advance_time(c->run, h);
   c->run->steps++;
@@ -67,7 +70,8 @@ static void mg_commit(mg_context *c, mg_real h) {
   mg_finish_slip_onsets(c);
 }
 
-static int mg_settle_drift(mg_context *c) {
+/* Evaluates the right-hand side at the new state, and projects drift if it is due. Returns an outcome. */
+static int mg_control_drift(mg_context *c) {
   if (!mg_all_finite(c->layout.n_states, c->run->x)) return MG_NOT_FINITE;
   mg_evaluate_run_state(c);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
@@ -75,62 +79,66 @@ static int mg_settle_drift(mg_context *c) {
   return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* A companion's step of length h after an event is a part of what it would be: from one event to the next there may be
-   one alone, the same at any tolerance. One that is over at once, by another event, is left as it is. */
-static int mg_differs(const mg_context *c, mg_real h) {
+/* True if a step of length h must be taken in part: in a companion run (step_fraction < 1) the first step after an
+   event, because a step from one event to the next would be the same at any tolerance. A step that another event
+   ends at once is left as it is. */
+static int mg_is_companion_step_after_event(const mg_context *c, mg_real h) {
   return c->settings->step_fraction < 1 && c->run->t == c->run->t_event &&
          h > c->settings->event_tolerance * c->system->time;
 }
 
-static int mg_step_part(mg_context *c, mg_real *h) {
+/* Replaces the step by its first part step_fraction. Returns an outcome. */
+static int mg_take_step_part(mg_context *c, mg_real *h) {
   *h *= c->settings->step_fraction;
   int outcome = MG_DONE;
   if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, c->settings->step_fraction);
   else {
     mg_evaluate_run_state(c);
-    outcome = mg_accurate_step(c, h);
+    outcome = mg_take_accurate_step(c, h);
   }
   if (!outcome) mg_finish_step(c, c->run->t, *h);
   return outcome;
 }
 
-/* The longest step in which nothing passes unseen. */
-static mg_real mg_longest(const mg_context *c) {
+/* Longest step in which no contact can pass unseen, s. */
+static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
-                sight = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
-                unfolding = mg_patch_opening_step_limit(c);
-  const mg_real seen = sight < reach ? sight : reach;
-  return (mg_differs(c, MG_MAX) ? 1 : c->settings->step_fraction) * (seen < unfolding ? seen : unfolding);
+                search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
+                opening_limit = mg_patch_opening_step_limit(c);
+  const mg_real seen = search_limit < reach ? search_limit : reach;
+  return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
+         (seen < opening_limit ? seen : opening_limit);
 }
 
-/* The step to the first event within the step h just tried, or 0; leaves the interpolant where one may be. */
-static mg_real mg_first_within(mg_context *c, mg_real h) {
-  const int dips = mg_mark_gap_minima(c, h), fired = mg_mark_triggered_events(c, c->step.end),
-            hidden = !fired && !c->step.sign_changed && mg_has_possible_hidden_event(c);
-  const int passed = fired || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
+/* Length of the step to the first event within the step h just tried, or 0; leaves the interpolant where there may
+   be one. */
+static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
+  const int dips = mg_mark_gap_minima(c, h), triggered = mg_mark_triggered_events(c, c->step.end),
+            hidden = !triggered && !c->step.sign_changed && mg_has_possible_hidden_event(c);
+  const int passed = triggered || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
   if (!passed && !dips) return 0;
-  mg_make_dense(c, c->run->t, c->run->x, h);
+  mg_make_interpolant(c, c->run->t, c->run->x, h);
   return mg_locate_first_event(c, h, passed);
 }
 
-/* A stage saw an event that is over before it could be located: what moves in time came and went. */
-static int mg_overlooks(const mg_context *c, mg_real h) {
+/* True if a stage saw an event that is over before it could be located, because of a function of time. */
+static int mg_has_missed_event(const mg_context *c, mg_real h) {
   return c->layout.n_timed && c->step.sign_changed && h > c->settings->time_resolution * c->system->time;
 }
 
-/* Ends a step that was collocated beyond the time it may take. */
-static int mg_is_cut(mg_context *c, mg_real *h, mg_real end) {
+/* Ends a collocated step that is longer than `end`; returns whether it was. */
+static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
   mg_restrict_step(c, c->run->x, end / *h);
   *h = end;
   return 1;
 }
 
-/* Takes the step h that is settled, and what happens at its end. */
-static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
+/* Accepts the step h, and what happens at its end. Returns an outcome. */
+static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
   mg_record_until(c, record, h);
-  mg_commit(c, h);
-  int outcome = mg_settle_drift(c);
+  mg_accept_state(c, h);
+  int outcome = mg_control_drift(c);
   if (outcome) return outcome;
   if (event) outcome = mg_change_mode(c, events);
   else if (mg_is_active_set_outdated(c)) {
@@ -144,55 +152,56 @@ static int mg_conclude(mg_context *c, mg_real h, int event, mg_record *record, m
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
-/* No step now, and a shorter one next. */
-static int mg_shorten(mg_context *c, mg_real h) {
+/* Rejects the step; the next is half as long. Returns MG_DONE. */
+static int mg_reject_step(mg_context *c, mg_real h) {
   c->run->rejected++, c->run->h = h / 2;
   mg_evaluate_run_state(c);
   return MG_DONE;
 }
 
-/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. Where a
-   face begins to roll, a short step is lost in rounding: a long one is ended by its polynomial. */
-static int mg_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+/* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. A
+   first step from flat is tried at the full length of run->h, because rounding spoils a short one, and is cut on
+   its interpolant. Returns an outcome. */
+static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real end = h;
-  const mg_real longest = mg_longest(c);
+  const mg_real longest = mg_longest_step(c);
   if (mg_has_rolling_start(c)) h = run->h;
   if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);
   mg_real before, after;
-  const int jerks = mg_find_velocity_jump(c, h, &before, &after);
-  if (jerks && before - run->t <= c->settings->event_tolerance * c->system->time)
+  const int has_jump = mg_find_velocity_jump(c, h, &before, &after);
+  if (has_jump && before - run->t <= c->settings->event_tolerance * c->system->time)
     return mg_cross_velocity_jump(c, after, events);
-  if (jerks) h = before - run->t;
+  if (has_jump) h = before - run->t;
   c->search.abandoned.count = 0;
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);
   if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
   mg_sample_margins_at_start(c);
-  int outcome = mg_accurate_step(c, &h);
+  int outcome = mg_take_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (mg_has_unresolved_state_load(c, h)) return mg_shorten(c, h);
-  const mg_real shorter = mg_first_within(c, h);
+  if (mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
+  const mg_real shorter = mg_first_event_in_step(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
-  else if (mg_overlooks(c, h)) return mg_shorten(c, h);
-  if (mg_differs(c, h)) {
-    outcome = mg_step_part(c, &h), event = 0;
+  else if (mg_has_missed_event(c, h)) return mg_reject_step(c, h);
+  if (mg_is_companion_step_after_event(c, h)) {
+    outcome = mg_take_step_part(c, &h), event = 0;
     if (outcome) return outcome;
   }
-  event &= !mg_is_cut(c, &h, end);
-  if (mg_leaps(c, h) || !mg_settle_end(c, h)) return mg_shorten(c, h);
-  return mg_conclude(c, h, event, record, events);
+  event &= !mg_shorten_collocated_step(c, &h, end);
+  if (mg_has_excessive_gap_rate(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
+  return mg_finish_accepted_step(c, h, event, record, events);
 }
 
-/* A step of the method, or of time-stepping where it has to stand in for it. */
-static int mg_step_on(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+/* One step of the method, or of time-stepping during a fallback. Returns an outcome. */
+static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   int outcome;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events);
-  } else outcome = mg_step(c, h, record, events);
+  } else outcome = mg_event_driven_step(c, h, record, events);
   outcome = mg_explain_failed_outcome(c, outcome);
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
@@ -212,7 +221,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
     const int last = h >= left * (1 - 8 * MG_EPS);
-    const int outcome = mg_step_on(&c, last ? left : h, record, events);
+    const int outcome = mg_advance_step(&c, last ? left : h, record, events);
     if (outcome) return outcome;
     if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);

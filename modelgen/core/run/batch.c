@@ -1,7 +1,6 @@
-/* Many runs of one system, one after the other, on one scratch memory. */
+/* Many runs of one system, one after the other, on the same scratch memory (mg_batch). */
 #include "run/run.h"
 
-/* Starts and advances each run to t_stop; outcome[i] is its code. Events and samples are not kept. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork) {
   mg_record record = {0};

@@ -1,4 +1,5 @@
-/* The start of a run: extrema, closed contacts, first impacts, first forces. */
+/* The start of a run (mg_begin): closest points, closed contacts, assembly of the joints, first impacts and
+   contact modes. Writes the state, contacts and statistics of the run. */
 #include "run/run.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -8,7 +9,8 @@
 #include "events/events.h"
 #include "timestep/timestep.h"
 
-static int mg_find_extrema(mg_context *c) {
+/* Places all contacts at the start and decides which are closed. Returns an outcome. */
+static int mg_place_start_contacts(mg_context *c) {
   const mg_system *s = c->system;
   const mg_real touching = c->settings->start_gap * s->length;
   for (int i = 0; i < s->n_contact; i++) {
@@ -32,14 +34,15 @@ static int mg_find_extrema(mg_context *c) {
   return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
-/* After the first impacts: contacts that were struck and do not rebound. */
-static void mg_report_caught(mg_context *c, mg_events *events) {
+/* Reports the contacts that approached and do not rebound after the first impacts. */
+static void mg_report_touch_downs(mg_context *c, mg_events *events) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i] && mg_is_approaching(c, i))
       mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->rows.d_dot[i]);
 }
 
-static void mg_reset(mg_run *run) {
+/* Resets what the run reports. */
+static void mg_reset_report(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->fallbacks = run->fallback_steps_left = run->loose_solutions = run->relaxed_solutions = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
@@ -56,15 +59,15 @@ static void mg_reset(mg_run *run) {
   run->t_event = run->t, run->t_roundoff = 0;
 }
 
-/* Time-stepping needs no modes: its first step takes the first impacts. */
-static int mg_begin_in_time(mg_context *c) {
+/* Start of time-stepping, which needs no modes: its first step takes the first impacts. */
+static int mg_begin_time_stepping(mg_context *c) {
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] = 0;
   mg_update_diagnostics(c);
   return MG_DONE;
 }
 
-/* A run that starts at a kink of a path starts after it, with the whole of its speed. */
+/* Moves the start behind the kink of a prescribed path at this time, so that the velocity is that after it. */
 static void mg_start_after_kink(mg_context *c) {
   mg_real before, after;
   if (!mg_find_velocity_jump(c, mg_velocity_jump_duration(c) / 4, &before, &after)) return;
@@ -76,7 +79,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_context c;
   mg_real kinetic;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_reset(run);
+  mg_reset_report(run);
   mg_start_after_kink(&c);
   for (int i = 0; i < system->n_friction; i++)
     run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
@@ -85,7 +88,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);
   int outcome = mg_search_start_pairs(&c);
-  if (!outcome) outcome = mg_find_extrema(&c);
+  if (!outcome) outcome = mg_place_start_contacts(&c);
   if (outcome) return outcome;
   mg_evaluate_run_state(&c);
   if (!mg_project_initial_joints(&c)) return MG_JOINT_APART;
@@ -93,13 +96,13 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   if (settings->project && !mg_project_initial_pose(&c)) return MG_NO_EXTREMUM;
   run->energy_0 = mg_energy(&c, &kinetic);
   mg_clear_triggered_events(&c);
-  if (settings->method == MG_TIME_STEPPING) return mg_begin_in_time(&c);
+  if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(&c);
   outcome = mg_resolve_impacts(&c, events);
-  mg_report_caught(&c, events);
+  mg_report_touch_downs(&c, events);
   if (!outcome) outcome = mg_solve_contact_modes(&c, events);
   if (!outcome && settings->project && !mg_project_drift(&c)) outcome = MG_NO_EXTREMUM;
   outcome = mg_explain_failed_outcome(&c, outcome);
-  if (mg_start_fallback(&c, outcome, events)) return mg_begin_in_time(&c);
+  if (mg_start_fallback(&c, outcome, events)) return mg_begin_time_stepping(&c);
   if (outcome) return outcome;
   if (!mg_place_all_contacts(&c, run->t, run->x)) return MG_NO_EXTREMUM;
   mg_evaluate_run_state(&c);

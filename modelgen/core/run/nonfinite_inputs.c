@@ -1,11 +1,11 @@
 /* Functions of time that are not finite or have a pole: loads, paths of driven bodies, prescribed joint motions.
-   They are examined where a run cannot go on, with the bodies where they are. Writes poses only. */
+   They are examined where a run cannot go on, at the present poses. Writes poses only. */
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"
 #include "timestep/timestep.h"
 
-enum { MG_JOINT_ROWS = 6 }; /* of a joint, at most */
+enum { MG_JOINT_ROWS = 6 }; /* most rows of a joint */
 
 /* Largest magnitude of n values and `size`; MG_MAX if one is not finite. */
 static mg_real mg_largest_magnitude(const mg_real *values, int n, mg_real size) {
@@ -23,8 +23,8 @@ static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
   mg_real wrench[12] = {0}, size = 0;
   mg_load_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++)
-    if (body[side] >= 0 && mg_moves(c, body[side]))
-      size = mg_largest_magnitude(wrench + 6 * side, c->kernels->body_kinds[mg_kind_of(c, body[side])].n_u, size);
+    if (body[side] >= 0 && mg_is_moved_by_forces(c, body[side]))
+      size = mg_largest_magnitude(wrench + 6 * side, c->kernels->body_kinds[mg_body_kind_of(c, body[side])].n_u, size);
   return size;
 }
 
@@ -32,7 +32,7 @@ static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
 static mg_real mg_driven_path_magnitude(const mg_context *c, int body, mg_real t) {
   mg_real place[24] = {0};
   if (!mg_is_driven_body(c->system, body)) return 0;
-  c->kernels->body_path(mg_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body], place,
+  c->kernels->body_path(mg_body_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body], place,
                         place + 12, place + 18);
   return mg_largest_magnitude(place, 24, 0);
 }
@@ -59,9 +59,9 @@ static mg_real mg_time_function_magnitude(const mg_context *c, int function, mg_
 }
 
 /* Larger of the magnitudes of a function of time `far` before and after the present time. */
-static mg_real mg_magnitude_near_time(const mg_context *c, int function, mg_real far) {
-  const mg_real before = mg_time_function_magnitude(c, function, c->run->t - far),
-                after = mg_time_function_magnitude(c, function, c->run->t + far);
+static mg_real mg_magnitude_near_time(const mg_context *c, int function, mg_real distance) {
+  const mg_real before = mg_time_function_magnitude(c, function, c->run->t - distance),
+                after = mg_time_function_magnitude(c, function, c->run->t + distance);
   return before > after ? before : after;
 }
 
@@ -79,8 +79,8 @@ static int mg_has_pole(const mg_context *c, int function) {
 static int mg_is_nonfinite_ahead(const mg_context *c, int function, mg_real ahead) {
   const mg_real t = c->run->t;
   if (mg_time_function_magnitude(c, function, t) >= MG_MAX) return 1;
-  for (mg_real far = ahead; far > c->settings->step_min * c->system->time; far /= 2)
-    if (mg_time_function_magnitude(c, function, t + far) >= MG_MAX) return 1;
+  for (mg_real distance = ahead; distance > c->settings->step_min * c->system->time; distance /= 2)
+    if (mg_time_function_magnitude(c, function, t + distance) >= MG_MAX) return 1;
   return 0;
 }
 
@@ -94,10 +94,9 @@ static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
   return -1;
 }
 
-/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome) {
   const mg_real ahead = c->settings->time_resolution * c->system->time;
-  return mg_needs_fallback(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
+  return mg_is_fallback_outcome(outcome) && mg_first_unbounded_function(c, ahead) >= 0 ? MG_NOT_FINITE : outcome;
 }
 
 /* Length of the step that ended a run as not finite; an adaptive step has been shortened since. */

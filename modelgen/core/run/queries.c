@@ -1,5 +1,5 @@
-/* Public queries that need a state and no run: right-hand side, poses, closest points of one contact, joint ranks, and
-   RK4 steps without events. */
+/* Public queries of a state, without a run: right-hand side, poses, closest points of one contact, ranks of
+   joints; and RK4 steps without events. */
 #include "run/run.h"
 #include "model/model.h"
 #include "forces/forces.h"

@@ -4,13 +4,18 @@
 
 #include "model/context.h"
 
-#define MG_FRICTION_ROWS 5 /* most rows of a contact below its normal one */
+#define MG_FRICTION_ROWS_MAX 5 /* most friction rows of a contact */
 
 /* workspace.c */
-MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
+
+/* Sets up a context for a call on the caller's memory, with the contacts on the feature pairs of the run. No state
+   is evaluated. */
+MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork);
 
 /* nonfinite_inputs.c */
+
+/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
 #endif

@@ -1,4 +1,5 @@
-/* The scratch of one call, carved from the caller's memory. */
+/* The context of one call: sizes of the scratch memory, and its division into the arrays of mg_context.
+   mg_work_size and mg_iwork_size must count what mg_set_arrays and mg_set_friction_arrays take. */
 #include "run/run.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -8,85 +9,94 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-static long mg_states(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
+/* Length of the state x. */
+static long mg_state_count(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
-/* Contacts, one to spare, rows of joints, rows below the normal ones. */
-static long mg_rows_of(const mg_system *s) { return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row; }
+/* Rows of all constraints: contacts, one spare, joint rows, friction rows. */
+static long mg_row_count(const mg_system *s) { return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row; }
 
-/* The most rows held at a time. */
-static long mg_held_of(const mg_system *s) {
-  const long below = MG_FRICTION_ROWS * (long)s->closed_capacity;
+/* Most rows that one problem may have. */
+static long mg_held_row_capacity(const mg_system *s) {
+  const long below = MG_FRICTION_ROWS_MAX * (long)s->closed_capacity;
   return (long)s->closed_capacity + s->n_joint_row + (below < s->n_friction_row ? below : s->n_friction_row);
 }
 
-/* The most strips of the boundary of a patch. */
-static long mg_most_strips(const mg_system *s) {
+/* Largest strip capacity of a patch. */
+static long mg_strip_capacity_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
-    const long room = mg_strip_capacity(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
-    if (room > most) most = room;
+    const long capacity = mg_strip_capacity(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (capacity > most) most = capacity;
   }
   return most;
 }
 
-/* What friction constraints need: reals, ints. */
-static long mg_friction_modes_size(const mg_system *s) {
+/* Memory of the friction constraints, in mg_real. */
+static long mg_friction_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
-  const long k = s->n_patch_slot ? mg_held_of(s) : 0;
+  const long k = s->n_patch_slot ? mg_held_row_capacity(s) : 0;
   return k * k + 2 * k + mg_count_reals(s->n_patch_slot, sizeof(mg_patch_friction)) +
-         mg_count_reals(mg_most_strips(s), sizeof(mg_boundary_strip)) + s->n_friction_row + 2L * s->n_friction +
+         mg_count_reals(mg_strip_capacity_max(s), sizeof(mg_boundary_strip)) + s->n_friction_row + 2L * s->n_friction +
          MG_CONE * (long)s->closed_capacity + 6L * s->n_contact + 78 +
-         mg_friction_work_size((int)mg_held_of(s), s->closed_capacity);
+         mg_friction_work_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
-static long mg_friction_modes_isize(const mg_system *s) {
+/* Memory of the friction constraints, in int. */
+static long mg_friction_int_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
-  return 4L * s->n_friction + 4L * s->closed_capacity + mg_friction_iwork_size((int)mg_held_of(s), s->closed_capacity);
+  return 4L * s->n_friction + 4L * s->closed_capacity +
+         mg_friction_iwork_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
-static long mg_onset_size(void) { return (long)(sizeof(mg_rolling_start) / sizeof(mg_real)); }
+/* Size of an mg_rolling_start, in mg_real. */
+static long mg_rolling_start_size(void) { return (long)(sizeof(mg_rolling_start) / sizeof(mg_real)); }
 
-/* The hull of any patch. */
-static long mg_lay_size(const mg_system *s) {
+/* Largest memory of the hull of a patch, in mg_real. */
+static long mg_hull_memory_max(const mg_system *s) {
   long most = 0;
   for (int p = 0; p < s->n_patch; p++) {
-    const long room = mg_hull_memory_size(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
-    if (room > most) most = room;
+    const long size = mg_hull_memory_size(s->patch_arc[p + 1] - s->patch_arc[p], s->patch_arc_f[p] - s->patch_arc[p]);
+    if (size > most) most = size;
   }
   return most;
 }
 
-static long mg_sample_size(void) { return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES; }
+/* Memory of the samples of two features and their merits, in mg_real. */
+static long mg_sample_memory_size(void) {
+  return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES;
+}
 
-static long mg_table_size(const mg_system *s) {
+/* Memory of the samples kept between searches, in mg_real. */
+static long mg_table_memory_size(const mg_system *s) {
   return s->n_sample_table ? (long)MG_SAMPLE_SIZE * s->sample_table_first[s->n_sample_table] : 0;
 }
 
 MG_API long mg_work_size(const mg_system *s) {
-  const long b = s->n_body, m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s), n = s->closed_capacity,
-             x = mg_states(s);
+  const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
+             x = mg_state_count(s);
   return 42 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
-         mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_lay_size(s) +
-         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_size() + mg_event_margin_size(s) + mg_table_size(s) +
-         m * mg_onset_size() + mg_friction_modes_size(s) + mg_time_sample_size(s);
+         mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
+         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_memory_size() + mg_event_margin_size(s) +
+         mg_table_memory_size(s) + m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
-  const long m = s->n_contact, r = mg_rows_of(s), k = mg_held_of(s);
+  const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
   return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * s->n_joint_row + 4 + s->n_sample_table + MG_SAMPLES + 2 * k +
-         mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_friction_modes_isize(s);
+         mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_friction_int_memory_size(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 
-static void mg_incidence(mg_context *c) {
+/* Lists the rows that act on each body that forces move. */
+static void mg_set_incidence(mg_context *c) {
   const mg_system *s = c->system;
   int n = 0;
   for (int b = 0; b < s->n_body; b++) {
     c->islands.incident_begin[b] = n;
-    for (int i = 0; i < c->layout.friction_row_end && mg_moves(c, b); i++) {
+    for (int i = 0; i < c->layout.friction_row_end && mg_is_moved_by_forces(c, b); i++) {
       if (i == s->n_contact) continue;
       if (c->contacts.o[i] == b || c->contacts.f[i] == b) c->islands.incident[n++] = i;
     }
@@ -94,11 +104,12 @@ static void mg_incidence(mg_context *c) {
   c->islands.incident_begin[s->n_body] = n;
 }
 
-static void mg_carve_friction_modes(mg_context *c, mg_real *work, int *iwork) {
+/* Divides the memory of the friction constraints. */
+static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
-  const long n = mg_held_of(s), k = s->closed_capacity;
+  const long n = mg_held_row_capacity(s), k = s->closed_capacity;
   c->patches.friction = mg_take_memory(&work, s->n_patch_slot, sizeof(mg_patch_friction));
-  c->patches.strip_capacity = mg_most_strips(s),
+  c->patches.strip_capacity = mg_strip_capacity_max(s),
   c->patches.strips = mg_take_memory(&work, c->patches.strip_capacity, sizeof(mg_boundary_strip));
   for (int i = 0; i < s->n_patch_slot; i++)
     c->patches.friction[i].slips = c->patches.friction[i].centre_known = c->patches.friction[i].triggered =
@@ -121,12 +132,13 @@ static void mg_carve_friction_modes(mg_context *c, mg_real *work, int *iwork) {
   c->friction.iwork = mg_take_ints(&iwork, mg_friction_iwork_size((int)n, (int)k));
 }
 
-static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
+/* Divides the memory. */
+static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
-  const long b = s->n_body, m = s->n_contact, r = c->layout.friction_row_end, n = mg_held_of(s), k = s->closed_capacity,
-             x = c->layout.n_states;
+  const long b = s->n_body, m = s->n_contact, r = c->layout.friction_row_end, n = mg_held_row_capacity(s),
+             k = s->closed_capacity, x = c->layout.n_states;
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
-  c->patches.hull_memory = mg_take_reals(&work, mg_lay_size(s)); /* pointers first */
+  c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
   c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
   c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
   c->rows.J = mg_take_reals(&work, 12 * r), c->rows.MJ = mg_take_reals(&work, 12 * r);
@@ -146,12 +158,12 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->joints.previous_MJ = mg_take_reals(&work, 12L * s->n_joint_row);
   c->joints.independence = mg_take_reals(&work, s->n_joint_row),
   c->joints.best_independence = mg_take_reals(&work, s->n_joint), c->events.gap_before = mg_take_reals(&work, 2 * m);
-  c->search.samples = (mg_sample *)(void *)mg_take_reals(&work, mg_sample_size() - MG_SAMPLES),
+  c->search.samples = (mg_sample *)(void *)mg_take_reals(&work, mg_sample_memory_size() - MG_SAMPLES),
   c->search.merit = mg_take_reals(&work, MG_SAMPLES);
-  c->search.table = mg_take_reals(&work, mg_table_size(s)),
+  c->search.table = mg_take_reals(&work, mg_table_memory_size(s)),
   c->search.table_filled = mg_take_ints(&iwork, s->n_sample_table);
-  c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_onset_size());
-  c->search.mate = mg_take_ints(&iwork, MG_SAMPLES), c->events.broken_condition = mg_take_ints(&iwork, m),
+  c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
+  c->search.partner = mg_take_ints(&iwork, MG_SAMPLES), c->events.broken_condition = mg_take_ints(&iwork, m),
   c->events.within_border = mg_take_ints(&iwork, m);
   c->contacts.n_eta = mg_take_ints(&iwork, m);
   c->contacts.kind = mg_take_ints(&iwork, r), c->contacts.parameters = mg_take_ints(&iwork, m + 1);
@@ -177,15 +189,15 @@ static void mg_carve(mg_context *c, mg_real *work, int *iwork) {
   c->events.passage.impulse_work = mg_take_reals(&work, 6 * b);
   c->layout.n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
   c->rows.tangents = c->rows.kernel_rows = 0;
-  if (s->n_friction) mg_carve_friction_modes(c, work, iwork);
+  if (s->n_friction) mg_set_friction_arrays(c, work, iwork);
 }
 
-/* Poses that never change are written once: fixed bodies whole, point bodies their identity rotation. */
-static void mg_set_fixed(mg_context *c) {
+/* Writes the poses that never change: of fixed bodies, and the rotation of point masses. */
+static void mg_set_constant_poses(mg_context *c) {
   const mg_system *s = c->system;
   c->layout.n_driven = c->layout.n_moving = 0;
   for (int b = 0; b < s->n_body; b++) {
-    const int motion = c->kernels->body_kinds[mg_kind_of(c, b)].motion;
+    const int motion = c->kernels->body_kinds[mg_body_kind_of(c, b)].motion;
     mg_real *pose = c->bodies.pose + 12 * b;
     c->layout.n_driven += motion == MG_DRIVEN, c->layout.n_moving += motion >= MG_POINT;
     if (motion == MG_FIXED)
@@ -194,31 +206,31 @@ static void mg_set_fixed(mg_context *c) {
   }
 }
 
-MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *sys, const mg_settings *set, mg_run *run,
+MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork) {
-  c->system = sys, c->kernels = sys->kernels, c->settings = set, c->run = run;
-  c->layout.n_states = (int)mg_states(sys), c->layout.work_state = c->layout.n_states - 1, c->step.sign_changed = 0,
-  c->patches.hull_patch = -1;
-  c->layout.support_begin = sys->n_contact - 3 * sys->n_patch_slot,
-  c->layout.support_feature_pair_begin = sys->n_feature_pair - 3 * sys->n_patch;
-  c->layout.joint_row_begin = sys->n_contact + 1, c->layout.friction_row_end = (int)mg_rows_of(sys);
-  c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + sys->n_joint_row,
+  c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
+  c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
+  c->step.sign_changed = 0, c->patches.hull_patch = -1;
+  c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
+  c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
+  c->layout.joint_row_begin = system->n_contact + 1, c->layout.friction_row_end = (int)mg_row_count(system);
+  c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + system->n_joint_row,
   c->friction.couples_normal = c->friction.follows_angle = 0;
-  mg_carve(c, work, iwork);
-  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = sys->scale[i];
-  mg_zero_reals(c->bodies.pose, 30L * sys->n_body);
+  mg_set_arrays(c, work, iwork);
+  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
+  mg_zero_reals(c->bodies.pose, 30L * system->n_body);
   mg_zero_reals(c->rows.J, 24L * c->layout.friction_row_end); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero_reals(c->solution.force, c->layout.friction_row_end);
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
-  mg_zero_reals(c->rows.d + c->layout.friction_row_begin, sys->n_friction_row);
-  c->layout.n_live_states = c->layout.n_states - sys->n_eta, c->search.abandoned.count = 0;
-  c->layout.n_state_loads = mg_state_load_count(sys, 0),
-  c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(sys, 1);
-  for (int i = 0; i < sys->n_contact; i++)
-    c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_read_feature_pair(c, i);
-  for (int slot = 0; slot < sys->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
-  for (int table = 0; table < sys->n_sample_table; table++) c->search.table_filled[table] = 0;
+  mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
+  c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.abandoned.count = 0;
+  c->layout.n_state_loads = mg_state_load_count(system, 0),
+  c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(system, 1);
+  for (int i = 0; i < system->n_contact; i++)
+    c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
+  for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
+  for (int table = 0; table < system->n_sample_table; table++) c->search.table_filled[table] = 0;
   mg_init_joint_rows(c);
-  mg_incidence(c);
-  mg_set_fixed(c);
+  mg_set_incidence(c);
+  mg_set_constant_poses(c);
 }

@@ -1,6 +1,6 @@
-/* Where an event-driven run cannot go on, it goes on by time-stepping for a while: where events accumulate at one time,
-   where steps shrink without getting on, or where no accelerations are admissible, as in Painleve's paradox, but
-   impulses are. */
+/* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time, where steps
+   become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but impulses
+   are. Writes run->fallbacks and what belongs to it, modes, patches and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -9,49 +9,53 @@
 #include "impact/impact.h"
 #include "events/events.h"
 
-enum { MG_FALL_STEPS = 8, MG_FALL_DOUBLINGS = 12, MG_CRAWL_TRIES = 2000 };
+enum {
+  MG_FALLBACK_STEPS = 8,      /* steps of a fallback */
+  MG_FALLBACK_DOUBLINGS = 12, /* most doublings of that number */
+  MG_PROGRESS_TRIES = 2000    /* tries after which progress is checked */
+};
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;
 }
 
-/* The length of the next step: given, that of a fall, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
   return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
 }
 
-MG_INTERNAL int mg_needs_fallback(int outcome) {
+MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
          outcome == MG_STEP_TOO_SMALL;
 }
 
+/* True if a closed contact has friction. */
 static int mg_has_sticking_friction(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact && c->system->n_friction; i++)
     if (c->run->closed[i] && c->system->contact_friction[i + 1] > c->system->contact_friction[i]) return 1;
   return 0;
 }
 
-/* Whether of the last MG_CRAWL_TRIES steps that were tried a third was refused and the others hardly got on; or, as
-   where slip begins or ends too slowly to be told, all hardly move; or, whatever holds them, less still. */
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
-  if (tries < MG_CRAWL_TRIES) return 0;
+  if (tries < MG_PROGRESS_TRIES) return 0;
   const mg_real way = run->t - run->progress_t, least = c->settings->fallback_progress * c->system->time;
-  const int crawls =
+  const int is_too_slow =
       way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_has_sticking_friction(c)));
   run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
-  return crawls;
+  return is_too_slow;
 }
 
-static int mg_first_closed(const mg_context *c) {
+/* First closed contact, or 0. */
+static int mg_first_closed_contact(const mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->run->closed[i]) return i;
   return 0;
 }
 
-/* Time-stepping knows no patches: what they covered stands open again. Needs the poses at run->x. */
+/* Releases all patches, which time-stepping does not know, and restores the contacts that they covered. Needs the
+   poses at run->x. */
 static void mg_release_patches(mg_context *c) {
   mg_minima found;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -62,23 +66,23 @@ static void mg_release_patches(mg_context *c) {
   }
 }
 
-/* Whether the run goes on by time-stepping after this outcome of an event-driven step; each fall that follows at once
-   on another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_needs_fallback(outcome)) return 0;
-  const mg_real span = (MG_FALL_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome)) return 0;
+  const mg_real span =
+      (MG_FALLBACK_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
   const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
-  run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALL_DOUBLINGS) : 0;
-  run->fallback_steps_left = (long)MG_FALL_STEPS << run->fallback_doublings;
+  run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
+  run->fallback_steps_left = (long)MG_FALLBACK_STEPS << run->fallback_doublings;
   if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-  mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed(c), 0);
+  mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_release_patches(c);
   return 1;
 }
 
-/* Closed contacts as the step left them, brought onto d = 0 and d_dot = 0; what that does to the energy is work. */
-static int mg_hand_over(mg_context *c) {
+/* Projects the closed contacts to d = 0 and d_dot = 0; the change of the energy counts as work. Returns an
+   outcome. */
+static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
   const mg_real before = mg_energy(c, &kinetic);
@@ -94,15 +98,14 @@ static int mg_hand_over(mg_context *c) {
   return MG_DONE;
 }
 
-/* Counts a step of a fall; after the last one events are told again. */
 MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
   mg_run *run = c->run;
   if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
-  int outcome = mg_hand_over(c);
+  int outcome = mg_resume_event_driven(c);
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);
   if (!outcome && c->settings->project && !mg_project_drift(c)) outcome = MG_NOT_FINITE;
-  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_END, mg_first_closed(c), 0);
+  if (!outcome) mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_END, mg_first_closed_contact(c), 0);
   return outcome;
 }

@@ -1,60 +1,69 @@
-/* Time-stepping, the complementarity problem of a step: impulses that make the velocities at its end admissible. */
+/* Complementarity problem of a step of time-stepping: impulses that make the velocities at its end admissible,
+   without friction (a convex program) or with Coulomb's law. Reads the geometry of the step (velocity_rows.c);
+   writes c->solution.force, c->bodies.wrench, modes and statistics of the run. */
 #include "timestep/timestep.h"
 #include "solve/lcp/solvers.h"
 #include "solve/friction/solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-enum { MG_FAR = 0, MG_NEAR = 1, MG_ROUNDS = 20, MG_SOON = 16 };
+enum {
+  MG_NOT_NEAR = 0,         /* mark in c->events.is_near: the contact does not take part */
+  MG_NEAR = 1,             /* the contact takes part */
+  MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
+  MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
+};
 
-/* The relaxation keeps gaps open that slip makes: how fast, at the rates of the end of the step. */
-static mg_real mg_opening(const mg_context *c, int contact, mg_real h) {
+/* Rate at which the relaxed friction law keeps the gap opening, sum of |mu w_t|, at the end of the step. */
+static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real h) {
   mg_real sum = 0;
   for (int g = c->system->contact_friction[contact];
        g < c->system->contact_friction[contact + 1] && c->settings->stepping_friction_law == MG_RELAXED; g++)
     for (int k = 0; k < mg_friction_row_count(c, g); k++) {
       const int row = mg_first_friction_row(c, contact, g) + k;
       const mg_real slip = c->system->friction_kinetic[2 * g + k] *
-                           (mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench));
+                           (mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench));
       sum += fabs(slip);
     }
   return sum;
 }
 
-/* With this rate at the end of the step a contact takes part: its gap would close within the step; where the scheme
-   asks for what touches only, at its very beginning, of which `MG_SOON` parts make a step. */
-static int mg_takes_part(const mg_context *c, int contact, mg_real rate, mg_real h) {
+/* True if a contact with this gap rate at the end of the step takes part in the problem: its gap would close
+   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part. */
+static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate, mg_real h) {
   if (!mg_is_on_feature_pair(c, contact)) return 0;
   const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
                 touching = c->settings->start_gap * c->system->length;
-  const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_SOON;
+  const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_TOUCH_STEP_PARTS;
   return gap + h * rate / soon <= c->settings->contact_gap * c->system->length || (soon > 1 && gap <= touching);
 }
 
-/* Under the impulses found so far. */
-static mg_real mg_end_rate(const mg_context *c, int contact, mg_real h) {
-  return mg_contact_free_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) - mg_opening(c, contact, h);
+/* Gap rate at the end of the step under the impulses found so far. */
+static mg_real mg_end_gap_rate(const mg_context *c, int contact, mg_real h) {
+  return mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) -
+         mg_relaxed_opening_rate(c, contact, h);
 }
 
-static int mg_list_near(mg_context *c) {
+/* Lists the contacts that take part; returns their number. */
+static int mg_list_near_contacts(mg_context *c) {
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->events.is_near[i]) c->lcp.rows[n++] = i;
   return n;
 }
 
-/* Contacts without friction: a convex quadratic program. */
-static int mg_solve_smooth(mg_context *c, mg_real h, int *size) {
+/* Impulses without friction, a convex quadratic program; *size receives the number of rows. Returns an outcome. */
+static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   mg_lcp_report report;
-  const int n = mg_list_near(c);
+  const int n = mg_list_near_contacts(c);
   *size = n + c->system->n_joint_row;
   if (n > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    c->rows.row_rate[i] = mg_contact_free_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
+    c->rows.row_rate[i] = mg_free_end_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
   }
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
-    c->rows.row_rate[i] = mg_contact_free_rate(c, i, h);
+    c->rows.row_rate[i] = mg_free_end_rate(c, i, h);
   if (*size == 0) return MG_DONE;
   const int outcome = mg_solve_contact_lcp(c, n, c->rows.row_rate, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
@@ -62,14 +71,15 @@ static int mg_solve_smooth(mg_context *c, mg_real h, int *size) {
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
-/* A friction constraint that held in the step before is bounded by static friction, the others by kinetic. */
-static void mg_bound_in_time(mg_context *c) {
+/* A friction constraint that stuck in the step before is bounded by static friction, others by kinetic. */
+static void mg_set_step_bound_kinds(mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
     c->friction.triggered[g] = 0,
     c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
 
-static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
+/* Sets up the friction problem of the step. */
+static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
   mg_friction_problem p = {0,
                            0,
                            c->settings->stepping_friction_law,
@@ -87,14 +97,14 @@ static mg_friction_problem mg_pose_step(mg_context *c, mg_real h) {
   mg_assemble_delassus(c, c->lcp.rows, p.n);
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
-    c->lcp.b[r] = mg_contact_free_rate(c, row, h) - (row < c->system->n_contact ? mg_scheme_gap_rate(c, row, h) : 0);
+    c->lcp.b[r] = mg_free_end_rate(c, row, h) - (row < c->system->n_contact ? mg_scheme_gap_rate(c, row, h) : 0);
     c->lcp.z[r] = row < c->system->n_contact || row >= c->layout.friction_row_begin ? c->solution.force[row] * h : 0;
   }
   return p;
 }
 
-/* Grips held by static friction that slip get kinetic friction; returns how many that changes. */
-static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
+/* Gives kinetic friction to the constraints bounded by static friction that slip; returns how many there are. */
+static int mg_release_slipping_constraints(mg_context *c, const mg_friction_problem *p) {
   for (int g = 0; g < c->system->n_friction; g++) c->friction.is_yielding[g] = 0;
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
@@ -104,8 +114,8 @@ static int mg_let_slip(mg_context *c, const mg_friction_problem *p) {
   return mg_use_kinetic_bounds(c);
 }
 
-/* The best impulses found count as solved if their residual is small enough. */
-static int mg_try_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
+/* Solves the problem; a residual up to stepping_residual counts as solved. Returns the outcome of mg_friction. */
+static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
   const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   c->run->lcp_solves++;
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
@@ -113,16 +123,17 @@ static int mg_try_law(mg_context *c, const mg_friction_problem *p, mg_friction_r
   return MG_FRICTION_SOLVED;
 }
 
-/* Coulomb's law, or its relaxation where that is asked for or no solution of the law is found. */
-static int mg_solve_law(mg_context *c, mg_friction_problem *p) {
+/* Solves the problem by Coulomb's law, or by its relaxation if that is chosen or no solution of the law is found.
+   Returns an outcome. */
+static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
   mg_friction_report report;
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
-  int outcome = mg_try_law(c, p, &report);
+  int outcome = mg_try_friction_law(c, p, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB) {
     p->law = MG_RELAXED, c->run->relaxed_solutions++;
     for (int r = 0; r < p->n; r++) c->lcp.z[r] = 0;
-    outcome = mg_try_law(c, p, &report);
+    outcome = mg_try_friction_law(c, p, &report);
   }
   if (outcome == MG_FRICTION_INFEASIBLE) return MG_COMPLEMENTARITY;
   if (outcome) return MG_NO_FRICTION;
@@ -130,21 +141,22 @@ static int mg_solve_law(mg_context *c, mg_friction_problem *p) {
   return MG_DONE;
 }
 
-static int mg_solve_rough(mg_context *c, mg_real h, int *size) {
-  int many = 0, outcome;
-  for (int i = 0; i < c->system->n_contact; i++) many += c->events.is_near[i] != 0;
-  if (many > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
-  mg_bound_in_time(c);
-  mg_friction_problem p = mg_pose_step(c, h);
+/* Impulses with friction; *size receives the number of rows. Returns an outcome. */
+static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
+  int count = 0, outcome;
+  for (int i = 0; i < c->system->n_contact; i++) count += c->events.is_near[i] != 0;
+  if (count > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
+  mg_set_step_bound_kinds(c);
+  mg_friction_problem p = mg_make_friction_problem(c, h);
   *size = p.n;
   if (p.n == 0) return MG_DONE;
-  do outcome = mg_solve_law(c, &p);
-  while (!outcome && mg_let_slip(c, &p));
+  do outcome = mg_solve_friction_law(c, &p);
+  while (!outcome && mg_release_slipping_constraints(c, &p));
   return outcome;
 }
 
-/* Impulses of the rows into c->solution.force, what they do to the velocities into c->bodies.wrench. */
-static void mg_take_impulses(mg_context *c, int n, mg_real h) {
+/* Writes the impulses of the rows to c->solution.force and the changes of the twists to c->bodies.wrench. */
+static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
   for (int i = 0; i < c->layout.friction_row_end; i++)
     c->solution.force[i] =
         i >= c->layout.joint_row_begin && i < c->layout.friction_row_begin ? h * c->solution.impulse[i] : 0;
@@ -155,28 +167,26 @@ static void mg_take_impulses(mg_context *c, int n, mg_real h) {
   }
 }
 
-/* Contacts that impulses at others close within the step; returns their number. */
-static int mg_add_missed(mg_context *c, mg_real h) {
+/* Adds contacts that impulses at others make close within the step; returns their number. */
+static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (c->events.is_near[i] || !mg_takes_part(c, i, mg_end_rate(c, i, h), h)) continue;
+    if (c->events.is_near[i] || !mg_closes_within_step(c, i, mg_end_gap_rate(c, i, h), h)) continue;
     c->events.is_near[i] = MG_NEAR, count++;
   }
   return count;
 }
 
-/* Needs the geometry of the step. Leaves impulses in c->solution.force, the changes of velocity that they make in
- * c->bodies.wrench. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    c->events.is_near[i] = mg_takes_part(c, i, mg_end_rate(c, i, h), h) ? MG_NEAR : MG_FAR;
-  for (int round = 0; round < MG_ROUNDS; round++) {
+    c->events.is_near[i] = mg_closes_within_step(c, i, mg_end_gap_rate(c, i, h), h) ? MG_NEAR : MG_NOT_NEAR;
+  for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;
-    const int outcome = c->system->n_friction ? mg_solve_rough(c, h, &n) : mg_solve_smooth(c, h, &n);
+    const int outcome = c->system->n_friction ? mg_solve_friction_step(c, h, &n) : mg_solve_frictionless_step(c, h, &n);
     if (outcome) return outcome;
-    mg_take_impulses(c, n, h);
-    if (!mg_add_missed(c, h)) break;
+    mg_set_step_impulses(c, n, h);
+    if (!mg_add_closing_contacts(c, h)) break;
   }
   return MG_DONE;
 }

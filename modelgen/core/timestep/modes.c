@@ -1,40 +1,41 @@
-/* Time-stepping, what is told of a step: which contacts press, strike and part, which friction constraints hold and
-   slip. A time is that of the end of the step. */
+/* Modes and events of a step of time-stepping: which contacts close, rebound and open, which friction constraints
+   stick and slip. Events have the time of the end of the step. Writes modes and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-static int mg_presses(const mg_context *c, int contact) { return c->solution.force[contact] > 0; }
+/* True if the impulse of the contact is compressive. */
+static int mg_has_compressive_force(const mg_context *c, int contact) { return c->solution.force[contact] > 0; }
 
-static void mg_tell_contact(mg_context *c, mg_events *events, int contact, mg_real h) {
+/* Applies the transition of a contact in the step. */
+static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact, mg_real h) {
   const mg_real before = c->rows.d_dot[contact],
-                after = mg_contact_free_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench);
-  const mg_real slow = mg_resting_gap_rate(c, contact, h), t = c->run->t + h;
+                after = mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench);
+  const mg_real slow = mg_resting_gap_rate_bound(c, contact, h), t = c->run->t + h;
   const int closed = c->run->closed[contact];
-  if (mg_presses(c, contact) && before < -slow && after > slow)
+  if (mg_has_compressive_force(c, contact) && before < -slow && after > slow)
     mg_apply_contact_transition(c, events, contact, MG_IMPACT_REBOUND, t, -before);
-  else if (mg_presses(c, contact) && !closed) {
+  else if (mg_has_compressive_force(c, contact) && !closed) {
     mg_apply_contact_transition(c, events, contact, MG_IMPACT_INELASTIC, t, 0);
     mg_apply_contact_transition(c, events, contact, MG_TOUCHES_DOWN, t, before < 0 ? -before : 0);
-  } else if (closed && !mg_presses(c, contact) && (after > slow || c->rows.d[contact] > 4 * h * slow))
+  } else if (closed && !mg_has_compressive_force(c, contact) && (after > slow || c->rows.d[contact] > 4 * h * slow))
     mg_apply_contact_transition(c, events, contact, MG_LIFTS_OFF, t, 0);
 }
 
-/* Needs the marks of the friction problem solved last. */
+/* Sets the modes of the friction constraints. Needs the marks of the friction problem solved last. */
 static void mg_report_friction_modes(mg_context *c, mg_events *events) {
   for (int g = 0; g < c->system->n_friction; g++)
     c->friction.mode_before[g] = c->run->friction_mode[g], c->friction.slip_time_left[g] = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      c->run->friction_mode[g] = !mg_presses(c, i)            ? MG_FRICTION_OFF
-                                 : c->friction.is_yielding[g] ? MG_SLIPPING
-                                                              : MG_STICKING;
+      c->run->friction_mode[g] = !mg_has_compressive_force(c, i) ? MG_FRICTION_OFF
+                                 : c->friction.is_yielding[g]    ? MG_SLIPPING
+                                                                 : MG_STICKING;
   mg_report_friction_events(c, events);
 }
 
-/* Needs the impulses of the step in c->solution.force, not yet made forces. */
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h) {
   for (int i = 0; i < c->system->n_contact; i++)
-    if (mg_is_on_feature_pair(c, i)) mg_tell_contact(c, events, i, h);
+    if (mg_is_on_feature_pair(c, i)) mg_report_contact_mode(c, events, i, h);
   if (c->system->n_friction) mg_report_friction_modes(c, events);
 }

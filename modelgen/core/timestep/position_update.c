@@ -1,5 +1,6 @@
-/* Time-stepping, the end of a step: velocities, work, positions, closest points, and the gaps pushed out of
- * penetration. */
+/* End of a step of time-stepping: velocities, work, positions, contact points, and the correction of penetration
+   (post-stabilisation: Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371). Writes the state and
+   statistics of the run. */
 #include "timestep/timestep.h"
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
@@ -7,58 +8,57 @@
 #include "forces/forces.h"
 #include "features/features.h"
 
-/* Of the impulse of a row, against the mean of its rates before and after; less what driven bodies move. */
-static mg_real mg_work_of(const mg_context *c, int row, mg_real h) {
+/* Work of the impulse of a row against the mean of its rates before and after, without the part that prescribed
+   motions do. */
+static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
   if (c->solution.force[row] == 0) return 0;
-  const mg_real after = mg_contact_free_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
+  const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
   return c->solution.force[row] * ((c->rows.d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
 }
 
-/* Books the work of all impulses; notes the blow that makes most energy, which Newton's law with friction allows. */
-static void mg_work_of_impulses(mg_context *c, mg_real h) {
+/* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */
+static void mg_add_impulse_work(mg_context *c, mg_real h) {
   mg_run *run = c->run;
-  for (int i = 0; i < c->layout.friction_row_end; i++) run->x[c->layout.work_state] += mg_work_of(c, i, h);
+  for (int i = 0; i < c->layout.friction_row_end; i++) run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
   for (int i = 0; i < c->system->n_contact; i++) {
     const int first =
         c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
-    mg_real gain = mg_work_of(c, i, h);
-    for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_work_of(c, row, h);
+    mg_real gain = mg_row_impulse_work(c, i, h);
+    for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_row_impulse_work(c, row, h);
     if (!mg_is_rebounding(c, i, h) || !(gain > run->impact_gain_max)) continue;
     run->impact_gain_max = gain, run->impact_gain_t = run->t + h, run->impact_gain_contact = i;
   }
 }
 
-/* The velocities at the end of the step, into run->x, with the work of loads and impulses. */
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
-  mg_work_of_impulses(c, h);
+  mg_add_impulse_work(c, h);
   c->run->x[c->layout.work_state] += h * c->step.slopes[c->layout.n_states + c->layout.work_state];
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
       c->run->x[s->n_q + s->body_u[b] + k] += h * c->bodies.acceleration[6 * b + k] + c->bodies.wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
-/* The positions at the end of the step, from where its rows were taken, with the velocities in run->x; into run->x. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
   mg_real unused[6];
   for (int b = 0; b < s->n_body; b++) {
-    if (!mg_moves(c, b)) continue;
+    if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
     const mg_real *from = c->step.settled + s->body_q[b];
-    c->kernels->body_motion(mg_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
+    c->kernels->body_motion(mg_body_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
                             s->parameters + s->body_parameters[b], slope, unused);
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
     c->run->x[k] = c->step.settled[k] + left * c->rows.eta_dot[k - s->n_q - s->n_u];
   mg_normalise_quaternions(c, c->run->x);
 }
 
-/* From where the step has led eta, else from where it began. Returns 0 where neither finds the extremum. */
-static int mg_settle_one(mg_context *c, int contact) {
+/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail. */
+static int mg_converge_contact(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
   const int n = c->contacts.n_eta[contact];
@@ -66,19 +66,18 @@ static int mg_settle_one(mg_context *c, int contact) {
   int steps = mg_newton_on_feature_pair(c, contact, found);
   if (steps < 0) {
     for (int k = 0; k < n; k++) found[k] = before[k];
-    steps = mg_settle_from_anywhere(c, contact, found);
+    steps = mg_converge_from_any_start(c, contact, found);
   }
   for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
   return steps >= 0;
 }
 
-/* Puts all contacts on their extrema at run->x; those that have none there are left. Returns how many. */
-MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
+MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
   int count = 0;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_contact; i++) {
     if (!mg_is_on_feature_pair(c, i)) continue;
-    if (mg_settle_one(c, i)) {
+    if (mg_converge_contact(c, i)) {
       c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
       continue;
     }
@@ -88,8 +87,8 @@ MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events) {
   return count;
 }
 
-/* The deepest penetration, or the largest miss of a joint. */
-static mg_real mg_deepest(const mg_context *c) {
+/* Largest penetration or joint error. */
+static mg_real mg_largest_violation(const mg_context *c) {
   mg_real worst = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     if (-c->rows.d[i] > worst) worst = -c->rows.d[i];
@@ -98,8 +97,9 @@ static mg_real mg_deepest(const mg_context *c) {
   return worst;
 }
 
-/* The least movement that ends penetration and closes the joints, in the kinetic metric, to first order. */
-static int mg_push_once(mg_context *c, mg_real worst) {
+/* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
+   Returns 0 if it fails. */
+static int mg_correct_positions(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
   for (int i = 0; i < c->system->n_contact; i++)
@@ -113,21 +113,19 @@ static int mg_push_once(mg_context *c, mg_real worst) {
   return 1;
 }
 
-/* Post-stabilisation (Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371): positions alone change;
-   what that does to the energy is booked as work. Leaves the rows fresh. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0;
   int moved = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < 4 && c->settings->project; round++) {
-    const mg_real worst = mg_deepest(c);
+    const mg_real worst = mg_largest_violation(c);
     if (!(worst > c->settings->contact_gap * c->system->length)) break;
     if (!moved++) before = mg_energy(c, &kinetic);
     for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = c->run->x[i];
-    if (!mg_push_once(c, worst)) break;
-    mg_settle_eta(c, events);
+    if (!mg_correct_positions(c, worst)) break;
+    mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
-    if (mg_deepest(c) < 2 * worst) continue;
+    if (mg_largest_violation(c) < 2 * worst) continue;
     for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.stage[i];
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;

@@ -1,7 +1,7 @@
-/* Time-stepping at the level of velocities and impulses, with a fixed step: no event is located, every contact that
-   closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods Eng. 39
-   (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth Mechanics and
-   Applications, 1988, 1-82). Order 1. */
+/* Time-stepping on velocities and impulses with a fixed step, order 1: no event is located; every contact that
+   closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods
+   Eng. 39 (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth
+   Mechanics and Applications, 1988, 1-82). Writes the state, contacts and events of the run, and samples. */
 #include "timestep/timestep.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -10,14 +10,14 @@
 #include "features/features.h"
 #include "events/events.h"
 
-/* Impulses over the step become forces. */
-static void mg_spread_over(mg_context *c, mg_real h) {
+/* Divides the impulses of the step by its length. */
+static void mg_impulses_to_forces(mg_context *c, mg_real h) {
   for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] /= h;
   for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
 }
 
-/* Samples due within the step from the state in c->step.end to run->x, on the straight line between them. */
-static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
+/* Appends the samples within the step, on the straight line from c->step.end to run->x. */
+static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) {
   const mg_real t = c->run->t - h;
   while (mg_is_sample_due(record, c->run->t)) {
     const mg_real theta = (record->t[record->count] - t) / h;
@@ -25,12 +25,12 @@ static void mg_record_straight(mg_context *c, mg_record *record, mg_real h) {
       c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_rows_at(c, t + theta * h, c->step.stage);
-    mg_record_row(c, record, c->step.stage);
+    mg_record_sample(c, record, c->step.stage);
   }
 }
 
-/* Contacts that left their feature pairs walk on. Needs the poses at run->x. */
-static void mg_walk_in_time(mg_context *c, mg_events *events) {
+/* Changes the feature pairs of contacts whose conditions fail. Needs the poses at run->x. */
+static void mg_change_features_after_step(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
     c->events.within_border[i] = 0;
@@ -40,24 +40,25 @@ static void mg_walk_in_time(mg_context *c, mg_events *events) {
   if (count) mg_change_marked_features(c, events);
 }
 
-/* Links, extrema and penetration at the end of the step; leaves the rows fresh. */
-static int mg_settle_contacts(mg_context *c, mg_events *events, mg_real h) {
-  mg_settle_eta(c, events);
-  mg_walk_in_time(c, events);
+/* Feature pairs, contact points and penetration at the end of the step. Leaves the rows at run->x. Returns an
+   outcome. */
+static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
+  mg_converge_all_contacts(c, events);
+  mg_change_features_after_step(c, events);
   int outcome = mg_post_stabilise(c, events);
   if (outcome || !mg_search_all_pairs(c, events, h)) return outcome;
   return mg_post_stabilise(c, events);
 }
 
-/* One step of h, or of less where a pair could move past what the next search sees. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
-  const mg_real sight = mg_search_step_limit(c);
-  if (h > sight) h = sight;
+  const mg_real search_limit = mg_search_step_limit(c);
+  if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
-  mg_take_geometry(c, h);
-  const int powered = mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
-  if (!powered || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
+  mg_set_step_geometry(c, h);
+  const int is_power_finite =
+      mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
+  if (!is_power_finite || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);
@@ -65,25 +66,24 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_apply_step_impulses(c, h);
   mg_integrate_positions(c, h);
   if (!mg_all_finite(c->layout.n_states, run->x)) return MG_NOT_FINITE;
-  mg_spread_over(c, h);
+  mg_impulses_to_forces(c, h);
   mg_advance_time(run, h);
   run->steps++, run->fallback_time += run->fallback_steps_left > 0 ? h : 0;
-  outcome = mg_settle_contacts(c, events, h);
+  outcome = mg_update_contacts_after_step(c, events, h);
   if (outcome) return outcome;
   if (mg_is_sample_due(record, run->t)) {
-    mg_record_straight(c, record, h);
+    mg_record_step_samples(c, record, h);
     mg_update_rows_at(c, run->t, run->x);
   }
   mg_update_diagnostics(c);
   return mg_check_margins(c, events);
 }
 
-/* The forces of the step to come, where a sample is due at its start. */
 MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {
   if (!mg_is_time_stepping(c) || !mg_is_sample_due(record, c->run->t)) return;
   const mg_real h = mg_next_step(c);
-  mg_take_geometry(c, h);
-  if (!mg_step_impulses(c, h)) mg_spread_over(c, h);
+  mg_set_step_geometry(c, h);
+  if (!mg_step_impulses(c, h)) mg_impulses_to_forces(c, h);
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
 }

@@ -6,36 +6,86 @@
 #include "model/context.h"
 
 /* velocity_rows.c */
+
+/* Updates poses, rows, gaps and their rates at (t, x), without forces. */
 MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x);
+
+/* Part of the step that follows the positions of the rows. */
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c);
-MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h);
-MG_INTERNAL mg_real mg_contact_free_rate(const mg_context *c, int row, mg_real h);
-MG_INTERNAL mg_real mg_resting_gap_rate(const mg_context *c, int contact, mg_real h);
+
+/* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in row 1 of
+   c->step.slopes the power of the loads, both in the middle of the step; in c->step.settled the positions at which
+   rows are taken; and the rows. */
+MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h);
+
+/* Rate of a row at the end of the step without contact impulses. Joint rows follow their rotation. */
+MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h);
+
+/* Bound of the gap rate that a step may cause at a contact at rest. */
+MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h);
+
+/* True if the contact approaches so fast that Newton's law applies. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h);
+
+/* Least gap rate at the end of the step: by Newton's law if the contact rebounds; else Stewart and Trinkle's
+   scheme permits the gap to close within the step, the others permit no approach. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h);
 
 /* impulse_problem.c */
+
+/* Finds the impulses of a step h: leaves them in c->solution.force, and the changes of the twists in
+   c->bodies.wrench. Needs the geometry of the step. Returns an outcome. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 
 /* position_update.c */
+
+/* Writes the velocities at the end of the step, and the work of loads and impulses, into run->x. */
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
+
+/* Writes the positions at the end of the step into run->x: from where the rows were taken, with the velocities at
+   the end. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
-MG_INTERNAL int mg_settle_eta(mg_context *c, mg_events *events);
+
+/* Converges eta of all contacts at run->x; contacts without closest points are released. Returns their number. */
+MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events);
+
+/* Corrects positions, at most four times, while penetration exceeds contact_gap; the change of the energy counts
+   as work. Leaves the rows at run->x. Returns an outcome. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 
 /* modes.c */
+
+/* Sets modes and appends events. Needs the impulses of the step in c->solution.force. */
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h);
 
 /* step.c */
+
+/* Takes one step of h, or shorter where a pair could move past what the next search finds. Returns an outcome. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events);
+
+/* Computes the forces of the next step if a sample is due at its start. */
 MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record);
 
 /* fallback.c */
+
+/* True if the next step is one of time-stepping. */
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c);
+
+/* Length of the next step, s: the given one, that of a fallback, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c);
-MG_INTERNAL int mg_needs_fallback(int outcome);
+
+/* True for outcomes that a fallback can avoid. */
+MG_INTERNAL int mg_is_fallback_outcome(int outcome);
+
+/* True if the last MG_PROGRESS_TRIES tries advanced t by less than fallback_progress * time and a third of them
+   was rejected, by a tenth of that and a closed contact has friction, or by a hundredth of that. */
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c);
+
+/* Starts a fallback after an outcome that it can avoid; returns whether it does. A fallback that follows at once
+   on another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events);
+
+/* Counts a step of a fallback; after the last one the run is event-driven again. Returns an outcome. */
 MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events);
 
 #endif

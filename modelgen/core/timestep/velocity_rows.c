@@ -1,34 +1,34 @@
-/* Time-stepping, what a step starts from: the rows where they are taken, the velocities at its end without contacts,
-   and how fast each contact must then part at least. */
+/* Start of a step of time-stepping: the rows at the positions of the scheme, the velocities at its end without
+   contacts, and the least gap rate that the scheme demands there. Writes c->rows, c->bodies and c->step. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Rows, gaps and their rates; no forces. */
 MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x) {
   mg_update_poses(c, t, x);
-  mg_contact_rows(c, x);
+  mg_update_contact_rows(c, x);
   mg_update_joint_rows(c, t);
-  mg_gap_rates(c);
+  mg_update_gap_rates(c);
 }
 
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {
   return c->settings->stepping_scheme == MG_MOREAU ? c->settings->stepping_theta : 1;
 }
 
-/* to = x, its positions and velocities moved on for a time by the slope in K[0] and c->bodies.acceleration. */
-static void mg_go_on(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
+/* to = x with positions advanced over `time` and velocities over `change` by the present slope and accelerations. */
+static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
   const mg_system *s = c->system;
   for (int i = 0; i < c->layout.n_states; i++) to[i] = c->run->x[i];
   for (int i = 0; i < s->n_q; i++) to[i] += time * c->step.slopes[i];
   for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_kind_of(c, b)].n_u && mg_moves(c, b); k++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
       to[s->n_q + s->body_u[b] + k] += change * c->bodies.acceleration[6 * b + k];
   mg_normalise_quaternions(c, to);
 }
 
-/* Takes the forces of the joints into c->bodies.acceleration, and notes them in c->solution.impulse. */
-static void mg_join_free(mg_context *c) {
+/* Adds the accelerations by the forces of the joints to c->bodies.acceleration, and stores these forces in
+   c->solution.impulse. */
+static void mg_add_joint_accelerations(mg_context *c) {
   for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
@@ -37,42 +37,36 @@ static void mg_join_free(mg_context *c) {
     mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.acceleration);
 }
 
-/* Leaves in c->bodies.acceleration the accelerations without contacts, in K[1] the power of the loads, both of the
-   middle of the step, and in c->step.settled the positions at which the rows are taken; makes the rows. */
-MG_INTERNAL void mg_take_geometry(mg_context *c, mg_real h) {
+MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
   mg_update_rows_at(c, t, c->run->x);
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
-  mg_go_on(c, ahead, 0, c->step.settled);
+  mg_extrapolate_state(c, ahead, 0, c->step.settled);
   for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->rows.eta_dot[k];
-  mg_go_on(c, h / 2, h / 2, c->step.stage);
+  mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
   mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
   if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
   mg_update_rows_at(c, t + ahead, c->step.settled);
-  mg_join_free(c);
+  mg_add_joint_accelerations(c);
 }
 
-/* The rate of a row at the end of the step without contacts. Rows of joints follow their turning. */
-MG_INTERNAL mg_real mg_contact_free_rate(const mg_context *c, int row, mg_real h) {
+MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
   const mg_real turning =
       row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
   return c->rows.d_dot[row] + h * (mg_row_times(c, row, c->bodies.acceleration) + turning);
 }
 
-/* What a step may make of the rate of a gap that rests. */
-MG_INTERNAL mg_real mg_resting_gap_rate(const mg_context *c, int contact, mg_real h) {
+MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   return rest + 2 * h * (fabs(mg_row_times(c, contact, c->bodies.acceleration)) + fabs(c->rows.gamma[contact]));
 }
 
-/* The approach is one that Newton's law sends back. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
-  return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate(c, contact, h);
+  return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate_bound(c, contact, h);
 }
 
-/* Newton's law; else Stewart and Trinkle let a gap close within the step, the others stop every approach. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
   if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->rows.d_dot[contact];
   if (c->settings->stepping_scheme != MG_STEWART_TRINKLE || c->rows.d[contact] <= 0) return 0;

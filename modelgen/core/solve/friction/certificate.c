@@ -1,11 +1,11 @@
-/* The certificate, on the scaled form and on the problem as it was given. */
-/* What can be proved: that there is no solution, that there is one only, that there are more. */
+/* Residual of a friction problem, in the scaled form and for the problem as given (mg_friction_residual), and what
+   can be proved of a problem: that there is no solution, that the solution is unique, that it is not. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 
 typedef struct {
-  mg_real error, size, force; /* largest of the certificate, of b, of z, all in its units */
+  mg_real error, size, force; /* maxima of the residual, of b and of z, in the units of the residual */
 } mg_friction_measure;
 
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
@@ -13,7 +13,7 @@ MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
   return (mg_real)sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
-/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k axes. */
+/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
 static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius) {
   mg_real q[2] = {0, 0}, size, error[2] = {0, 0};
   for (int i = 0; i < k; ++i) q[i] = f[i] - w[i] / rho;
@@ -30,7 +30,6 @@ MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact) 
   return slack;
 }
 
-/* Of y and v as they stand. */
 MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
   mg_real worst = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -48,8 +47,7 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
   return worst;
 }
 
-/* v = S y + c */
-MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s) {
+MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
     const mg_real *column = s->S + j * s->m, value = s->y[j];
@@ -57,14 +55,12 @@ MG_INTERNAL void mg_friction_motion(mg_scaled_friction *s) {
   }
 }
 
-/* What rounding lets the error of y be: that of S y grows with y. A quarter of the cap is kept for the way back. */
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
   const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
-/* Keeps y as the best if it is; returns whether it is good enough. */
-MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s) {
+MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
     s->residual = error;
@@ -73,21 +69,23 @@ MG_INTERNAL int mg_friction_keep(mg_scaled_friction *s) {
   return s->residual <= mg_friction_tolerance(s, s->best);
 }
 
-static mg_real mg_friction_row(const mg_friction_problem *p, const mg_real *z, int row) {
+/* w of one row of the given problem. */
+static mg_real mg_friction_row_motion(const mg_friction_problem *p, const mg_real *z, int row) {
   mg_real w = p->b[row];
   for (int j = 0; j < p->n; ++j) w += p->A[row + j * p->n] * z[j];
   return w;
 }
 
-static void mg_friction_note(mg_friction_measure *at, mg_real error, mg_real size, mg_real force) {
+/* Raises the maxima of error, right-hand side and force. */
+static void mg_friction_update_measure(mg_friction_measure *at, mg_real error, mg_real size, mg_real force) {
   if (!(error <= at->error)) at->error = error;
   if (size > at->size) at->size = size;
   if (force > at->force) at->force = force;
 }
 
-/* One part of a contact; returns |mu w|, by which the relaxed law lowers w_n. */
-static mg_real mg_friction_part(const mg_friction_problem *p, const mg_real *z, int row, int count, const mg_real *mu,
-                                mg_real normal, mg_friction_measure *at) {
+/* Measures one part of a contact; returns |mu w|, by which the relaxed law lowers w_n. */
+static mg_real mg_measure_friction_part(const mg_friction_problem *p, const mg_real *z, int row, int count,
+                                        const mg_real *mu, mg_real normal, mg_friction_measure *at) {
   mg_real f[2] = {0, 0}, w[2] = {0, 0}, b[2] = {0, 0}, rho = 0, root;
   int k = 0;
   for (int i = 0; i < count; ++i) {
@@ -96,7 +94,7 @@ static mg_real mg_friction_part(const mg_friction_problem *p, const mg_real *z, 
       continue;
     }
     f[k] = z[row + i] / mu[i];
-    w[k] = mu[i] * mg_friction_row(p, z, row + i);
+    w[k] = mu[i] * mg_friction_row_motion(p, z, row + i);
     b[k] = mu[i] * p->b[row + i];
     rho += mu[i] * mu[i] * (mg_real)fabs(p->A[(row + i) * (p->n + 1)]);
     ++k;
@@ -104,22 +102,26 @@ static mg_real mg_friction_part(const mg_friction_problem *p, const mg_real *z, 
   if (k == 0) return 0;
   rho = rho > 0 ? rho / (mg_real)k : (mg_real)1;
   root = (mg_real)sqrt(rho);
-  mg_friction_note(at, mg_friction_disc_error(k, f, w, rho, normal), mg_friction_norm(k, b) / root, normal * root);
+  mg_friction_update_measure(at, mg_friction_disc_error(k, f, w, rho, normal), mg_friction_norm(k, b) / root,
+                             normal * root);
   return mg_friction_norm(k, w);
 }
 
-static void mg_friction_one(const mg_friction_problem *p, const mg_real *z, int contact, mg_friction_measure *at) {
+/* Measures all rows of a contact. */
+static void mg_measure_friction_contact(const mg_friction_problem *p, const mg_real *z, int contact,
+                                        mg_friction_measure *at) {
   const int row = p->first[contact], rows = p->rows[contact];
   const mg_real *cone = p->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
   const mg_real d = mg_diagonal_scale((mg_real)fabs(p->A[row * (p->n + 1)]));
-  mg_real w = mg_friction_row(p, z, row), moves = 0, force = z[row] * d;
-  if (rows >= 3) moves += mg_friction_part(p, z, row + 1, 2, cone, z[row], at);
-  if (rows >= 6) moves += mg_friction_part(p, z, row + 3, 1, cone + 2, z[row], at);
-  if (rows >= 6) moves += mg_friction_part(p, z, row + 4, 2, rolling, z[row], at);
+  mg_real w = mg_friction_row_motion(p, z, row), moves = 0, force = z[row] * d;
+  if (rows >= 3) moves += mg_measure_friction_part(p, z, row + 1, 2, cone, z[row], at);
+  if (rows >= 6) moves += mg_measure_friction_part(p, z, row + 3, 1, cone + 2, z[row], at);
+  if (rows >= 6) moves += mg_measure_friction_part(p, z, row + 4, 2, rolling, z[row], at);
   w = (p->law == MG_RELAXED ? w - moves : w) / d;
-  mg_friction_note(at, (mg_real)fabs(force < w ? force : w), (mg_real)fabs(p->b[row]) / d, force);
+  mg_friction_update_measure(at, (mg_real)fabs(force < w ? force : w), (mg_real)fabs(p->b[row]) / d, force);
 }
 
+/* True if the row belongs to no contact. */
 static int mg_friction_is_bilateral(const mg_friction_problem *p, int row) {
   for (int c = 0; c < p->n_contact; ++c)
     if (row >= p->first[c] && row < p->first[c] + p->rows[c]) return 0;
@@ -128,12 +130,12 @@ static int mg_friction_is_bilateral(const mg_friction_problem *p, int row) {
 
 MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth) {
   mg_friction_measure at = {0, 0, 0};
-  for (int c = 0; c < p->n_contact; ++c) mg_friction_one(p, z, c, &at);
+  for (int c = 0; c < p->n_contact; ++c) mg_measure_friction_contact(p, z, c, &at);
   for (int i = 0; i < p->n; ++i)
     if (mg_friction_is_bilateral(p, i)) {
       const mg_real d = mg_diagonal_scale((mg_real)fabs(p->A[i * (p->n + 1)]));
-      mg_friction_note(&at, (mg_real)fabs(mg_friction_row(p, z, i)) / d, (mg_real)fabs(p->b[i]) / d,
-                       (mg_real)fabs(z[i]) * d);
+      mg_friction_update_measure(&at, (mg_real)fabs(mg_friction_row_motion(p, z, i)) / d, (mg_real)fabs(p->b[i]) / d,
+                                 (mg_real)fabs(z[i]) * d);
     }
   *growth = at.size > 0 ? at.force / at.size : 0;
   if (!(at.error <= MG_MAX)) return MG_MAX;
@@ -145,7 +147,8 @@ MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg
   return mg_friction_certify(problem, z, &growth);
 }
 
-static int mg_friction_symmetric(const mg_scaled_friction *s) {
+/* True if S is symmetric up to rounding. */
+static int mg_friction_is_symmetric(const mg_scaled_friction *s) {
   const int m = s->m;
   mg_real largest = mg_max_abs(m * m, s->S), odd = 0;
   for (int j = 0; j < m; ++j)
@@ -156,15 +159,16 @@ static int mg_friction_symmetric(const mg_scaled_friction *s) {
   return odd <= MG_LCP_RANK(m) * largest;
 }
 
-/* Of the relaxed law: a direction u of forces in the cones with S u = 0, u'c < 0, to which the forces of the convex
-   program grow. Any solution has 0 <= u'v = (S u)'y + u'c, so |y|_1 >= -u'c / max|S u|, here beyond 1 / sqrt(eps). */
-static int mg_friction_unbounded(mg_scaled_friction *s) {
+/* True if the convex program of the relaxed law is proved to be unbounded: a direction u of forces within the
+   cones with S u = 0, u'c < 0, found by the interior-point method. Any solution has 0 <= u'v = (S u)'y + u'c, so
+   that |y|_1 >= -u'c / max|S u|; here this bound exceeds 1 / sqrt(eps). */
+static int mg_friction_is_unbounded(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *shift = s->spare, size, work = 0, bound = 0;
   for (int c = 0; c < s->n; ++c) shift[c] = 0;
   mg_friction_interior(s, shift, 0);
   size = mg_max_abs(m, s->y);
-  mg_friction_motion(s);
+  mg_friction_update_motion(s);
   for (int i = 0; i < m; ++i) {
     const mg_real image = (mg_real)fabs(s->v[i] - s->c[i]) / size;
     work += s->c[i] * s->y[i] / size;
@@ -173,13 +177,10 @@ static int mg_friction_unbounded(mg_scaled_friction *s) {
   return -work > bound / (mg_real)sqrt(MG_EPS) && -work > mg_lcp_tolerance(m, 1) * (mg_real)m;
 }
 
-/* The normal rows alone: forces along t1, t2 could not mend what u >= 0 with u'S u = 0, u'c < 0 on them shows, because
-   then S u = 0 on all rows. A matrix that is not symmetric (contacts that slide in a given direction) is decided
-   only where it has no other rows. */
-MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s) {
+MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s) {
   const int n = s->n;
   mg_real *N = s->work, *b = N + n * n, *z = b + n;
-  int *active = s->iwork, symmetric = mg_friction_symmetric(s);
+  int *active = s->iwork, symmetric = mg_friction_is_symmetric(s);
   mg_lcp_report report;
   if (!symmetric && n < s->m) return 0;
   for (int j = 0; j < n; ++j) {
@@ -190,11 +191,11 @@ MG_INTERNAL int mg_friction_impossible(mg_scaled_friction *s) {
   if (symmetric) mg_qp(n, N, b, 50 * n + 100, z, active, &report, z + n, active + n);
   else mg_enumerate(n, N, b, z, &report, z + n, active);
   if (report.outcome == MG_LCP_INFEASIBLE) return 1;
-  return symmetric && s->theta >= 1 && mg_friction_unbounded(s);
+  return symmetric && s->theta >= 1 && mg_friction_is_unbounded(s);
 }
 
-/* The largest row sum of a symmetric k by k matrix bounds its eigenvalues. */
-static mg_real mg_friction_bound(int k, const mg_real *M) {
+/* Largest row sum of a symmetric k by k matrix, a bound of its eigenvalues. */
+static mg_real mg_row_sum_bound(int k, const mg_real *M) {
   mg_real largest = 0;
   for (int j = 0; j < k; ++j) {
     mg_real sum = 0;
@@ -204,7 +205,7 @@ static mg_real mg_friction_bound(int k, const mg_real *M) {
   return largest;
 }
 
-/* Bound of (S^-1)_nn, or of nothing (MG_MAX) where S is not clearly definite. */
+/* Bound of the norm of (S^-1)_nn, or MG_MAX if S is not clearly definite. */
 static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L, mg_real *x, mg_real *inverse) {
   const int m = s->m;
   for (int i = 0; i < m * m; ++i) L[i] = s->S[i];
@@ -214,9 +215,10 @@ static mg_real mg_friction_inverse_bound(const mg_scaled_friction *s, mg_real *L
     mg_cholesky_solve(m, L, x);
     for (int i = 0; i < s->n; ++i) inverse[i + j * s->n] = x[s->normal[i]];
   }
-  return mg_friction_bound(s->n, inverse);
+  return mg_row_sum_bound(s->n, inverse);
 }
 
+/* Bound of the norm of S_tt. */
 static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int p = 0; p < s->n_part; ++p)
@@ -229,10 +231,10 @@ static mg_real mg_friction_tangential_bound(const mg_scaled_friction *s) {
   return largest;
 }
 
-/* v_t as a function of the shift s = sum |v_t| of the convex problem (Acary, Cadoux, Lemarechal, Malick, ZAMM 91
-   (2011), 155-175) has the Lipschitz constant sqrt(parts |S_tt| |(S^-1)_nn|): below 1 there is one solution for every
-   b. */
-static int mg_friction_one_only(const mg_scaled_friction *s) {
+/* True if the solution is unique for every b: v_t as a function of the shift sum |v_t| of the convex problem
+   (Acary, Cadoux, Lemarechal and Malick, ZAMM 91 (2011), 155-175) has the Lipschitz constant sqrt(parts |S_tt|
+   |(S^-1)_nn|), and this is below 1. */
+static int mg_friction_is_unique(const mg_scaled_friction *s) {
   mg_real *L = s->work, *x = L + s->m * s->m, inverse = mg_friction_inverse_bound(s, L, x, x + s->m);
   int parts = 0;
   if (!(inverse < MG_MAX)) return 0;
@@ -241,9 +243,8 @@ static int mg_friction_one_only(const mg_scaled_friction *s) {
   return s->theta >= 1 || (mg_real)parts * mg_friction_tangential_bound(s) * inverse < 1;
 }
 
-/* `strict`: no force is at the end of what its contact allows, so that a deficiency leaves room for others. */
-MG_INTERNAL void mg_friction_tell(mg_scaled_friction *s, int strict, mg_friction_report *report) {
-  if (!mg_friction_symmetric(s)) return;
+MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict, mg_friction_report *report) {
+  if (!mg_friction_is_symmetric(s)) return;
   if (report->rank < report->active && strict) report->unique = MG_NOT_UNIQUE;
-  else if (s->rank == s->n_bilateral && mg_friction_one_only(s)) report->unique = MG_UNIQUE;
+  else if (s->rank == s->n_bilateral && mg_friction_is_unique(s)) report->unique = MG_UNIQUE;
 }

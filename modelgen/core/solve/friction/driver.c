@@ -1,47 +1,50 @@
-/* The solver of contacts with friction: sweeps and Newton steps in turn, along paths from easier problems where these
-   fail, then the certificate. */
+/* The solver of friction problems: Gauss-Seidel sweeps and semismooth Newton steps in turn; where these fail,
+   other starting points; then the certificate. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
 enum {
-  MG_FRICTION_ROUNDS = 4,
-  MG_FRICTION_SWEEPS = 6,
-  MG_FRICTION_MORE = 4,
-  MG_FRICTION_STEPS = 40,
-  MG_FRICTION_LAST = 3
+  MG_FRICTION_ROUNDS = 4,          /* rounds of sweeps and Newton steps */
+  MG_FRICTION_SWEEPS = 6,          /* sweeps of the first round */
+  MG_FRICTION_SWEEP_GROWTH = 4,    /* factor of the sweeps of the next round */
+  MG_FRICTION_NEWTON_STEPS = 40,   /* most Newton steps of a round */
+  MG_FRICTION_REFINEMENT_STEPS = 3 /* most Newton steps from a solution */
 };
 
-/* Sweeps, then Newton; more sweeps from where the first ended where Newton failed. */
-static int mg_friction_try(mg_scaled_friction *s, int rounds) {
+/* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. Returns whether a solution
+   was found. */
+static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
   const int m = s->m;
   mg_real *swept = s->spare;
-  for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_MORE) {
+  for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_SWEEP_GROWTH) {
     if (mg_friction_sweep(s, sweeps)) return 1;
     for (int i = 0; i < m; ++i) swept[i] = s->y[i];
     for (int augmented = 1; augmented >= 0; --augmented) {
-      if (mg_friction_newton(s, MG_FRICTION_STEPS, augmented)) return 1;
+      if (mg_friction_newton(s, MG_FRICTION_NEWTON_STEPS, augmented)) return 1;
       for (int i = 0; i < m; ++i) s->y[i] = swept[i];
     }
   }
   return 0;
 }
 
-/* A guess may be the solution, or near it; leaves y there. */
-static int mg_friction_warm(mg_scaled_friction *s, const mg_real *z) {
+/* Tries the guess z, and Newton steps from it. Returns whether a solution was found; else y is the guess. */
+static int mg_friction_warm_start(mg_scaled_friction *s, const mg_real *z) {
   const int guessed = mg_max_abs(s->given->n, z) > 0;
-  mg_friction_take(s, z);
-  mg_friction_motion(s);
-  if (mg_friction_keep(s)) return 1;
+  mg_friction_scale_guess(s, z);
+  mg_friction_update_motion(s);
+  if (mg_friction_update_best(s)) return 1;
   if (guessed && mg_friction_newton(s, MG_FRICTION_SWEEPS, 1)) return 1;
-  mg_friction_take(s, z);
+  mg_friction_scale_guess(s, z);
   return 0;
 }
 
-static mg_real mg_friction_speed(const mg_scaled_friction *s, int part) {
+/* |v_t| of a part in the units of the residual. */
+static mg_real mg_friction_part_speed(const mg_scaled_friction *s, int part) {
   return mg_friction_norm(s->part_dim[part], s->v + s->part_row[part]) / (mg_real)sqrt(s->rho[part]);
 }
 
-static int mg_friction_mark(const mg_scaled_friction *s, int contact) {
+/* Marks MG_MARK_FORCE .. of a contact at y, v. */
+static int mg_friction_contact_marks(const mg_scaled_friction *s, int contact) {
   const mg_real radius = s->y[s->normal[contact]];
   int mark = MG_MARK_FORCE;
   if (!(radius - mg_friction_slack(s, contact) > 0)) return 0;
@@ -49,34 +52,36 @@ static int mg_friction_mark(const mg_scaled_friction *s, int contact) {
     const int row = s->part_row[p];
     mg_real q[2] = {0, 0};
     for (int i = 0; i < s->part_dim[p]; ++i) q[i] = s->y[row + i] - s->v[row + i] / s->rho[p];
-    if (mg_friction_norm(s->part_dim[p], q) > radius && mg_friction_speed(s, p) > MG_LCP_CAP) mark |= s->part_mark[p];
+    if (mg_friction_norm(s->part_dim[p], q) > radius && mg_friction_part_speed(s, p) > MG_LCP_CAP)
+      mark |= s->part_mark[p];
   }
   return mark;
 }
 
-/* The best candidate in the units of the problem, and what the certificate says of it. */
-static int mg_friction_judge(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
+/* Returns the best candidate in the units of the problem, with marks and residual. Returns whether it is a
+   solution. */
+static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   mg_real growth;
   for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
-  mg_friction_motion(s);
-  for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_mark(s, c);
-  mg_friction_give(s, s->best, z);
+  mg_friction_update_motion(s);
+  for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_contact_marks(s, c);
+  mg_friction_unscale(s, s->best, z);
   report->residual = mg_friction_certify(s->given, z, &growth);
   report->outcome = report->residual <= MG_LCP_CAP ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
   return report->outcome == MG_FRICTION_SOLVED;
 }
 
-/* Newton steps from a solution for its last digits, as long as they gain: the tolerance is a thousand roundings. */
-static void mg_friction_polish(mg_scaled_friction *s) {
+/* Newton steps from a solution as long as they reduce the residual, because the tolerance is a thousand roundings. */
+static void mg_friction_refine(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->spare;
-  for (int step = 0; step < MG_FRICTION_LAST && !s->given->accepts_tolerance; ++step) {
+  for (int step = 0; step < MG_FRICTION_REFINEMENT_STEPS && !s->given->accepts_tolerance; ++step) {
     const mg_real residual = s->residual, tolerance = mg_friction_tolerance(s, s->best);
     if (!(residual > tolerance / 1000 && residual <= tolerance)) return;
     for (int i = 0; i < m; ++i) before[i] = s->y[i] = s->best[i];
     mg_friction_newton(s, 1, 1);
     for (int i = 0; i < m; ++i) s->y[i] = s->best[i];
-    mg_friction_motion(s);
+    mg_friction_update_motion(s);
     s->residual = mg_friction_error(s);
     if (s->residual < residual) continue;
     for (int i = 0; i < m; ++i) s->best[i] = before[i];
@@ -85,20 +90,21 @@ static void mg_friction_polish(mg_scaled_friction *s) {
   }
 }
 
+/* Solves the scaled problem; z is the guess on entry. */
 static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   report->starts = 1;
-  if (!mg_friction_warm(s, z)) mg_friction_try(s, MG_FRICTION_ROUNDS);
-  mg_friction_polish(s);
-  if (mg_friction_judge(s, z, marks, report)) return;
-  if (mg_friction_impossible(s)) {
+  if (!mg_friction_warm_start(s, z)) mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
+  mg_friction_refine(s);
+  if (mg_friction_certify_best(s, z, marks, report)) return;
+  if (mg_friction_is_infeasible(s)) {
     report->outcome = MG_FRICTION_INFEASIBLE;
     return;
   }
-  for (int path = 0; path < MG_PATHS && report->starts != s->given->max_starts; ++path) {
+  for (int path = 0; path < MG_FRICTION_STARTS && report->starts != s->given->max_starts; ++path) {
     ++report->starts;
-    mg_friction_follow(s, path);
-    mg_friction_polish(s);
-    if (mg_friction_judge(s, z, marks, report)) return;
+    mg_friction_try_start(s, path);
+    mg_friction_refine(s);
+    if (mg_friction_certify_best(s, z, marks, report)) return;
   }
 }
 
@@ -115,9 +121,9 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
   report->sweeps = s.sweeps;
   report->newton = s.newton;
   if (problem->wants_rank && report->outcome == MG_FRICTION_SOLVED) {
-    const int strict = mg_friction_even(&s, marks, report);
-    mg_friction_judge(&s, z, marks, report);
-    mg_friction_tell(&s, strict, report);
+    const int strict = mg_friction_least_norm(&s, marks, report);
+    mg_friction_certify_best(&s, z, marks, report);
+    mg_friction_report_uniqueness(&s, strict, report);
   }
   return report->outcome;
 }

@@ -1,18 +1,26 @@
-/* One contact while the others stay: exact for N and slip, then spin and rolling with N given. */
-/* Projected block Gauss-Seidel over the contacts. */
+/* Projected block Gauss-Seidel over the contacts (Jourdan, Alart and Jean, Comput. Methods Appl. Mech. Eng. 155
+   (1998), 31-47). The problem of one contact, with the others fixed, is solved exactly for N and slip, then for
+   spin and rolling with N given. For the relaxed law a projected gradient step of the contact takes its place. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_LOCAL_ROOT = 40, MG_LOCAL_DOUBLINGS = 80 };
+enum {
+  MG_DISC_ROOT_STEPS = 40,   /* most steps of the root finder */
+  MG_DISC_BRACKET_STEPS = 80 /* most steps in search of a bracket */
+};
 
-typedef struct { /* T f + c = -alpha f on a disc; N = base + slope.f */
-  int k;
-  mg_real T[4], c[2], slope[2], base;
+/* A disc of friction forces f: T f + c = -alpha f, |f| <= N = base + slope.f; alpha = 0: it sticks. */
+typedef struct {
+  int k;            /* components of f: 1 or 2 */
+  mg_real T[4];     /* matrix, by columns */
+  mg_real c[2];     /* motion without f */
+  mg_real slope[2]; /* derivative of N by f */
+  mg_real base;     /* N without f */
 } mg_disc;
 
-enum { MG_ROWS_AT_MOST = 6 };
+enum { MG_CONTACT_ROWS_MAX = 6 }; /* most rows of a contact */
 
-/* f = -(T + alpha I)^-1 c. Returns 0 where that is singular. */
+/* f = -(T + alpha I)^-1 c. Returns 0 if that is singular. */
 static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
   mg_real a = d->T[0] + alpha, b = d->T[3] + alpha, determinant;
   if (d->k == 1) {
@@ -27,64 +35,68 @@ static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
   return 1;
 }
 
+/* N = base + slope.f. */
 static mg_real mg_disc_radius(const mg_disc *d, const mg_real *f) {
   mg_real radius = d->base;
   for (int i = 0; i < d->k; ++i) radius += d->slope[i] * f[i];
   return radius;
 }
 
-/* N - |f|; far below 0 where the force is not defined. */
-static mg_real mg_disc_room(const mg_disc *d, mg_real alpha, mg_real *f) {
+/* N - |f| at alpha; -MG_MAX where the force is not defined. */
+static mg_real mg_disc_slack(const mg_disc *d, mg_real alpha, mg_real *f) {
   if (!mg_disc_force(d, alpha, f)) return -MG_MAX;
   return mg_disc_radius(d, f) - mg_friction_norm(d->k, f);
 }
 
-/* A root of the room in alpha, between a negative and a positive end: false position, halved where it stalls. */
-static void mg_disc_root(const mg_disc *d, mg_real low, mg_real room_low, mg_real high, mg_real room_high, mg_real *f) {
+/* Root of the slack in alpha between a negative and a positive end, by false position that is halved where it
+   stalls. */
+static void mg_disc_root(const mg_disc *d, mg_real low, mg_real slack_low, mg_real high, mg_real slack_high,
+                         mg_real *f) {
   int side = 0;
-  for (int i = 0; i < MG_LOCAL_ROOT; ++i) {
-    mg_real middle = (low + high) / 2, room;
-    if (room_low > -1 / MG_EPS) middle = high - room_high * (high - low) / (room_high - room_low);
+  for (int i = 0; i < MG_DISC_ROOT_STEPS; ++i) {
+    mg_real middle = (low + high) / 2, slack;
+    if (slack_low > -1 / MG_EPS) middle = high - slack_high * (high - low) / (slack_high - slack_low);
     if (!(middle > low && middle < high)) middle = (low + high) / 2;
-    room = mg_disc_room(d, middle, f);
-    if (fabs(room) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
-    if (room < 0) {
-      low = middle, room_low = room;
-      if (side == -1) room_high /= 2;
+    slack = mg_disc_slack(d, middle, f);
+    if (fabs(slack) <= 4 * MG_EPS * mg_friction_norm(d->k, f) || high - low <= 4 * MG_EPS * high) return;
+    if (slack < 0) {
+      low = middle, slack_low = slack;
+      if (side == -1) slack_high /= 2;
       side = -1;
     } else {
-      high = middle, room_high = room;
-      if (side == 1) room_low /= 2;
+      high = middle, slack_high = slack;
+      if (side == 1) slack_low /= 2;
       side = 1;
     }
   }
 }
 
-/* Sticking where the cone allows it, else sliding. base > 0, so that a root exists. */
+/* Force of one disc: that of sticking if the cone contains it, else that of sliding. base > 0, so that a root
+   exists. */
 static void mg_disc_solve(const mg_disc *d, mg_real *f) {
-  mg_real room = mg_disc_room(d, 0, f), low = 0, high, room_high = 0;
-  if (room >= 0) return;
+  mg_real slack = mg_disc_slack(d, 0, f), low = 0, high, slack_high = 0;
+  if (slack >= 0) return;
   high = (mg_real)fabs(d->T[0]) + (mg_real)fabs(d->T[3]);
   if (!(high > 0)) high = 1;
-  for (int i = 0; i < MG_LOCAL_DOUBLINGS; ++i) {
-    room_high = mg_disc_room(d, high, f);
-    if (room_high >= 0) break;
+  for (int i = 0; i < MG_DISC_BRACKET_STEPS; ++i) {
+    slack_high = mg_disc_slack(d, high, f);
+    if (slack_high >= 0) break;
     low = high;
-    room = room_high;
+    slack = slack_high;
     high *= 4;
   }
-  if (room_high > 0) mg_disc_root(d, low, room, high, room_high, f);
+  if (slack_high > 0) mg_disc_root(d, low, slack, high, slack_high, f);
 }
 
-/* b[i] = v - S_cc y: the motion of the part's rows if the contact carried nothing of its own. */
+/* v of a row if the forces of rows from..to were y: motion with the contact's own forces replaced. */
 static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y) {
   mg_real b = s->v[row];
   for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
   return b;
 }
 
-/* A disc of rows row.. of a contact whose rows are from..to, with N = y[0] held, or free to balance. */
-static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
+/* Sets up the disc of a part of a contact whose rows are from..to, with N = y[0] given (held) or in balance. */
+static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
   const int m = s->m, row = s->part_row[part];
   const mg_real a = s->S[from + from * m];
   mg_real b;
@@ -108,9 +120,9 @@ static void mg_disc_set(const mg_scaled_friction *s, int part, int from, int to,
   if (d->k == 1) d->T[3] = d->T[0];
 }
 
-/* y: the contact's rows, from s->y on entry, solved on return. */
-static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
-  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+/* Solves one contact with the others fixed. y: its rows, the solution on return. */
+static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   int part = s->part[contact];
   mg_disc d;
   mg_real b;
@@ -124,19 +136,19 @@ static void mg_friction_contact(const mg_scaled_friction *s, int contact, mg_rea
   }
   y[0] = -b / s->S[from + from * s->m];
   if (part < s->part[contact + 1] && s->part_mark[part] == MG_MARK_SLIP) {
-    mg_disc_set(s, part, from, to, 0, y, &d);
+    mg_set_disc(s, part, from, to, 0, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
     y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);
     ++part;
   }
   for (; part < s->part[contact + 1]; ++part) {
-    mg_disc_set(s, part, from, to, 1, y, &d);
+    mg_set_disc(s, part, from, to, 1, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
   }
 }
 
-/* The point of the cone |f_p| <= N, every part p, that is nearest to the contact's rows y. */
-static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_real *y) {
+/* Replaces the contact's rows y by the nearest point of the cone |f_p| <= N, for every part p. */
+static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], first = s->part[contact], parts = s->part[contact + 1] - first;
   mg_real N = y[0], size[3];
   for (int p = 0; p < parts; ++p) size[p] = mg_friction_norm(s->part_dim[first + p], y + s->part_row[first + p] - from);
@@ -153,21 +165,22 @@ static void mg_friction_project(const mg_scaled_friction *s, int contact, mg_rea
       y[s->part_row[first + p] - from + i] *= y[0] / size[p];
 }
 
-/* A projected gradient step of one contact: the convex program's own sweep. */
-static void mg_friction_descend(const mg_scaled_friction *s, int contact, mg_real *y) {
-  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+/* One projected gradient step of the convex program in the rows of a contact. */
+static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact, mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   mg_real trace = 0;
   for (int i = from; i < to; ++i) trace += s->S[i + i * s->m];
   for (int i = from; i < to && trace > 0; ++i) y[i - from] -= s->v[i] / trace;
-  mg_friction_project(s, contact, y);
+  mg_project_on_cone(s, contact, y);
 }
 
-static void mg_friction_change(mg_scaled_friction *s, int contact) {
-  const int m = s->m, from = s->normal[contact], to = mg_friction_end_of(s, contact);
-  mg_real y[MG_ROWS_AT_MOST];
+/* Replaces the forces of one contact and updates v. */
+static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
+  const int m = s->m, from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  mg_real y[MG_CONTACT_ROWS_MAX];
   for (int j = from; j < to; ++j) y[j - from] = s->y[j];
-  if (s->theta > 0) mg_friction_descend(s, contact, y);
-  else mg_friction_contact(s, contact, y);
+  if (s->theta > 0) mg_projected_gradient_step(s, contact, y);
+  else mg_solve_friction_contact(s, contact, y);
   for (int j = from; j < to; ++j) {
     const mg_real *column = s->S + j * m, step = y[j - from] - s->y[j];
     if (!(fabs(step) > 0)) continue;
@@ -176,14 +189,13 @@ static void mg_friction_change(mg_scaled_friction *s, int contact) {
   }
 }
 
-/* Sweeps forth and back from y. Returns whether that is a solution. */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
-  mg_friction_motion(s);
+  mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (int c = 0; c < s->n; ++c) mg_friction_change(s, sweep % 2 ? s->n - 1 - c : c);
+    for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, sweep % 2 ? s->n - 1 - c : c);
     ++s->sweeps;
     if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
-  mg_friction_motion(s);
-  return mg_friction_keep(s);
+  mg_friction_update_motion(s);
+  return mg_friction_update_best(s);
 }

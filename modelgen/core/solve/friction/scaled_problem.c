@@ -1,9 +1,10 @@
-/* Which rows carry force, and where everything lies in the scratch. */
-/* From the problem to its scaled form without bilateral rows, and back. */
+/* The scaled form of a friction problem: rows that may carry force, bilateral rows eliminated by the Schur
+   complement S_cc - S_cb S_bb^-1 S_bc, S_nn = 1; and the way back to the given problem. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
 
+/* Memory: matrices, vectors and integer vectors of the size of the problem. */
 enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
 
 MG_API int mg_friction_work_size(int n, int n_contact) {
@@ -14,6 +15,7 @@ MG_API int mg_friction_iwork_size(int n, int n_contact) {
   return MG_FRICTION_INTS * (n + n_contact + 1) + mg_lcp_iwork_size(n);
 }
 
+/* Divides the memory. */
 static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwork) {
   const int n = s->given->n, k = s->given->n_contact, square = n * n;
   mg_real **vectors[] = {&s->e, &s->c, &s->y, &s->v, &s->best, &s->e_b};
@@ -35,11 +37,12 @@ static void mg_friction_partition(mg_scaled_friction *s, mg_real *work, int *iwo
   s->iwork = s->part_mark + 3 * k;
 }
 
-MG_INTERNAL int mg_friction_end_of(const mg_scaled_friction *s, int contact) {
+MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact) {
   return contact + 1 < s->n ? s->normal[contact + 1] : s->m;
 }
 
-/* A disc over the rows row.. of the problem with a positive coefficient; e holds the coefficients for now. */
+/* Adds the disc of the given rows that have a positive coefficient; e holds the coefficients until
+   mg_friction_scale. */
 static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, const mg_real *mu, int mark) {
   const int part = s->n_part;
   s->part_row[part] = s->m;
@@ -53,6 +56,7 @@ static void mg_friction_add_part(mg_scaled_friction *s, int row, int count, cons
   s->n_part += s->part_dim[part] > 0;
 }
 
+/* Adds the rows and parts of a contact. */
 static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   const int row = s->given->first[contact], rows = s->given->rows[contact];
   const mg_real *cone = s->given->cone + MG_CONE * contact, rolling[2] = {cone[3], cone[3]};
@@ -65,7 +69,6 @@ static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   s->part[contact + 1] = s->n_part;
 }
 
-/* Returns 0 if the data are not finite, or a coefficient is negative. */
 MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
                                    int *iwork) {
   const int n = problem->n;
@@ -91,14 +94,16 @@ MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_prob
   return 1;
 }
 
+/* Entry of A. */
 static mg_real mg_friction_entry(const mg_scaled_friction *s, int i, int j) { return s->given->A[i + j * s->given->n]; }
 
+/* sqrt|A_ii|, or 1 where it is 0. */
 static mg_real mg_friction_diagonal(const mg_scaled_friction *s, int i) {
   return mg_diagonal_scale((mg_real)fabs(mg_friction_entry(s, i, i)));
 }
 
-/* x becomes (L L')^-1 x on the pivoted rows. */
-static void mg_friction_back(const mg_scaled_friction *s, mg_real *x) {
+/* Replaces x by (L L')^-1 x on the pivoted bilateral rows. */
+static void mg_friction_solve_bilateral(const mg_scaled_friction *s, mg_real *x) {
   const int k = s->n_bilateral, r = s->rank;
   for (int j = 0; j < r; ++j) {
     x[j] /= s->L[j + j * k];
@@ -110,8 +115,8 @@ static void mg_friction_back(const mg_scaled_friction *s, mg_real *x) {
   }
 }
 
-/* Of dependent bilateral rows those pivoted first stand for all. */
-static void mg_friction_factor(mg_scaled_friction *s) {
+/* Pivoted Cholesky factor of the bilateral rows; of dependent rows those pivoted first represent all. */
+static void mg_friction_factor_bilateral(mg_scaled_friction *s) {
   const int k = s->n_bilateral;
   for (int i = 0; i < k; ++i) s->e_b[i] = 1 / mg_friction_diagonal(s, s->bilateral[i]);
   for (int j = 0; j < k; ++j)
@@ -120,24 +125,24 @@ static void mg_friction_factor(mg_scaled_friction *s) {
   s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k));
 }
 
-/* What is left of row and column i is rounding: the bilateral rows hold it. */
-static void mg_friction_clear(mg_scaled_friction *s, int i) {
+/* Clears row and column i, of which only rounding is left because bilateral rows determine them. */
+static void mg_friction_clear_row(mg_scaled_friction *s, int i) {
   for (int j = 0; j < s->m; ++j) s->S[i + j * s->m] = s->S[j + i * s->m] = 0;
 }
 
-/* S and c less what the bilateral rows take: S_cc - S_cb S_bb^-1 S_bc. */
+/* Eliminates the bilateral rows from S and c. */
 static void mg_friction_eliminate(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->y;
   for (int i = 0; i < m; ++i) before[i] = (mg_real)fabs(s->S[i + i * m]);
-  mg_friction_factor(s);
+  mg_friction_factor_bilateral(s);
   for (int j = 0; j <= m; ++j) {
     mg_real *x = s->X + j * s->n_bilateral, *target = j < m ? s->S + j * m : s->c;
     for (int i = 0; i < s->rank; ++i) {
       const int b = s->order[i], row = s->bilateral[b];
       x[i] = s->e_b[b] * (j < m ? mg_friction_entry(s, row, s->row[j]) * s->e[j] : s->given->b[row]);
     }
-    mg_friction_back(s, x);
+    mg_friction_solve_bilateral(s, x);
     for (int k = 0; k < s->rank; ++k) {
       const int b = s->order[k];
       for (int i = 0; i < m; ++i)
@@ -145,10 +150,11 @@ static void mg_friction_eliminate(mg_scaled_friction *s) {
     }
   }
   for (int i = 0; i < m; ++i)
-    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear(s, i);
+    if (fabs(s->S[i + i * m]) <= MG_LCP_RANK(s->given->n) * before[i]) mg_friction_clear_row(s, i);
 }
 
-static void mg_friction_means(mg_scaled_friction *s) {
+/* Means of S_tt of all parts. */
+static void mg_friction_set_rho(mg_scaled_friction *s) {
   for (int p = 0; p < s->n_part; ++p) {
     mg_real sum = 0;
     for (int i = s->part_row[p]; i < s->part_row[p] + s->part_dim[p]; ++i) sum += (mg_real)fabs(s->S[i + i * s->m]);
@@ -156,7 +162,7 @@ static void mg_friction_means(mg_scaled_friction *s) {
   }
 }
 
-/* The largest motion without contact forces, in the units of the certificate. */
+/* Largest motion without contact forces, in the units of the residual. */
 static mg_real mg_friction_size(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int c = 0; c < s->n; ++c)
@@ -168,12 +174,12 @@ static mg_real mg_friction_size(const mg_scaled_friction *s) {
   return largest;
 }
 
-/* Brings S_nn to 1: before the bilateral rows are eliminated, and after. */
+/* Scales S_nn to 1 after bilateral rows have been eliminated. */
 static void mg_friction_normalise(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *factor = s->y;
   for (int c = 0; c < s->n; ++c) {
-    const int normal = s->normal[c], end = mg_friction_end_of(s, c);
+    const int normal = s->normal[c], end = mg_friction_row_end(s, c);
     const mg_real size = (mg_real)fabs(s->S[normal + normal * m]);
     for (int i = normal; i < end; ++i) factor[i] = size > MG_LCP_RANK(m) ? 1 / (mg_real)sqrt(size) : (mg_real)1;
   }
@@ -185,12 +191,11 @@ static void mg_friction_normalise(mg_scaled_friction *s) {
   }
 }
 
-/* Returns 0 when the scaled data leave the range of the reals. */
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   const int m = s->m;
   for (int c = 0; c < s->n; ++c) {
     const mg_real e = 1 / mg_friction_diagonal(s, s->row[s->normal[c]]);
-    const int end = mg_friction_end_of(s, c);
+    const int end = mg_friction_row_end(s, c);
     for (int i = s->normal[c]; i < end; ++i) s->e[i] *= e;
   }
   for (int j = 0; j < m; ++j)
@@ -200,7 +205,7 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
     mg_friction_eliminate(s);
     mg_friction_normalise(s);
   }
-  mg_friction_means(s);
+  mg_friction_set_rho(s);
   s->scale = mg_friction_size(s);
   if (!mg_all_finite(m * m, s->S) || !mg_all_finite(m, s->c)) return 0;
   if (!(s->scale > 0)) s->scale = 1;
@@ -208,12 +213,11 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
   return 1;
 }
 
-MG_INTERNAL void mg_friction_take(mg_scaled_friction *s, const mg_real *z) {
+MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z) {
   for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
-/* z of the whole problem; the bilateral forces are of minimum norm. */
-MG_INTERNAL void mg_friction_give(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
+MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;
   mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k;

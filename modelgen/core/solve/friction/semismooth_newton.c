@@ -1,10 +1,15 @@
-/* Semismooth Newton steps on the natural map of the contacts that press; those that do not are set to zero force.
-   The matrix is that of S + shift I, which leaves the forces that rank deficiency frees near where they are; the
-   residual is that of S. A step that the line search refuses is replaced by one of regularised least squares. */
+/* Semismooth Newton method on the natural map of the contacts that carry force (Alart and Curnier, Comput. Methods
+   Appl. Mech. Eng. 92 (1991), 353-375); the forces of the others are set to zero. The matrix is that of S +
+   tikhonov I, which keeps forces that rank deficiency leaves free near where they are; the residual is that of S.
+   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 
-enum { MG_BLOCK = 6, MG_HALVINGS = 10, MG_MEMORY = 4 };
+enum {
+  MG_CONTACT_BLOCK = 6,         /* most rows of a contact */
+  MG_LINE_SEARCH_HALVINGS = 10, /* most halvings of a step */
+  MG_LINE_SEARCH_MEMORY = 4     /* merits of which the largest must be undercut */
+};
 
 typedef struct {
   mg_scaled_friction *s;
@@ -12,10 +17,12 @@ typedef struct {
   int *index, *swap, *place; /* rows in play; pivots; per row its place among them or -1 */
   mg_real *J, *normal;       /* k by k; J'J + damping */
   mg_real *phi, *right, *step, *image, *y, *v;
-  mg_real gy[MG_BLOCK * MG_BLOCK], gv[MG_BLOCK * MG_BLOCK]; /* of one contact, row by row */
-  mg_real before[MG_MEMORY];
+  mg_real gy[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK],
+      gv[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK]; /* of one contact, row by row */
+  mg_real before[MG_LINE_SEARCH_MEMORY];
 } mg_semismooth;
 
+/* Divides the memory. */
 static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
   const int m = s->m;
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
@@ -28,7 +35,7 @@ static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
   n->place = n->swap + m;
 }
 
-/* phi of one part that presses, and its rows of gy and gv. */
+/* phi of one part of a contact with force, and its rows of the derivatives gy and gv. */
 static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real radius) {
   const mg_scaled_friction *s = n->s;
   const int k = s->part_dim[part], row = s->part_row[part], at = row - s->normal[contact];
@@ -39,13 +46,13 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
   if (size <= radius) {
     for (int i = 0; i < k; ++i) {
       n->phi[row + i] = s->v[row + i] / root;
-      n->gv[(at + i) * MG_BLOCK + at + i] = 1 / root;
+      n->gv[(at + i) * MG_CONTACT_BLOCK + at + i] = 1 / root;
     }
     return;
   }
   ratio = radius / size;
   for (int i = 0; i < k; ++i) {
-    mg_real *gy = n->gy + (at + i) * MG_BLOCK, *gv = n->gv + (at + i) * MG_BLOCK;
+    mg_real *gy = n->gy + (at + i) * MG_CONTACT_BLOCK, *gv = n->gv + (at + i) * MG_CONTACT_BLOCK;
     n->phi[row + i] = root * (s->y[row + i] - ratio * q[i]);
     for (int j = 0; j < k; ++j) {
       const mg_real across = ratio * ((mg_real)(i == j) - q[i] * q[j] / (size * size));
@@ -53,14 +60,14 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
       gv[at + j] = across / root;
     }
     if (radius > 0) gy[0] = -root * q[i] / size;
-    for (int j = 0; n->augmented && j < MG_BLOCK; ++j) gv[j] += root * q[i] / size * n->gv[j];
+    for (int j = 0; n->augmented && j < MG_CONTACT_BLOCK; ++j) gv[j] += root * q[i] / size * n->gv[j];
   }
 }
 
-/* phi of a contact; gy and gv if it presses (returns 1), else nothing. Row 0 of gv is the change of the slack. */
+/* phi of a contact; gy and gv if it carries force (returns 1). Row 0 of gv is the derivative of the slack. */
 static int mg_semismooth_contact(mg_semismooth *n, int contact) {
   const mg_scaled_friction *s = n->s;
-  const int from = s->normal[contact], to = mg_friction_end_of(s, contact);
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   const mg_real slack = mg_friction_slack(s, contact), force = s->y[from];
   if (!(force - slack > 0)) {
     n->phi[from] = s->y[from];
@@ -69,7 +76,7 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
         n->phi[i] = s->y[i] * (mg_real)sqrt(s->rho[p]);
     return 0;
   }
-  for (int i = 0; i < (to - from) * MG_BLOCK; ++i) n->gy[i] = n->gv[i] = 0;
+  for (int i = 0; i < (to - from) * MG_CONTACT_BLOCK; ++i) n->gy[i] = n->gv[i] = 0;
   n->phi[from] = slack;
   n->gv[0] = 1;
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p) {
@@ -81,6 +88,7 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
   return 1;
 }
 
+/* Sum of the squares of phi. */
 static mg_real mg_semismooth_merit(mg_semismooth *n) {
   mg_real sum = 0;
   for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
@@ -88,12 +96,12 @@ static mg_real mg_semismooth_merit(mg_semismooth *n) {
   return sum;
 }
 
-/* The contact's rows of J, and of the right-hand side what the rows out of play add by going to zero. */
+/* Rows of J of a contact, and on the right-hand side the effect of the forces that are set to zero. */
 static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   const mg_scaled_friction *s = n->s;
-  const int m = s->m, from = s->normal[contact], width = mg_friction_end_of(s, contact) - from;
+  const int m = s->m, from = s->normal[contact], width = mg_friction_row_end(s, contact) - from;
   for (int i = 0; i < width; ++i) {
-    const mg_real *gv = n->gv + i * MG_BLOCK, *gy = n->gy + i * MG_BLOCK;
+    const mg_real *gv = n->gv + i * MG_CONTACT_BLOCK, *gy = n->gy + i * MG_CONTACT_BLOCK;
     const int row = n->place[from + i];
     n->right[row] = -n->phi[from + i];
     for (int j = 0; j < m; ++j) {
@@ -107,12 +115,13 @@ static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   }
 }
 
+/* Chooses the rows of the contacts with force, and assembles J and the right-hand side. */
 static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   n->k = 0;
   for (int c = 0; c < s->n; ++c) {
     const int presses = mg_semismooth_contact(n, c);
-    for (int i = s->normal[c]; i < mg_friction_end_of(s, c); ++i) {
+    for (int i = s->normal[c]; i < mg_friction_row_end(s, c); ++i) {
       n->place[i] = presses ? n->k : -1;
       if (presses) n->index[n->k++] = i;
     }
@@ -121,8 +130,8 @@ static void mg_semismooth_assemble(mg_semismooth *n, mg_real shift) {
     if (mg_semismooth_contact(n, c)) mg_semismooth_rows(n, c, shift);
 }
 
-/* The step of all rows from that of the rows in play. */
-static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x) {
+/* Step of all rows, and its image S step, from that of the chosen rows. */
+static void mg_semismooth_expand_step(mg_semismooth *n, const mg_real *x) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
   for (int i = 0; i < m; ++i) {
@@ -133,8 +142,8 @@ static void mg_semismooth_spread(mg_semismooth *n, const mg_real *x) {
     for (int i = 0; i < m; ++i) n->image[i] += s->S[i + j * m] * n->step[j];
 }
 
-/* Least squares: (J'J + damping) x = J' right. */
-static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x) {
+/* Regularised least squares: (J'J + damping I) x = J' right. */
+static void mg_semismooth_damped_step(mg_semismooth *n, mg_real damping, mg_real *x) {
   const int k = n->k;
   for (int j = 0; j < k; ++j) {
     x[j] = 0;
@@ -149,7 +158,8 @@ static void mg_semismooth_damped(mg_semismooth *n, mg_real damping, mg_real *x) 
   mg_cholesky_solve(k, n->normal, x);
 }
 
-static int mg_semismooth_straight(mg_semismooth *n, mg_real *x) {
+/* J x = right; returns 0 if J is singular. */
+static int mg_semismooth_lu_step(mg_semismooth *n, mg_real *x) {
   const int k = n->k;
   for (int i = 0; i < k * k; ++i) n->normal[i] = n->J[i];
   if (!(mg_lu(k, n->normal, n->swap) > 0)) return 0;
@@ -158,11 +168,11 @@ static int mg_semismooth_straight(mg_semismooth *n, mg_real *x) {
   return 1;
 }
 
-/* Goes along the step until the merit falls below the worst of the last few. Returns 0 if it does not. */
-static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings) {
+/* Shortens the step until the merit falls below the largest of the last few. Returns 0 if it does not. */
+static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvings) {
   mg_scaled_friction *s = n->s;
   mg_real worst = 0, length = 1;
-  for (int i = 0; i < MG_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
+  for (int i = 0; i < MG_LINE_SEARCH_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
   for (int i = 0; i < s->m; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
   for (int half = 0; half < halvings; ++half, length /= 2) {
     mg_real merit;
@@ -172,7 +182,7 @@ static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings) {
     }
     merit = mg_semismooth_merit(n);
     if (merit <= (1 - (mg_real)1e-4 * length) * worst) {
-      n->before[(iteration + 1) % MG_MEMORY] = merit;
+      n->before[(iteration + 1) % MG_LINE_SEARCH_MEMORY] = merit;
       return 1;
     }
   }
@@ -180,38 +190,38 @@ static int mg_semismooth_search(mg_semismooth *n, int iteration, int halvings) {
   return 0;
 }
 
+/* One step; returns 0 if all are rejected. */
 static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   mg_real *x = n->y;
   mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
-  if (mg_semismooth_straight(n, x)) {
-    mg_semismooth_spread(n, x);
-    if (mg_semismooth_search(n, iteration, MG_HALVINGS)) return 1;
+  if (mg_semismooth_lu_step(n, x)) {
+    mg_semismooth_expand_step(n, x);
+    if (mg_semismooth_line_search(n, iteration, MG_LINE_SEARCH_HALVINGS)) return 1;
     mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   }
   for (mg_real damping = (mg_real)1e-6; damping < 10; damping *= 100) {
-    mg_semismooth_damped(n, damping, x);
-    mg_semismooth_spread(n, x);
-    if (mg_semismooth_search(n, iteration, 3)) return 1;
+    mg_semismooth_damped_step(n, damping, x);
+    mg_semismooth_expand_step(n, x);
+    if (mg_semismooth_line_search(n, iteration, 3)) return 1;
     mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   }
   return 0;
 }
 
-/* From s->y for at most `limit` steps. Returns whether a solution was found. */
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
   mg_semismooth_open(&n, s);
   n.augmented = augmented;
-  mg_friction_motion(s);
+  mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
   for (int iteration = 0; iteration < limit; ++iteration) {
     ++s->newton;
-    if (!mg_semismooth_step(&n, iteration)) return mg_friction_keep(s);
-    if (iteration % MG_MEMORY == MG_MEMORY - 1) mg_friction_motion(s);
-    if (mg_friction_keep(s)) {
-      mg_friction_motion(s);
-      return mg_friction_keep(s);
+    if (!mg_semismooth_step(&n, iteration)) return mg_friction_update_best(s);
+    if (iteration % MG_LINE_SEARCH_MEMORY == MG_LINE_SEARCH_MEMORY - 1) mg_friction_update_motion(s);
+    if (mg_friction_update_best(s)) {
+      mg_friction_update_motion(s);
+      return mg_friction_update_best(s);
     }
   }
-  return mg_friction_keep(s);
+  return mg_friction_update_best(s);
 }

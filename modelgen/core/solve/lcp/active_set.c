@@ -1,17 +1,19 @@
-/* The forces on a known active set: minimum norm where the active contacts are redundant. */
+/* Forces on a known active set of a linear complementarity problem: A_BB z_B = -b_B, of least norm where the rows
+   of the active set are dependent. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-/* Reals and ints that the largest user, mg_enumerate with mg_qp inside it, takes. */
 MG_API int mg_lcp_work_size(int n) { return 8 * n * n + 24 * n + 16; }
 
 MG_API int mg_lcp_iwork_size(int n) { return 8 * n + 8; }
 
+/* Solution of a z = -b; 0 if a is not positive. Returns the rank. */
 static int mg_active_one(mg_real a, mg_real b, mg_real *z) {
   *z = a > 0 ? -b / a : (mg_real)0;
   return a > 0;
 }
 
+/* The same for two unknowns with positive diagonal. */
 static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
   mg_real d0 = (mg_real)sqrt(A[0]), d1 = (mg_real)sqrt(A[3]), c[2];
   int rank;
@@ -23,6 +25,7 @@ static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
   return rank;
 }
 
+/* The same for the k unknowns of `index`, scaled to unit diagonal. */
 static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
                             mg_real *z, mg_real *work, int *order) {
   mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;

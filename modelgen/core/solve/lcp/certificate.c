@@ -1,19 +1,19 @@
-/* The certificate: the scaled natural map, and the tolerance it is held against. */
+/* Certificate of the solvers of linear complementarity problems: the residual is the scaled natural map min(z, A z
+   + b), and the tolerance follows from rounding. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_LCP_BLOCK = 16 };
+enum { MG_LCP_BLOCK = 16 }; /* rows of a block */
 
 MG_INTERNAL mg_real mg_diagonal_scale(mg_real a) { return a > 0 ? (mg_real)sqrt(a) : (mg_real)1; }
 
-/* residual <= min(MG_LCP_CAP, 1e3 n eps max(1, growth)), growth = max|D z| / max|D^-1 b|: the rounding of
-   A z cannot be had below eps * growth. */
 MG_INTERNAL mg_real mg_lcp_tolerance(int n, mg_real growth) {
   mg_real rounding = (mg_real)1e3 * (mg_real)n * MG_EPS * (growth > 1 ? growth : 1);
   return rounding < MG_LCP_CAP ? rounding : MG_LCP_CAP;
 }
 
-/* Scaled natural map; *growth = max|D z| / max|D^-1 b|. Rows go in blocks, so that A is read by columns. */
+/* Scaled natural map; writes *growth = max|D z| / max|D^-1 b|. Rows are treated in blocks, so that A is read by
+   columns. */
 static mg_real mg_natural_map(int n, const mg_real *A, const mg_real *b, const mg_real *z, mg_real *growth) {
   mg_real worst = 0, c = 0, y = 0, w[MG_LCP_BLOCK];
   for (int first = 0; first < n; first += MG_LCP_BLOCK) {
@@ -40,7 +40,6 @@ MG_API mg_real mg_lcp_residual(int n, const mg_real *A, const mg_real *b, const 
   return mg_natural_map(n, A, b, z, &growth);
 }
 
-/* Clears the report and z. Returns nonzero when the answer is already known: z = 0, or data not finite. */
 MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real *z, mg_lcp_report *report) {
   int nonnegative = 1;
   report->outcome = MG_LCP_SOLVED;
@@ -60,7 +59,6 @@ MG_INTERNAL int mg_lcp_start(int n, const mg_real *A, const mg_real *b, mg_real 
   return nonnegative;
 }
 
-/* Keeps the candidate in z if its residual is the least so far; returns whether it is a solution. */
 MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const mg_real *candidate, mg_real *z,
                                mg_lcp_report *report) {
   mg_real growth = 0, residual = mg_natural_map(n, A, b, candidate, &growth);
@@ -72,9 +70,8 @@ MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const 
   return 1;
 }
 
-/* The outcome without a solution; z is the best candidate met, with its residual. */
-MG_INTERNAL int mg_lcp_give_up(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
-                               mg_lcp_report *report) {
+MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
+                                      mg_lcp_report *report) {
   report->residual = mg_lcp_residual(n, A, b, z);
   return report->outcome = outcome;
 }

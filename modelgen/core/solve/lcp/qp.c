@@ -1,15 +1,18 @@
-/* mg_qp in closed form for one and two contacts. */
-/* After the active set: the Tikhonov term is taken out again, or the problem is shown to have no solution. */
-/* Block principal pivoting on S + tikhonov I (Portugal, Judice, Vicente, Math. Comp. 63 (1994), 625-643):
-   all violated indices change side together; when their number stops falling, the least index alone does,
-   which ends (Murty) because the matrix is positive definite. */
-/* The convex QP of Gauss's principle: scaled, pivoted with a Tikhonov term, refined without it, certified.
-   What the term leaves is removed by proximal steps: c is replaced by c - tikhonov * previous y. */
+/* The convex quadratic program of Gauss's principle, min z'Az/2 + b'z with z >= 0, which is the complementarity
+   problem of a symmetric positive semidefinite A.
+
+   The problem is scaled to unit diagonal, S y + c. Block principal pivoting on S + tikhonov I (Portugal, Judice and
+   Vicente, Math. Comp. 63 (1994), 625-643) finds the active set: all violated indices change side together; if their
+   number stops falling, the least index alone does, which terminates (Murty) because the matrix is positive
+   definite. On the active set the Tikhonov term is taken out again by refinement; what it leaves is removed by
+   proximal steps, in which c is replaced by c - tikhonov * previous y. The result is certified, or the problem is
+   proved to have no solution. Problems of one and two unknowns are solved in closed form. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
 
-enum { MG_QP_ROUNDS = 20 };
+enum { MG_QP_ROUNDS = 20 }; /* most proximal steps */
 
+/* Closed form for one unknown. */
 static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_report *report) {
   report->iterations = 1;
   if (a > 0) {
@@ -28,8 +31,8 @@ static int mg_qp_one(mg_real a, mg_real b, mg_real *z, int *active, mg_lcp_repor
   return report->outcome = MG_LCP_INFEASIBLE;
 }
 
-/* Returns nonzero if it decided: both diagonals positive and the pair well apart from parallel, where the
-   solution is unique. */
+/* Closed form for two unknowns with positive diagonal and nearly perpendicular rows, where the solution is unique.
+   Returns nonzero if it is solved. */
 static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active, mg_lcp_report *report) {
   mg_real d[2], c[2], y[2], s;
   d[0] = mg_diagonal_scale(A[0]);
@@ -51,7 +54,7 @@ static int mg_qp_two(const mg_real *A, const mg_real *b, mg_real *z, int *active
   return mg_lcp_certify(2, A, b, y, z, report);
 }
 
-/* y_B += (S_BB + tikhonov I)^-1 (-c - S y)_B: each pass divides the error by pivot / tikhonov. */
+/* y_B += (S_BB + tikhonov I)^-1 (-c - S y)_B; each pass divides the error by pivot / tikhonov. */
 static void mg_refine_regular(mg_qp_state *s) {
   int n = s->n, k = s->k;
   mg_real *residual = s->gathered;
@@ -68,6 +71,7 @@ static void mg_refine_regular(mg_qp_state *s) {
   }
 }
 
+/* Least-norm solution on the active set by the pivoted factor; returns the rank. */
 static int mg_refine_deficient(mg_qp_state *s) {
   int n = s->n, k = s->k, rank;
   mg_real *S = s->work, *c = S + k * k;
@@ -81,7 +85,7 @@ static int mg_refine_deficient(mg_qp_state *s) {
   return rank;
 }
 
-/* trial = the minimum-norm solution of S_BB y_B = -c_B, 0 off B; returns the rank of S_BB. */
+/* trial = least-norm solution of S_BB y_B = -c_B, 0 outside B; returns the rank of S_BB. */
 static int mg_qp_refine(mg_qp_state *s) {
   for (int i = 0; i < s->n; ++i) s->trial[i] = s->y[i];
   if (s->k == 0) return 0;
@@ -90,8 +94,8 @@ static int mg_qp_refine(mg_qp_state *s) {
   return s->k;
 }
 
-/* u = (y - previous)+ is a proof that there is no solution: w, y >= 0 and w = S y + c give
-   (S u)'y >= -c'u, so |y|_1 >= -c'u / max|S u|, here beyond 1 / sqrt(eps), c being 1 at most. */
+/* True if u = max(y - previous, 0) proves that there is no solution: w, y >= 0 and w = S y + c give (S u)'y >=
+   -c'u, so that |y|_1 >= -c'u / max|S u|; here this bound exceeds 1 / sqrt(eps), while |c| <= 1. */
 static int mg_qp_unbounded(const mg_qp_state *s) {
   int n = s->n;
   mg_real *u = s->trial, *image = s->work, cu = 0, size = 0, bound;
@@ -107,7 +111,7 @@ static int mg_qp_unbounded(const mg_qp_state *s) {
   return -cu > bound && -cu > mg_lcp_tolerance(n, 1) * size;
 }
 
-/* y_B = -(S_BB + tikhonov I)^-1 c_B and w = S y + c off B. */
+/* y_B = -(S_BB + tikhonov I)^-1 c_B, and w = S y + c outside B. */
 static void mg_regularised_solve(mg_qp_state *s, const int *active) {
   int n = s->n, k = 0;
   for (int i = 0; i < n; ++i) {
@@ -132,7 +136,7 @@ static void mg_regularised_solve(mg_qp_state *s, const int *active) {
   }
 }
 
-/* Marks y_i < 0 on B and w_i < 0 off B; returns how many, and the least of them. */
+/* Marks y_i < 0 on B and w_i < 0 outside B; returns their number, and the least of them in *least. */
 static int mg_violations(const mg_qp_state *s, const int *active, int *least) {
   mg_real largest = mg_max_abs(s->n, s->y);
   mg_real tolerance = (mg_real)s->n * MG_EPS * (largest > 1 ? largest : 1);
@@ -145,7 +149,8 @@ static int mg_violations(const mg_qp_state *s, const int *active, int *least) {
   return count;
 }
 
-/* Returns the number of sets tried, at most `limit`; y, w, L, index, k belong to the last one. */
+/* Changes the active set until nothing is violated; returns the number of sets tried, at most `limit`. y, w, L,
+   index and k belong to the last set. */
 static int mg_block_pivot(mg_qp_state *s, int *active, int limit) {
   int fewest = s->n + 1, patience = 3, least = 0;
   for (int iteration = 1;; ++iteration) {
@@ -166,6 +171,7 @@ static int mg_block_pivot(mg_qp_state *s, int *active, int limit) {
   }
 }
 
+/* Divides the memory. */
 static void mg_qp_partition(mg_qp_state *s, int n, mg_real *work, int *iwork) {
   s->n = n;
   s->k = 0;
@@ -186,7 +192,7 @@ static void mg_qp_partition(mg_qp_state *s, int n, mg_real *work, int *iwork) {
   s->order = iwork + 2 * n;
 }
 
-/* Returns 0 when the scaled data leave the range of the reals. */
+/* Scales the problem to unit diagonal. Returns 0 if the scaled data are not finite. */
 static int mg_qp_scale(mg_qp_state *s, const mg_real *A, const mg_real *b) {
   int n = s->n;
   mg_real *reciprocal = s->y;
@@ -206,7 +212,7 @@ static int mg_qp_scale(mg_qp_state *s, const mg_real *A, const mg_real *b) {
   return 1;
 }
 
-/* Certifies max(y, 0) in the units of z; overwrites y with it. */
+/* Certifies max(y, 0) in the units of z. */
 static int mg_qp_certify(mg_qp_state *s, const mg_real *A, const mg_real *b, mg_real *y, mg_real *z,
                          mg_lcp_report *report) {
   mg_real *candidate = s->gathered;
@@ -214,7 +220,7 @@ static int mg_qp_certify(mg_qp_state *s, const mg_real *A, const mg_real *b, mg_
   return mg_lcp_certify(s->n, A, b, candidate, z, report);
 }
 
-/* One proximal round; returns nonzero when the outcome is decided. */
+/* One proximal step; returns nonzero if the outcome is decided. */
 static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int limit, mg_real *z, int *active,
                        mg_lcp_report *report) {
   for (int i = 0; i < s->n; ++i) s->shifted[i] = s->c[i] - MG_LCP_TIKHONOV * s->previous[i];
@@ -230,6 +236,7 @@ static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int l
   return 0;
 }
 
+/* The general method. */
 static int mg_qp_general(int n, const mg_real *A, const mg_real *b, int limit, mg_real *z, int *active,
                          mg_lcp_report *report, mg_real *work, int *iwork) {
   mg_qp_state s;

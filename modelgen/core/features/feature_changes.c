@@ -10,7 +10,7 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_FEATURE_CHANGES_MAX 8 /* feature pairs passed in one walk: around a vertex, several */
+#define MG_FEATURE_CHANGES_MAX 8 /* most feature pairs passed at one time, as around a vertex */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
 static void mg_nearest_shape_coordinates(mg_context *c, int feature_pair, int side, const mg_real *local, mg_real *uv) {
@@ -33,9 +33,9 @@ static void mg_eta_from_points(mg_context *c, int feature_pair, const mg_real *p
                                mg_real *eta) {
   mg_sample at[2];
   for (int side = 0; side < 2; side++) {
-    const int carrier = mg_parametrisation(c, feature_pair, side);
+    const int parametrisation = mg_parametrisation(c, feature_pair, side);
     mg_point_in_shape_axes(c, feature_pair, side, side ? point_f : point_o, at[side].local);
-    if (carrier == MG_CHART || carrier == MG_CURVE || carrier == MG_SIGNED_CURVE)
+    if (parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE)
       mg_nearest_shape_coordinates(c, feature_pair, side, at[side].local, at[side].uv);
   }
   mg_start_eta(c, feature_pair, at, at + 1, eta);
@@ -52,12 +52,11 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
   if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->search_margin))
     return -MG_MAX;
-  if (mg_has_signs(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
+  if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
   return mg_most_violated_condition(c, to, eta, which);
 }
 
-/* True if another contact of the pair is at this minimum, or converges to it. */
 MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
   mg_minimum other;
@@ -90,7 +89,6 @@ static int mg_is_feature_pair_unreported(const mg_context *c, int feature_pair, 
   return mg_is_feature_pair_of_flat_faces(c, feature_pair) || mg_is_guiding_contact_only(c, feature_pair, d);
 }
 
-/* Take a contact off its feature pair, remember its point for the search, and report that it vanishes. */
 MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
@@ -175,8 +173,6 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
-/* Change the feature of all contacts marked to leave theirs, and request a search for those that pass a border;
-   returns how many changed. */
 MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
@@ -207,8 +203,6 @@ static void mg_release_distant_rim_points(mg_context *c) {
   }
 }
 
-/* Contact of the pair to use for a minimum: its own, an empty one or the open one farthest away; -1 if there is
-   none. */
 MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found) {
   int slot = -1;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -219,14 +213,12 @@ MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const
   return slot;
 }
 
-/* True if a search during a run takes up the minimum: within reach unless it limits the step, not too deep, not
-   about to end. */
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
-  const int far =
+  const int is_distant =
       found->d > c->settings->search_gap * length && !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
-  if (found->undecided || far || found->d < -c->settings->appear_depth * length) return 0;
+  if (found->undecided || is_distant || found->d < -c->settings->appear_depth * length) return 0;
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
@@ -267,7 +259,6 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
 }
 
-/* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
@@ -306,7 +297,6 @@ static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   return c->settings->search_gap * length - (moved < most ? moved : most);
 }
 
-/* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
@@ -315,7 +305,7 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_motion_bound motion = mg_pair_motion(c, pair);
+    const mg_motion_bound motion = mg_pair_motion_bound(c, pair);
     const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
     const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
@@ -323,15 +313,13 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   return longest_step;
 }
 
-/* After an accepted step of length h, release contacts that end and search the pairs for new ones; returns how
-   many changed. */
 MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->system;
   int count = mg_release_folded_contacts(c, events);
   mg_release_distant_rim_points(c);
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_motion(c, pair).speed;
+    c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (s->pair_search[pair] == MG_SEARCH_MOVED &&
         c->run->moved_since_search[pair] < c->settings->search_movement * s->length)
       continue;
