@@ -12,6 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen.cli.commands import app
+from modelgen.codegen.compiler import find_compiler
+from modelgen.codegen.runtime_object import runtime_object
 
 ROOT = Path(__file__).parents[2]
 
@@ -27,6 +29,13 @@ class Answer:
         value = json.loads(self.out)
         assert isinstance(value, dict)
         return value
+
+
+@pytest.fixture(scope="session", autouse=True)
+def core() -> None:
+    """Compile the core before the first command, so that no command reports it among its own messages."""
+    compiler = find_compiler()
+    runtime_object(compiler, compiler.flags("double"))
 
 
 @pytest.fixture(scope="session")
