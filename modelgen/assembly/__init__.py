@@ -1,4 +1,4 @@
-"""From the scene to its model.
+"""Assembly: from the scene to the model whose kernels are generated and whose arrays the core reads.
 
 Takes in a `Scene`; gives out a `Model`: the kinds of bodies, contacts, joints and loads that the scene needs
 (they decide what is generated and compiled), and its instance, the numbers of each body, contact, joint and
@@ -16,7 +16,7 @@ from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, ball_around, feature_pairs_of
-from modelgen.assembly.friction_rows import grips_of
+from modelgen.assembly.friction_rows import friction_constraints_of
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -79,7 +79,7 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class Touching:
-    """What the contact pairs of a scene become."""
+    """Pairs of shapes, feature pairs, contacts and patches of the contact pairs of a scene."""
 
     pairs: tuple[PairEntry, ...]
     feature_pairs: tuple[FeaturePairEntry, ...]
@@ -89,7 +89,7 @@ class Touching:
 
     @property
     def n_eta(self) -> int:
-        """Entries of eta of all contacts."""
+        """Number of entries of eta of all contacts."""
         return sum(entry.room for entry in self.contacts)
 
 
@@ -107,7 +107,7 @@ def require(scene: Scene) -> Model:
 
 
 def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
-    """Of the part that is observed of the whole."""
+    """The model of the observed part of a scene; `whole` is the scene as written."""
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
     warnings = soundness(scene)
     body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
@@ -144,7 +144,7 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
 
 
 def eta_size(kind: ContactKind) -> int:
-    """Entries of eta of one contact of this kind."""
+    """Number of entries of eta of one contact of this kind."""
     return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
 
 
@@ -212,7 +212,7 @@ def _touching(
             (first, first + len(feature_pairs)),
             (len(touching.contacts), len(touching.contacts) + len(contacts)),
         )
-        constraints = grips_of(pair, a.owner.body)
+        constraints = friction_constraints_of(pair, a.owner.body)
         balls = tuple(ball_around(each) for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
         entry = PairEntry(
             name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
@@ -230,7 +230,8 @@ def _touching(
 
 
 def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
-    """Contacts that never end need not be searched for."""
+    """The search policy of a pair (never, after movement, always): contacts that never end are not searched
+    for."""
     endless = way.own and not any(feature_pair.conditions for feature_pair in feature_pairs)
     return "never" if endless else way.search
 
@@ -270,7 +271,7 @@ def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], wher
 def _acting(
     scene: Scene, pieces: Sequence[Piece], length: float, eta: int
 ) -> tuple[tuple[LoadKind, ...], tuple[LoadEntry, ...], Joined]:
-    """Loads and joints; the springs of joints are loads."""
+    """The loads and joints of the scene; the springs of joints become loads."""
     kinds: KindList[LoadKind] = KindList()
     loads = _load_entries(scene, pieces, kinds)
     joints = joined(scene, [piece.centre for piece in pieces], length, eta, kinds)

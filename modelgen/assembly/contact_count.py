@@ -16,7 +16,7 @@ ROUND = ("sphere", "ellipsoid", "superellipsoid")
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """`contacts` in all; each has its own feature pair, or any of the pair."""
+    """Number of contacts that follow a pair of shapes, and whether each keeps a feature pair of its own."""
 
     contacts: int
     own: bool
@@ -26,7 +26,8 @@ class Following:
 def following(
     a: Shape, b: Shape, pair: ContactPair, feature_pairs: Sequence[FeaturePairEntry], explicit: bool
 ) -> Following:
-    """For the pair of shapes (a, b) with these feature pairs; explicit: none of them has contact parameters.
+    """The contacts that follow the shapes (a, b) with these feature pairs. explicit: no feature pair has
+    contact parameters.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down
@@ -53,7 +54,7 @@ def following(
 
 
 def runs_on(shape: Shape) -> bool:
-    """Whether faces of the shape, or pieces of the curve, run into one another without an edge."""
+    """Whether faces of the shape, or pieces of the curve, join smoothly, without an edge."""
     features = features_of(shape).features
     dimensions = {feature.name: feature.dimension for feature in features}
     return any(
@@ -64,7 +65,7 @@ def runs_on(shape: Shape) -> bool:
 
 
 def is_smooth(shape: Shape) -> bool:
-    """Whether the shape has no edges: one feature, or several that run into one another."""
+    """Whether the shape has no edges: it has one feature, or several that join smoothly."""
     features = features_of(shape).features
     return len({feature.dimension for feature in features}) == 1
 
@@ -74,7 +75,7 @@ def _is_plane(shape: Shape) -> bool:
 
 
 def confined(feature_pairs: Sequence[FeaturePairEntry]) -> tuple[FeaturePairEntry, ...]:
-    """Links that each have a contact of their own: where one ends, its contact does."""
+    """The feature pairs with conditions under which a contact of its own ends where the feature pair ends."""
     return tuple(
         replace(
             feature_pair,

@@ -1,4 +1,4 @@
-"""What is remarkable about the shapes that touch: where they are singular, or have no curvature."""
+"""Warnings about shapes in contact: singular points of charts and points without curvature."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ def soundness(scene: Scene) -> tuple[str, ...]:
 
 
 def _standing(scene: Scene) -> Iterator[str]:
-    """Of pairs that could rest on their faces, but for their kind of friction."""
+    """Warnings on pairs whose faces cannot rest on each other as patches because of their kind of
+    friction."""
     shapes = {(body.name, shape.name): shape for body in scene.bodies for shape in body.shapes}
     for pair in scene.contacts:
         flat = [regions_of(shapes[partner]) for partner in pair.between if partner in shapes]

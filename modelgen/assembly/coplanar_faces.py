@@ -43,7 +43,7 @@ class Unions:
         self._known: dict[tuple[int, ...], int] = {}
 
     def patches(self, shown: Sequence[Shown]) -> tuple[PatchEntry, ...]:
-        """Each with the places that it shares with the others of its pair."""
+        """The patches, each with the range of slots that it shares with the other patches of its pair."""
         found: list[list[PatchEntry]] = [[] for _ in shown]
         for group in self._groups(
             [(k, patch) for k, each in enumerate(shown) for patch in each.patches], shown
@@ -54,7 +54,7 @@ class Unions:
         return tuple(_with_slots(found, shown))
 
     def _groups(self, members: Sequence[Member], shown: Sequence[Shown]) -> Iterator[list[Member]]:
-        """In order of their first patches."""
+        """The groups of patches that become one, in order of their first patches."""
         groups: list[list[Member]] = []
         for member in members:
             mates = (each for each in groups if self._belongs(each[0], member, shown))
@@ -86,7 +86,7 @@ class Unions:
         first = replace(group[0], faces=(self._union(sides[0]), self._union(sides[1])))
         if len(group) == 1:
             return first
-        support_points = self._pads(group, sides[1][0])
+        support_points = self._support_points(group, sides[1][0])
         return replace(
             first,
             name=name,
@@ -99,7 +99,7 @@ class Unions:
         )
 
     def _union(self, members: Sequence[int]) -> int:
-        """The number of the face that faces in one plane are together, in the axes of the first."""
+        """The number of the union of coplanar faces, in the axes of the first of them."""
         key = tuple(members)
         if key not in self._known:
             self._known[key] = len(self.faces)
@@ -107,7 +107,8 @@ class Unions:
         return self._known[key]
 
     def _face_of(self, members: Sequence[int]) -> FaceEntry:
-        """A number of loops is left out between members, which may overlap (core/region.h)."""
+        """The face with the loops of all members. One loop number is skipped between members, which may
+        overlap (core/region/region.h)."""
         first = self.given[members[0]]
         if len(members) == 1:
             return first
@@ -120,7 +121,7 @@ class Unions:
             loops += 1 + _loops(face)
         return replace(first, name=_listed(self.given[k].name for k in members), boundary=tuple(boundary))
 
-    def _pads(self, group: Sequence[PatchEntry], face: int) -> list[Vector]:
+    def _support_points(self, group: Sequence[PatchEntry], face: int) -> list[Vector]:
         """Points on a circle round those of all members, in the axes of f about its centre of mass."""
         points = np.array([[numbers[-3:] for numbers in patch.parameters] for patch in group])
         centres = points.mean(axis=1)
@@ -138,7 +139,7 @@ def _name(group: Sequence[tuple[ContactPair, PatchEntry]]) -> str:
 
 
 def _listed(names: Iterable[str]) -> str:
-    """Each once."""
+    """The items in order, without repetitions."""
     return "+".join(dict.fromkeys(filter(None, names)))
 
 
@@ -155,7 +156,7 @@ def _loops(face: FaceEntry) -> int:
 
 
 def _complete(group: list[Member]) -> list[list[Member]]:
-    """The group, if each of its faces may touch each; else by faces of o."""
+    """The group itself if every face of o may touch every face of f; else one group per face of o."""
     first = list(dict.fromkeys(patch.faces[0] for _, patch in group))
     if len(group) == len(first) * len({patch.faces[1] for _, patch in group}):
         return [group]
@@ -163,7 +164,7 @@ def _complete(group: list[Member]) -> list[list[Member]]:
 
 
 def _with_slots(found: Sequence[Sequence[PatchEntry]], shown: Sequence[Shown]) -> Iterator[PatchEntry]:
-    """The patches of each pair with the places that they share: one where both shapes are convex."""
+    """The patches of each pair with the slots that they share: one slot where both shapes are convex."""
     first = 0
     for patches, each in zip(found, shown, strict=True):
         convex = all(is_convex(whole.shape) for whole in each.wholes)

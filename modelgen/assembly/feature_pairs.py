@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.pairing import Owner, Partner, pair_up, shape_kind
-from modelgen.assembly.support_points import is_pad, lies_flat, pads_of, tilted
+from modelgen.assembly.support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.kinds import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.conditions import vertex
@@ -82,7 +82,7 @@ def feature_pairs_of(
 
 
 def _parting_faces(found: Candidates) -> dict[Face, int]:
-    """Flat faces, numbered, whose gaps to all features of the other solid need no contact parameters."""
+    """Numbers of the flat faces whose gaps to all features of the other solid have no contact parameters."""
     faces: dict[Face, bool] = {}
     for names, candidate in found.items():
         face = _flat_face(names, candidate)
@@ -99,7 +99,7 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 def _candidates(
     a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: KindList[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
-    sides = _ended([_with_pads(features_of(whole.shape).features) for whole in (a, b)])
+    sides = _ended([_with_support_points(features_of(whole.shape).features) for whole in (a, b)])
     _check_restriction(pair, sides, where)
     alone = len(sides[0]) == len(sides[1]) == 1
     found: dict[tuple[str, str], Candidate] = {}
@@ -135,12 +135,15 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
             )
 
 
-def _with_pads(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
-    return (*features, *(support_point for feature in features for support_point in pads_of(feature)))
+def _with_support_points(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
+    return (
+        *features,
+        *(point for feature in features for point in support_points_of(feature)),
+    )
 
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
-    """A segment touches a plane with its ends, nowhere or all along between them."""
+    """The features that can touch: of a segment against a plane, its two ends."""
     kinds = [tuple(feature.shape.kind for feature in features) for features in sides]
     if sorted(kinds) != [("plane",), ("segment",)]:
         return sides
@@ -156,13 +159,14 @@ def _touch_in_points(a: Feature, b: Feature) -> bool:
     orders = ((a, b), (b, a))
     if a.shape.kind == b.shape.kind == "point":
         return False
-    if any(is_pad(one) and other.shape.kind != "plane" for one, other in orders):
+    if any(is_support_point(one) and other.shape.kind != "plane" for one, other in orders):
         return False
     return not any(one.shape.kind == "plane" and other.shape.kind in STRAIGHT for one, other in orders)
 
 
 def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
-    """A rim or ring against a plane gives way to its support points where it is flat."""
+    """The condition by which a rim or ring against a plane hands over to its support points where it lies
+    flat."""
     return (
         tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
         tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
@@ -177,7 +181,8 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
 
 
 def _place(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
-    """The feature in the place of the whole shape; a vertex with its coordinates in the body's axes."""
+    """The shape with the feature in place of the whole; a vertex has its coordinates in the axes of the
+    body."""
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
     shape = replace(feature.shape, pose=pose, name=whole.shape.name)
     if shape.kind == "point":
@@ -240,12 +245,13 @@ def _conditions(
 
 
 def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:
-    """Beyond it a plane is touched along a line, or everywhere: this pair goes on to hold them apart."""
+    """True if the features beyond the condition touch the plane along a line or everywhere: this feature pair
+    keepsits contact there."""
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 
 def _turned(feature: Feature, rotation: np.ndarray[Any, Any]) -> Feature:
-    """The directions of a vertex in other axes."""
+    """The edge directions of a vertex, expressed in other axes."""
     return replace(
         feature,
         conditions=tuple(

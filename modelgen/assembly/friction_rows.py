@@ -1,4 +1,4 @@
-"""Friction as what it bounds: slip in the tangent plane, spin about the normal, rolling."""
+"""Friction constraints of contacts: slip in the tangent plane, spin about the normal, rolling."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def rows_of(pair: ContactPair) -> Rows:
 
 
 def has_friction(pair: ContactPair) -> bool:
-    """Whether the friction of a pair is summed over faces that lie on each other.
+    """Whether the friction of a pair is integrated over the contact patch of faces that lie on each other.
 
     It must be alike in all directions, and no resistance besides.
     """
@@ -24,8 +24,8 @@ def has_friction(pair: ContactPair) -> bool:
     return pair.friction is not None and pair.friction.direction is None and not resists
 
 
-def grips_of(pair: ContactPair, first: int) -> tuple[FrictionConstraint, ...]:
-    """What friction and resistances hold at each contact of a pair; `first`: the index of its first body."""
+def friction_constraints_of(pair: ContactPair, first: int) -> tuple[FrictionConstraint, ...]:
+    """The friction constraints of each contact of a pair. `first`: the index of its first body."""
     if pair.friction is None:
         return ()
     static, kinetic, direction = pair.friction.static, pair.friction.kinetic, pair.friction.direction

@@ -1,4 +1,5 @@
-"""Joints, their limits and springs: what of them is structure, and what is a parameter."""
+"""Joints with their limits and springs: kinds (structure, generated) and parameters (numbers of the
+instance)."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ _ENDS = ((0, "min"), (0, "max"), (1, "y_min"), (1, "y_max"))  # coordinates and 
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """What the joints of a scene become."""
+    """Kinds, parameters, limits and springs of the joints of a scene."""
 
     joint_kinds: tuple[JointKind, ...]
     limit_kinds: tuple[LimitKind, ...]

@@ -1,4 +1,4 @@
-"""Loads as kinds: what of a load is structure, and what is a parameter."""
+"""Loads: kinds (structure, generated) and parameters (numbers of the instance)."""
 
 from __future__ import annotations
 

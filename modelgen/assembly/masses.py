@@ -68,7 +68,8 @@ def _from_density(body: Body, density: float, where: str) -> Mass:
 
 
 def _snap(centre: Array, parts: list[tuple[float, Array, Array]], body: Body) -> Array:
-    """The centre made exact where it differs by rounding alone from the body's origin or a shape's."""
+    """The centre, set equal to the origin of the body or of a shape if it differs from it only by
+    rounding."""
     size = max(float(np.abs(at).max() + np.sqrt(np.trace(inertia) / mass)) for mass, at, inertia in parts)
     for anchor in ((0.0, 0.0, 0.0), *(shape.pose.position for shape in body.shapes)):
         centre = np.where(np.abs(centre - anchor) < ROUNDING * size, anchor, centre)
@@ -86,7 +87,8 @@ def _part(shape: Shape, density: float, where: str) -> tuple[float, Array, Array
 
 
 def _clean(inertia: Array) -> Array:
-    """The symmetric matrix with zeros and equal moments that differ by rounding alone made exact."""
+    """The symmetric matrix with entries that differ from zero, or from each other, only by rounding made
+    exact."""
     inertia = (inertia + inertia.T) / 2
     limit = ROUNDING * float(np.abs(inertia).max())
     inertia = np.where((np.abs(inertia) < limit) & ~np.eye(3, dtype=bool), 0.0, inertia)

@@ -46,7 +46,7 @@ def _observed(scene: Scene, contacts: Sequence[str]) -> Iterator[str]:
 
 
 def _closed(found: set[str], ties: Sequence[set[str]]) -> set[str]:
-    """With all that is tied to it."""
+    """The connected components that contain the observed bodies."""
     while True:
         more = found.union(*(tie for tie in ties if tie & found))
         if more == found:

@@ -17,7 +17,7 @@ SUFFIX: Mapping[Rows, tuple[str, ...]] = {1: (), 3: ("slip",), 6: ("spin",)}
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """What require knows of a body that takes part in a contact."""
+    """A body that takes part in a contact, with its motion and mass."""
 
     body: int
     motion: BodyMotion
@@ -50,7 +50,8 @@ class Partner:
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """Of the shape unless folded, then its placement (12) unless it is the identity."""
+        """Parameters of the shape unless they are folded into the kernels, then its placement (12) unless it
+        is the identity."""
         lengths = () if self.kind.folded is not None else tuple(value for _, value in self.shape.parameters)
         placed = self.side.placement == "general"
         return lengths + (pose_numbers(self.shape.pose, self.owner.centre) if placed else ())

@@ -11,7 +11,7 @@ from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_rows import has_friction
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.pairing import Partner, pair_up, shape_kind
-from modelgen.assembly.support_points import SUPPORT_POINTS, bearer_of
+from modelgen.assembly.support_points import SUPPORT_POINTS, rim_of
 from modelgen.geometry.regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
 from modelgen.scene.poses import compose, to_outer
@@ -19,7 +19,7 @@ from modelgen.scene.types import ContactPair, Pose, Shape
 
 
 class Faces:
-    """The faces of a scene, each once, with what bounds them."""
+    """The planar faces of a scene, without repetitions, with the curves that bound them."""
 
     def __init__(self, shapes: KindList[ShapeKind]) -> None:
         self.shapes = shapes
@@ -87,7 +87,7 @@ def patches_of(
             if _lies_in(feature_pair.features, halves)
         )
         order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
-        kind, friction_kind, parameters = _pads(order, pair, where, faces.shapes, kinds)
+        kind, friction_kind, parameters = _support_points(order, pair, where, faces.shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
         numbers = tuple(faces.index(half.whole, half.region) for half in order)
         entry = PatchEntry(
@@ -101,7 +101,7 @@ def patches_of(
 
 
 def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
-    """The planar regions that the scene lets touch."""
+    """The planar regions whose contact the scene allows."""
     return (
         region
         for region in regions_of(whole.shape)
@@ -110,7 +110,7 @@ def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
 
 
 def _lies_in(features: tuple[str, str], halves: tuple[Half, Half]) -> bool:
-    return all(bearer_of(name) in half.region.features for name, half in zip(features, halves, strict=True))
+    return all(rim_of(name) in half.region.features for name, half in zip(features, halves, strict=True))
 
 
 def _pose(whole: Whole, region: Region) -> Pose:
@@ -118,7 +118,7 @@ def _pose(whole: Whole, region: Region) -> Pose:
     return compose(whole.shape.pose, region.pose)
 
 
-def _pads(
+def _support_points(
     order: Sequence[Half],
     pair: ContactPair,
     where: str,
@@ -132,7 +132,7 @@ def _pads(
     free = replace(pair, form="auto")
     parameters, kind, friction_kind = [], -1, -1
     for k in range(SUPPORT_POINTS):
-        point = _partner(f.whole, _pad(f, 2 * pi * k / SUPPORT_POINTS), shapes)
+        point = _partner(f.whole, _support_point(f, 2 * pi * k / SUPPORT_POINTS), shapes)
         kind = kinds.index(pair_up(plane, point, free, where, 1)[0])
         if pair.friction is not None and k == 0:
             friction_kind = kinds.index(pair_up(plane, point, free, where, 6)[0])
@@ -144,7 +144,7 @@ def _partner(whole: Whole, shape: Shape, shapes: KindList[ShapeKind]) -> Partner
     return Partner(whole.owner, shape, shapes.named(shape_kind(shape, False)))
 
 
-def _pad(f: Half, angle: float) -> Shape:
+def _support_point(f: Half, angle: float) -> Shape:
     """A point of the plane of f, in the axes of its body about the centre of mass."""
     (x, y), radius = f.region.centre, f.region.radius
     at = to_outer(_pose(f.whole, f.region), (x + radius * cos(angle), y + radius * sin(angle), 0.0))

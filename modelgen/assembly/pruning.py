@@ -1,4 +1,4 @@
-"""What a scene does not need: states that nothing observed depends on."""
+"""Pruning: states on which no observed quantity depends are left out of the model."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def bodies_of(load: Load) -> tuple[str, ...]:
 
 
 def points_of(load: Load) -> tuple[Vector, ...]:
-    """The points of attack, one a body, in its axes as written; none for a torque."""
+    """The points of application of a load, one per body, in its axes as written; none for a torque."""
     match load:
         case SpringLoad(anchors=anchors):
             return anchors
@@ -74,7 +74,7 @@ def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
     turns = (
         _is_watched(scene, body)
         or any(body.name in joint.between for joint in scene.joints)
-        or any(_grips(pair, body.name) for pair in scene.contacts)
+        or any(_friction_turns(pair, body.name) for pair in scene.contacts)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
         or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(scene, body))
     )
@@ -87,26 +87,27 @@ def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
     return tuple(shape for shape in body.shapes if shape.name in used)
 
 
-def _grips(pair: ContactPair, body: str) -> bool:
+def _friction_turns(pair: ContactPair, body: str) -> bool:
     """True if friction turns the body."""
     return pair.friction is not None and body in (owner for owner, _ in pair.between)
 
 
 def _is_watched(scene: Scene, body: Body) -> bool:
-    """True if its turning is observed. When all is, only a body without turn and spin can do without."""
+    """True if the rotation of the body is observed. If everything is observed, a rotation that stays zero is
+    not."""
     if scene.observe:
         return any(f"{body.name}.{name}" in scene.observe for name in ("orientation", "angular_velocity"))
     return body.angular_velocity != _ZERO or body.pose.quaternion != IDENTITY_QUATERNION
 
 
 def _is_centred(shape: Shape, centre: Vector) -> bool:
-    """True of a sphere, or of a point, at the centre of mass."""
+    """True for a sphere or a point whose centre is the centre of mass."""
     at_origin = shape.kind == "point" and not any(value for _, value in shape.parameters)
     return (shape.kind == "sphere" or at_origin) and shape.pose.position == centre
 
 
 def _turns_by(load: Load, body: str, centre: Vector) -> bool:
-    """True if the load turns the body or depends on how it is turned."""
+    """True if the load exerts a torque on the body or depends on its orientation."""
     if body not in bodies_of(load):
         return False
     if isinstance(load, SpringLoad):

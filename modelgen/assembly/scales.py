@@ -16,7 +16,7 @@ from modelgen.scene.types import Body, Scene, SpringLoad
 
 
 def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
-    """Of a scene with these moving bodies and their masses.
+    """Characteristic length (m), mass (kg) and time (s) of a scene with these moving bodies and their masses.
 
     length: the least radius of a moving body (m), by its contacting shapes, or of the uniform sphere of its
     inertia where they have no bound, or are points; of any body if that is infinite too, else what the scene
@@ -41,7 +41,8 @@ def _radius(scene: Scene, body: Body) -> float:
 
 
 def _spread(scene: Scene) -> float:
-    """Between the bodies, of the springs, or what they move by in the run (m)."""
+    """Length scale of a scene of points: distances of bodies, lengths of springs, or the path covered in the
+    run (m)."""
     start = np.array([body.pose.position for body in scene.bodies] or [(0.0, 0.0, 0.0)])
     rests = [load.rest_length for load in scene.loads if isinstance(load, SpringLoad)]
     spread = max(float(np.ptp(start, axis=0).max()), *rests, 0.0)

@@ -1,4 +1,4 @@
-"""How fast a scene at rest without gravity is set in motion."""
+"""Rate at which a scene without gravity that starts at rest is set in motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ SHORT = 1e-6  # of the span of the run, over which the speed of a path is taken
 
 
 def started_rate(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> float:
-    """1/s, the largest that loads, springs or paths give to bodies of this length at t = 0; 0 if none do."""
+    """The largest rate (1/s) that loads, springs or paths give to bodies of this length (m) at t = 0; 0 if
+    none."""
     masses = {body.name: (body, mass) for body, mass in moving}
     squares = [
         *(square for load in scene.loads for square in _of_load(load, masses, length)),
@@ -35,7 +36,7 @@ Masses = Mapping[str, tuple[Body, Mass]]
 
 
 def _of_load(load: Load, masses: Masses, length: float) -> Iterator[float]:
-    """Acceleration over the length, or stiffness over the mass, 1/s^2."""
+    """Square of the rate of a load: acceleration over length, or stiffness over mass, 1/s^2."""
     if isinstance(load, SpringLoad):
         yield from (load.stiffness / masses[name][1].mass for name in load.between if name in masses)
     elif load.body in masses:
@@ -62,7 +63,7 @@ def _moment(mass: Mass, length: float) -> float:
 
 
 def _value(component: Expression, body: Body) -> float:
-    """At the start; 0 where it has no value there."""
+    """Value of a function at the start; 0 if it has none there."""
     names = (*"xyz", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
     state = (*body.pose.position, *body.velocity, *body.angular_velocity, *body.pose.quaternion)
     try:
@@ -72,7 +73,7 @@ def _value(component: Expression, body: Body) -> float:
 
 
 def _speed(components: Sequence[Expression], span: float) -> float:
-    """Of a path at its start; 0 where it has none."""
+    """Speed of a path at its start; 0 if it has none there."""
     try:
         ends = [[evaluate(each, {"t": t}) for each in components] for t in (0.0, span)]
     except ExpressionError:

@@ -1,4 +1,5 @@
-"""What comes to lie flat on a plane, without a lowest point there: three points hold a rim or a crest."""
+"""Support points: a rim or crest that lies flat on a plane has no unique lowest point; three points of it
+hold it."""
 
 from __future__ import annotations
 
@@ -36,22 +37,24 @@ def _is_own_rim(feature: Feature) -> bool:
     return whole and float(np.linalg.norm(ends[1] - ends[0])) <= JOINED * float(np.linalg.norm(ends[0]))
 
 
-def is_pad(feature: Feature) -> bool:
+def is_support_point(feature: Feature) -> bool:
     return any(condition.kind == "tilt" for condition in feature.conditions)
 
 
-def bearer_of(name: str) -> str:
+def rim_of(name: str) -> str:
     """The name of the rim that a point of it is named after; of any other feature its own."""
     return name.rsplit(".", 1)[0]
 
 
 def lies_flat(feature: Feature) -> bool:
-    """Whether it gives way to its support points on a plane: a rim, or the ring of a half torus."""
+    """Whether the feature is replaced by support points where it lies flat on a plane: a rim, or the ring of
+    a half torus."""
     return is_rim(feature) or (bool(feature.name) and feature.shape.kind == "torus")
 
 
-def pads_of(feature: Feature) -> tuple[Feature, ...]:
-    """Points of a rim a third of a turn apart, or of both crests of a half torus, its ends and middle.
+def support_points_of(feature: Feature) -> tuple[Feature, ...]:
+    """Support points: three of a rim, a third of a turn apart; of both crests of a half torus, the ends and
+    the middle.
 
     They are there while it is flat on a plane. None of other features.
     """

@@ -86,7 +86,7 @@ def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
         "form": kind.form,
         "citation": FORMS[kind.form].citation,
         "eta": list(layout),
-        "n_eta": sum(ETA_SIZE[carrier] for carrier in layout),
+        "n_eta": sum(ETA_SIZE[parametrisation] for parametrisation in layout),
         "convex": eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape),
         "n_o": J_SIZE[kind.o.motion],
         "n_f": J_SIZE[kind.f.motion],

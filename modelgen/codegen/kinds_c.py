@@ -40,7 +40,7 @@ class Dispatcher:
 
 TURN = 6  # MG_TURN
 KIND_GROUPS = ("body", "contact", "joint", "load", "shape")
-CARRIERS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
+PARAMETRISATIONS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
 
 ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
 
@@ -113,7 +113,13 @@ def _tables(derivation: Derivation) -> list[str]:
         for index, motion in enumerate(kind.motion for kind in model.body_kinds)
     ]
     contacts = [
-        _row(*_contact_sizes(kind), sizes["rates", index], *_carriers(kind), int(index in seeking), kind.rows)
+        _row(
+            *_contact_sizes(kind),
+            sizes["rates", index],
+            *_parametrisations(kind),
+            int(index in seeking),
+            kind.rows,
+        )
         for index, kind in enumerate(model.contact_kinds)
     ]
     contacts += [
@@ -163,9 +169,9 @@ def _contact_sizes(kind: ContactKind) -> tuple[int, int, int]:
     return J_SIZE[kind.o.motion], J_SIZE[kind.f.motion], eta_size(kind)
 
 
-def _carriers(kind: ContactKind) -> tuple[int, int]:
-    carrier_o, carrier_f = eta_layout(kind)
-    return CARRIERS[carrier_o], CARRIERS[carrier_f]
+def _parametrisations(kind: ContactKind) -> tuple[int, int]:
+    layout_o, layout_f = eta_layout(kind)
+    return PARAMETRISATIONS[layout_o], PARAMETRISATIONS[layout_f]
 
 
 def _table(struct: str, rows: list[str], names: list[str], empty: str) -> str:

@@ -20,7 +20,7 @@ from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import centre_margin
-from modelgen.contact.points import Carrier
+from modelgen.contact.points import SurfacePoint
 from modelgen.contact.tangent_form import spin_along
 from modelgen.geometry.frames import cross, dot, solve2
 
@@ -45,39 +45,39 @@ class Facing:
         return self.h - self.centre.radius
 
 
-def facing(pair: Pair, carrier: Carrier) -> Facing:
-    """The carrier stands on the surface: on f where o has the centre."""
+def facing(pair: Pair, point: SurfacePoint) -> Facing:
+    """The centre seen from the point of the surface, which is on f if o has the centre."""
     swapped = not has_centre(pair.f.shape)
     surface, centre = (pair.f, centre_of(pair.o)) if swapped else (pair.o, centre_of(pair.f))
-    assert carrier.x is not None
+    assert point.x is not None
     lever = ca.mtimes(surface.rotation.T, centre.position - surface.centre)
-    offset = lever - surface.arm - carrier.x
-    h, K = dot(carrier.normal, offset), carrier.curvature(carrier.tangents)
-    N = ca.mtimes(surface.rotation, carrier.normal)
+    offset = lever - surface.arm - point.x
+    h, K = dot(point.normal, offset), point.curvature(point.tangents)
+    N = ca.mtimes(surface.rotation, point.normal)
     side, U = -1 if swapped else 1, ca.SX.eye(2) + h * K
-    return Facing(surface, centre, carrier.x, side, lever, h, U, K, offset, N)
+    return Facing(surface, centre, point.x, side, lever, h, U, K, offset, N)
 
 
-def centre_surface_rates(pair: Pair, carrier: Carrier) -> Rates:
+def centre_surface_rates(pair: Pair, point: SurfacePoint) -> Rates:
     """Lemma 3.1, corrected Corollary 3.2 and Theorem 4.1 with the centre in the place of f's point."""
-    at = facing(pair, carrier)
-    T, surface, side = carrier.tangents, at.surface, at.side
+    at = facing(pair, point)
+    T, surface, side = point.tangents, at.surface, at.side
     turn, slip = spin_along(surface, T, at.lever)
     past = ca.mtimes(surface.rotation.T, at.centre.velocity - surface.velocity)
     V = ca.mtimes(T.T, past) - slip
     a = solve2(at.U, V)
     nu = ca.mtimes(at.K, a)
-    row = surface.row(-at.N, -cross(at.lever, carrier.normal)), at.centre.row(at.N)
+    row = surface.row(-at.N, -cross(at.lever, point.normal)), at.centre.row(at.N)
     N, turned, slide = side * at.N, ca.mtimes(T, nu), ca.mtimes(T, a)
-    N_dot = side * ca.mtimes(surface.rotation, turned + cross(surface.spin, carrier.normal))
-    feet = Foot(at.x + surface.arm, slide, side * carrier.normal), at.centre.foot(N, -side)
+    N_dot = side * ca.mtimes(surface.rotation, turned + cross(surface.spin, point.normal))
+    feet = Foot(at.x + surface.arm, slide, side * point.normal), at.centre.foot(N, -side)
     steps = {"normal": N, "l": at.lever, "h": at.h, "K": at.K, "V": V, "slide": a, "nu": nu}
     return Rates(
         d=at.d,
         J_o=row[0 if side == 1 else 1],
         J_f=row[1 if side == 1 else 0],
         gamma=dot(nu, V) + dot(turn, 2 * V + slip) + at.centre.pull(at.N),
-        eta_dot=carrier.eta_rate(slide),
+        eta_dot=point.eta_rate(slide),
         normal=N,
         normal_rate=N_dot,
         turning=turned if side == 1 else pair.o.seen(N, N_dot),
@@ -87,20 +87,20 @@ def centre_surface_rates(pair: Pair, carrier: Carrier) -> Rates:
     )
 
 
-def centre_surface_place(pair: Pair, carrier: Carrier) -> Placement:
+def centre_surface_place(pair: Pair, point: SurfacePoint) -> Placement:
     """Newton step on e = T^T (C - x) and the height of the point over its surface."""
-    at = facing(pair, carrier)
-    T = carrier.tangents
+    at = facing(pair, point)
+    T = point.tangents
     e = ca.mtimes(T.T, at.offset)
-    a = solve2(at.U, e + at.h * carrier.height * ca.mtimes(T.T, carrier.bend))
-    step = carrier.eta_rate(ca.mtimes(T, a) - carrier.height * carrier.normal)
+    a = solve2(at.U, e + at.h * point.height * ca.mtimes(T.T, point.bend))
+    step = point.eta_rate(ca.mtimes(T, a) - point.height * point.normal)
     on_surface = at.surface.origin + ca.mtimes(at.surface.rotation, at.x)
     on_centre = at.centre.position - at.centre.radius * at.N
     points = (on_surface, on_centre)[:: at.side]
     return Placement(
         eta_next=pair.eta + step,
         d=at.d,
-        residual=ca.vertcat(ca.sqrt(dot(e, e) + carrier.height * carrier.height), 0),
+        residual=ca.vertcat(ca.sqrt(dot(e, e) + point.height * point.height), 0),
         margin=centre_margin(at.K, at.centre.radius, at.d),
         normal=at.side * at.N,
         point_o=points[0],

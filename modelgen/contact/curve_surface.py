@@ -22,7 +22,7 @@ import casadi as ca
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.margin import curve_margin
-from modelgen.contact.points import Carrier
+from modelgen.contact.points import SurfacePoint
 from modelgen.contact.rows import jet_of_curve
 from modelgen.contact.tangent_form import ContactFrame, contact_frame, normal_row, reach, spin_along
 from modelgen.geometry.curves import CurveJet
@@ -71,7 +71,7 @@ class CurveTouch:
     system: CurveSystem
 
 
-def curve_touch(pair: Pair, frame: ContactFrame, o: Carrier) -> CurveTouch:
+def curve_touch(pair: Pair, frame: ContactFrame, o: SurfacePoint) -> CurveTouch:
     jet = jet_of_curve(pair.f, pair.eta_f)
     d, l_o, l_f = reach(pair, frame, o, jet.x)
     K_o = o.curvature(frame.T_o)
@@ -83,7 +83,7 @@ def curve_touch(pair: Pair, frame: ContactFrame, o: Carrier) -> CurveTouch:
     return CurveTouch(jet, d, l_o, l_f, K_o, system)
 
 
-def curve_surface_rates(pair: Pair, o: Carrier) -> Rates:
+def curve_surface_rates(pair: Pair, o: SurfacePoint) -> Rates:
     """Theorem 4.6, Lemma 3.1 and the corrected Corollary 3.2 in o's tangent plane."""
     frame = contact_frame(pair, o)
     at = curve_touch(pair, frame, o)
@@ -103,7 +103,7 @@ def curve_surface_rates(pair: Pair, o: Carrier) -> Rates:
     return normal_row(pair, frame, at.d, feet, gamma, nu, eta_dot, steps)
 
 
-def curve_surface_place(pair: Pair, o: Carrier) -> Placement:
+def curve_surface_place(pair: Pair, o: SurfacePoint) -> Placement:
     """Newton step on e1 = T^T (P_f - P_o), N.c' and the height of o's point over its surface."""
     frame = contact_frame(pair, o)
     at = curve_touch(pair, frame, o)

@@ -29,22 +29,22 @@ from modelgen.contact.explicit_form import sphere_place, sphere_rates
 from modelgen.contact.extremal_form import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates
 from modelgen.contact.parametrisations import (
-    carrier_place,
-    carrier_rates,
-    centre_carrier_place,
-    centre_carrier_rates,
     centre_curve_layout,
+    centre_on_surface_place,
+    centre_on_surface_rates,
     centre_surface_layout,
     chart_layout,
-    curve_carrier_place,
-    curve_carrier_rates,
     curve_chart_layout,
+    curve_on_surface_place,
+    curve_on_surface_rates,
     curve_point_layout,
     curves_layout,
     edges_layout,
     mixed_layout,
     no_layout,
     point_layout,
+    surface_place,
+    surface_rates,
 )
 from modelgen.contact.slip import with_tangential_rows
 from modelgen.contact.support_form import support_place, support_rates
@@ -93,7 +93,7 @@ def build_implicit(kind: ContactKind) -> ContactKernels:
     n = phi'/|phi'| and K = T^T phi'' T/|phi'|: no chart, no pole, no trigonometry. A plane needs no eta.
     (K_f + K_o + d K_o K_f) b = (I + d K_o) w^t - K_o V,  nu = w^t - K_f b,  a = V + b - d nu.
     """
-    return _build(kind, point_layout, carrier_rates, carrier_place)
+    return _build(kind, point_layout, surface_rates, surface_place)
 
 
 def build_mixed(kind: ContactKind) -> ContactKernels:
@@ -101,7 +101,7 @@ def build_mixed(kind: ContactKind) -> ContactKernels:
 
     M is upper triangular (Gram-Schmidt), where the paper's diagonal M holds for orthogonal charts only.
     """
-    return _build(kind, mixed_layout, carrier_rates, carrier_place)
+    return _build(kind, mixed_layout, surface_rates, surface_place)
 
 
 def build_block(kind: ContactKind) -> ContactKernels:
@@ -119,7 +119,7 @@ def build_paper(kind: ContactKind) -> ContactKernels:
     Departures: M upper triangular, the basis [x_o y_o] of (4.5) written, d_dot = -v_z in (4.4), and the
     centripetal signs of (3.11) reversed.
     """
-    return _build(kind, chart_layout, paper_rates, carrier_place)
+    return _build(kind, chart_layout, paper_rates, surface_place)
 
 
 def build_angle(kind: ContactKind) -> ca.Function:
@@ -145,7 +145,7 @@ def build_curve_implicit(kind: ContactKind) -> ContactKernels:
     (I + d K_o) a - e t_dot = V,  e.K_o a + beta t_dot = e.w^t,  e = T^T c', beta = N.c'': any regular
     parameter, no arc length, no Frenet frame. A plane needs no point.
     """
-    return _build(kind, curve_point_layout, curve_carrier_rates, curve_carrier_place)
+    return _build(kind, curve_point_layout, curve_on_surface_rates, curve_on_surface_place)
 
 
 def build_curve_block(kind: ContactKind) -> ContactKernels:
@@ -223,7 +223,7 @@ def build_centre_surface(kind: ContactKind) -> ContactKernels:
     (I + h K) a = V,  h = n.(C - x) = d + rho,  d_dot = n.V: C is the centre, n the surface's normal, rho the
     signed radius, 0 of a point; no curvature of the sphere, no relative rotation.
     """
-    return _build(kind, centre_surface_layout, centre_carrier_rates, centre_carrier_place)
+    return _build(kind, centre_surface_layout, centre_on_surface_rates, centre_on_surface_place)
 
 
 def build_centre_curve(kind: ContactKind) -> ContactKernels:

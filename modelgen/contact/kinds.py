@@ -99,9 +99,9 @@ def _always(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
 
 
 def _without_poles(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:
-    """Every chart that carries eta is regular everywhere, or the only way to carry it."""
+    """Whether every chart used as a parametrisation is regular everywhere, or has no alternative."""
     sides = zip(layout, (o, f), strict=True)
-    return all(surface_of(shape).chart_regular for carrier, shape in sides if carrier == "chart")
+    return all(surface_of(shape).chart_regular for each, shape in sides if each == "chart")
 
 
 def _never(layout: Layout, o: ShapeKind, f: ShapeKind) -> bool:

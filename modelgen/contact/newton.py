@@ -16,12 +16,12 @@ import casadi as ca
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement
 from modelgen.contact.margin import margin
-from modelgen.contact.points import Carrier
+from modelgen.contact.points import SurfacePoint
 from modelgen.contact.tangent_form import contact_frame, touch
 from modelgen.geometry.frames import dot, solve2, zeros
 
 
-def tangent_place(pair: Pair, o: Carrier, f: Carrier) -> Placement:
+def tangent_place(pair: Pair, o: SurfacePoint, f: SurfacePoint) -> Placement:
     """Newton step of the implicit and mixed forms; exact up to second order in the residuals."""
     frame = contact_frame(pair, o)
     at = touch(pair, frame, o, f)

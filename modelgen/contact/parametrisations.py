@@ -1,4 +1,4 @@
-"""Which carrier of a contact point stands on each side, and the tangent-plane form over them."""
+"""Parametrisations of the contact points of both sides, and the forms that work with any of them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from modelgen.contact.contact_symbols import Layout, Pair, Partner
 from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.newton import tangent_place
-from modelgen.contact.points import Carrier, chart_point, implicit_point, plane_point
+from modelgen.contact.points import SurfacePoint, chart_point, implicit_point, plane_point
 from modelgen.contact.tangent_form import tangent_rates
 from modelgen.geometry.catalogue import surface_of
 from modelgen.model import ShapeKind
 
-_CARRIERS: Mapping[str, Callable[[Partner, ca.SX], Carrier]] = {
+_POINTS: Mapping[str, Callable[[Partner, ca.SX], SurfacePoint]] = {
     "none": lambda partner, eta: plane_point(partner),
     "chart": chart_point,
     "point": implicit_point,
@@ -34,7 +34,7 @@ def chart_layout(o: ShapeKind, f: ShapeKind) -> Layout:
 
 
 def mixed_layout(o: ShapeKind, f: ShapeKind) -> Layout:
-    """The chart stands on the side without an implicit equation; on f if both have one."""
+    """The chart on the side without an implicit equation; on f if both have one."""
     if surface_of(o).implicit is None:
         return ("chart", "point")
     return (point_layout(o, f)[0], "chart")
@@ -61,8 +61,8 @@ def curves_layout(o: ShapeKind, f: ShapeKind) -> Layout:
 def centre_surface_layout(o: ShapeKind, f: ShapeKind) -> Layout:
     """The point of the surface, or its chart; none of the centre, which stands on o where f has none."""
     surface = o if has_centre(f) else f
-    carrier = "chart" if surface_of(surface).implicit is None else "point"
-    return (carrier, "none") if has_centre(f) else ("none", carrier)
+    parametrisation = "chart" if surface_of(surface).implicit is None else "point"
+    return (parametrisation, "none") if has_centre(f) else ("none", parametrisation)
 
 
 def centre_curve_layout(o: ShapeKind, f: ShapeKind) -> Layout:
@@ -75,37 +75,37 @@ def edges_layout(o: ShapeKind, f: ShapeKind) -> Layout:
     return ("sign", "none")
 
 
-def carrier_rates(pair: Pair) -> Rates:
-    """The tangent-plane form over whatever carries the points."""
-    return tangent_rates(pair, *_carriers(pair))
+def surface_rates(pair: Pair) -> Rates:
+    """The tangent-plane form, with any parametrisation of the points."""
+    return tangent_rates(pair, *_surface_points(pair))
 
 
-def carrier_place(pair: Pair) -> Placement:
-    return tangent_place(pair, *_carriers(pair))
+def surface_place(pair: Pair) -> Placement:
+    return tangent_place(pair, *_surface_points(pair))
 
 
-def curve_carrier_rates(pair: Pair) -> Rates:
-    """Theorem 4.6 over whatever carries the point of the surface."""
-    return curve_surface_rates(pair, _CARRIERS[pair.layout[0]](pair.o, pair.eta_o))
+def curve_on_surface_rates(pair: Pair) -> Rates:
+    """Theorem 4.6 with any parametrisation of the point of the surface."""
+    return curve_surface_rates(pair, _POINTS[pair.layout[0]](pair.o, pair.eta_o))
 
 
-def curve_carrier_place(pair: Pair) -> Placement:
-    return curve_surface_place(pair, _CARRIERS[pair.layout[0]](pair.o, pair.eta_o))
+def curve_on_surface_place(pair: Pair) -> Placement:
+    return curve_surface_place(pair, _POINTS[pair.layout[0]](pair.o, pair.eta_o))
 
 
-def centre_carrier_rates(pair: Pair) -> Rates:
-    """A centre over whatever carries the point of the surface."""
-    return centre_surface_rates(pair, _facing_carrier(pair))
+def centre_on_surface_rates(pair: Pair) -> Rates:
+    """A centre with any parametrisation of the point of the surface."""
+    return centre_surface_rates(pair, _facing_point(pair))
 
 
-def centre_carrier_place(pair: Pair) -> Placement:
-    return centre_surface_place(pair, _facing_carrier(pair))
+def centre_on_surface_place(pair: Pair) -> Placement:
+    return centre_surface_place(pair, _facing_point(pair))
 
 
-def _facing_carrier(pair: Pair) -> Carrier:
+def _facing_point(pair: Pair) -> SurfacePoint:
     partner = pair.o if has_centre(pair.f.shape) else pair.f
-    return _CARRIERS[pair.layout[0] if partner is pair.o else pair.layout[1]](partner, pair.eta)
+    return _POINTS[pair.layout[0] if partner is pair.o else pair.layout[1]](partner, pair.eta)
 
 
-def _carriers(pair: Pair) -> tuple[Carrier, Carrier]:
-    return _CARRIERS[pair.layout[0]](pair.o, pair.eta_o), _CARRIERS[pair.layout[1]](pair.f, pair.eta_f)
+def _surface_points(pair: Pair) -> tuple[SurfacePoint, SurfacePoint]:
+    return _POINTS[pair.layout[0]](pair.o, pair.eta_o), _POINTS[pair.layout[1]](pair.f, pair.eta_f)

@@ -1,6 +1,6 @@
-"""How eta carries a contact point: on an implicit surface, on a chart, or on a plane without any eta.
+"""Points of a surface in the shape frame, by parametrisation: implicit surface, chart, or plane without eta.
 
-All three answer the same questions in the shape frame, so that one tangent-plane form serves them all.
+All three give the same quantities, so that one tangent-plane form serves them all.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from modelgen.geometry.frames import cross, dot, solve2, tangent_frame, zeros
 
 
 @dataclass(frozen=True)
-class Carrier:
+class SurfacePoint:
     """A point of a surface in the shape frame, with its first and second order geometry."""
 
     x: ca.SX | None  # (3,) m; None where the partner's point decides (plane)
@@ -29,7 +29,7 @@ class Carrier:
     bend: ca.SX  # (3,) 1/m, derivative of the normal along the normal
 
 
-def implicit_point(partner: Partner, x: ca.SX) -> Carrier:
+def implicit_point(partner: Partner, x: ca.SX) -> SurfacePoint:
     """eta = x in the shape frame, on phi(x) = 0: n = phi'/|phi'|, K = T^T phi'' T/|phi'|."""
     equation = surface_of(partner.shape).implicit
     assert equation is not None
@@ -44,7 +44,7 @@ def implicit_point(partner: Partner, x: ca.SX) -> Carrier:
         bent = ca.vertcat(ca.horzcat(dot(T[:, 0], first), mixed), ca.horzcat(mixed, dot(T[:, 1], second)))
         return (phi.isotropic * ca.SX.eye(2) + bent) * inverse
 
-    return Carrier(
+    return SurfacePoint(
         x=x,
         normal=normal,
         tangents=tangent_frame(normal, partner.seam),
@@ -55,10 +55,10 @@ def implicit_point(partner: Partner, x: ca.SX) -> Carrier:
     )
 
 
-def plane_point(partner: Partner) -> Carrier:
+def plane_point(partner: Partner) -> SurfacePoint:
     """No eta: the point of the plane is the foot of the partner's point."""
     sign = exterior_sign(partner.shape)
-    return Carrier(
+    return SurfacePoint(
         x=None,
         normal=ca.vertcat(zeros(2), sign),
         tangents=ca.vertcat(ca.horzcat(1, zeros(1)), ca.horzcat(zeros(1), sign), zeros(1, 2)),
@@ -117,7 +117,7 @@ def montana_frame(partner: Partner, uv: ca.SX) -> MontanaFrame:
     return MontanaFrame(jet.x, ca.horzcat(x, y), z, M, K, T)
 
 
-def chart_point(partner: Partner, uv: ca.SX) -> Carrier:
+def chart_point(partner: Partner, uv: ca.SX) -> SurfacePoint:
     """eta = (u, v) of a chart; the curvature turns from the chart's frame into any other tangent frame."""
     frame = montana_frame(partner, uv)
 
@@ -127,7 +127,7 @@ def chart_point(partner: Partner, uv: ca.SX) -> Carrier:
         turn = ca.mtimes(frame.axes.T, T)
         return ca.mtimes([turn.T, frame.K, turn])
 
-    return Carrier(
+    return SurfacePoint(
         x=frame.point,
         normal=frame.normal,
         tangents=frame.axes,

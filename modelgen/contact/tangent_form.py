@@ -24,7 +24,7 @@ import casadi as ca
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Rates
 from modelgen.contact.margin import relative_curvature
-from modelgen.contact.points import Carrier
+from modelgen.contact.points import SurfacePoint
 from modelgen.geometry.frames import cross, dot, is_zero, solve2, zeros
 
 
@@ -40,7 +40,7 @@ class ContactFrame:
     n_w: ca.SX  # (3,) N
 
 
-def contact_frame(pair: Pair, o: Carrier) -> ContactFrame:
+def contact_frame(pair: Pair, o: SurfacePoint) -> ContactFrame:
     T_w, n_w = _turn(pair.o.rotation, o.tangents, o.normal)
     T_f, n_f = _turn(pair.f.rotation.T, T_w, n_w)
     return ContactFrame(o.tangents, T_f, T_w, o.normal, n_f, n_w)
@@ -64,14 +64,14 @@ class Touch:
     K_f: ca.SX  # (2,2) 1/m
 
 
-def touch(pair: Pair, frame: ContactFrame, o: Carrier, f: Carrier) -> Touch:
+def touch(pair: Pair, frame: ContactFrame, o: SurfacePoint, f: SurfacePoint) -> Touch:
     """Gap, levers and curvatures at the points that eta carries."""
     assert f.x is not None
     d, l_o, l_f = reach(pair, frame, o, f.x)
     return Touch(d, l_o, l_f, o.curvature(frame.T_o), f.curvature(frame.T_f))
 
 
-def reach(pair: Pair, frame: ContactFrame, o: Carrier, x_f: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def reach(pair: Pair, frame: ContactFrame, o: SurfacePoint, x_f: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """d, and the levers of both points; a plane's point is the foot of the partner's."""
     between = pair.f.centre - pair.o.centre
     l_f = x_f + pair.f.arm
@@ -84,7 +84,7 @@ def reach(pair: Pair, frame: ContactFrame, o: Carrier, x_f: ca.SX) -> tuple[ca.S
     return dot(frame.n_w, between) + dot(frame.n_f, l_f) - dot(frame.n_o, l_o), l_o, l_f
 
 
-def tangent_rates(pair: Pair, o: Carrier, f: Carrier) -> Rates:
+def tangent_rates(pair: Pair, o: SurfacePoint, f: SurfacePoint) -> Rates:
     """Lemma 3.1, corrected Corollary 3.2 and Theorem 4.1 with d_dot = J u."""
     frame = contact_frame(pair, o)
     at = touch(pair, frame, o, f)

@@ -150,7 +150,7 @@ class Touching:
             if not session.closed[k]:
                 continue
             feature_pair = model.feature_pairs[int(session.feature_pair[k])]
-            size = sum(ETA_SIZE[carrier] for carrier in session.layout(k))
+            size = sum(ETA_SIZE[parametrisation] for parametrisation in session.layout(k))
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
             constraints = model.pairs[entry.pair].friction
             rates, place = (self._kernel(feature_pair, role) for role in ("rates", "place"))

@@ -187,10 +187,10 @@ def _step_limits(library: Library, entry: Mapping[str, Any]) -> list[float]:
     parameters."""
     kinds, length = library.manifest.kinds, library.manifest.instance["scales"]["length"]
     limits: list[float] = []
-    for carrier, side in zip(kinds["contact"][entry["kind"]]["eta"], ("shape_o", "shape_f"), strict=True):
+    for name, side in zip(kinds["contact"][entry["kind"]]["eta"], ("shape_o", "shape_f"), strict=True):
         size = 2 * (entry[side]["bounding_radius"] or length) / PART
         domain = entry[side]["domain"]
         ranges = [size if None in ends else (ends[1] - ends[0]) / PART for ends in domain]
-        points = [size] * 3 if carrier == "point" else [] if carrier == "sign" else ranges
-        limits += [*points, *SIGNS][: ETA_SIZE[carrier]]
+        points = [size] * 3 if name == "point" else [] if name == "sign" else ranges
+        limits += [*points, *SIGNS][: ETA_SIZE[name]]
     return limits

@@ -143,9 +143,9 @@ def _coordinates(feature: Feature, random: np.random.Generator) -> Array:
     return np.array([random.uniform(*ends) for ends in feature.ranges])
 
 
-def _turns(side: Side, carrier: str) -> bool:
+def _turns(side: Side, parametrisation: str) -> bool:
     """Whether the axes of a body are free to choose; a point has none that its sphere could show."""
-    return side.pose == "general" and not (side.motion == "point" and carrier == "chart")
+    return side.pose == "general" and not (side.motion == "point" and parametrisation == "chart")
 
 
 def _configuration(at: Partnership, random: np.random.Generator, gap: float) -> tuple[Any, ...]:

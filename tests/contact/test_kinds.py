@@ -120,7 +120,7 @@ def test_no_chart_with_poles_is_regular_where_an_equation_exists(o: str, f: str)
     for name in regular_forms(side(o), side(f)):
         layout = FORMS[name].layout(KINDS[o], KINDS[f])
         assert not any(
-            carrier == "chart" and shape in globes for carrier, shape in zip(layout, (o, f), strict=True)
+            each == "chart" and shape in globes for each, shape in zip(layout, (o, f), strict=True)
         )
 
 
@@ -164,7 +164,7 @@ def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str)
             continue
         kind = ContactKind(f"{o}_{f}_{form.name}", form.name, side(o, "fixed"), side(f, "driven"))
         kernels = contact_kernels(kind)
-        n_eta = sum(ETA_SIZE[carrier] for carrier in eta_layout(kind))
+        n_eta = sum(ETA_SIZE[parametrisation] for parametrisation in eta_layout(kind))
         n_par = len(KINDS[o].parameter_names) + len(KINDS[f].parameter_names)
         assert (kernels.rates.name(), kernels.place.name()) == (
             f"mg_{kind.name}_rates",
@@ -185,7 +185,7 @@ def test_kernels_have_the_names_and_shapes_of_the_generated_code(o: str, f: str)
 def test_tangential_rows_stand_below_the_normal_one(o: str, f: str, rows: Rows) -> None:
     one, two = side(o, "point"), side(f, "driven")
     kind = ContactKind("sliding", choose_form(one, two, rows), one, two, rows)
-    n_eta = sum(ETA_SIZE[carrier] for carrier in eta_layout(kind))
+    n_eta = sum(ETA_SIZE[parametrisation] for parametrisation in eta_layout(kind))
     wanted = (1, 3 * rows, 6 * rows, rows, n_eta, 3, 6)
     sizes = signature(contact_kernels(kind).rates)[1]
     assert sizes == dict(zip(SLIP_OUTPUTS, wanted, strict=True))

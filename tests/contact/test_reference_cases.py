@@ -106,8 +106,8 @@ def ellipsoid_arguments(layout: tuple[str, str]) -> list[Any]:
     poses = [[*p, *R.ravel(order="F")] for p, R in zip(CENTRES, rotations, strict=True)]
     twists = [[*v, *(R.T @ w)] for v, w, R in zip(VELOCITIES, SPINS, rotations, strict=True)]
     eta: list[float] = []
-    for carrier, uv, P, p, R in zip(layout, (ALPHA[:2], ALPHA[2:]), POINTS, CENTRES, rotations, strict=True):
-        eta += uv if carrier == "chart" else list(R.T @ (np.array(P) - p))
+    for each, uv, P, p, R in zip(layout, (ALPHA[:2], ALPHA[2:]), POINTS, CENTRES, rotations, strict=True):
+        eta += uv if each == "chart" else list(R.T @ (np.array(P) - p))
     return [poses[0], twists[0], poses[1], twists[1], eta, [*AXES[0], *AXES[1]]]
 
 

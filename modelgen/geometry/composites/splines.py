@@ -175,7 +175,7 @@ def _sides(line: Line, index: int, cell: int, name: Callable[[int], str]) -> tup
 
 
 def _walls(line: Line, index: int, cell: int, name: Callable[[int], str]) -> tuple[Condition, Condition]:
-    """x or y between the ends of the cell, so that cells work with any carrier of their points."""
+    """x or y between the ends of the cell, so that cells work with any parametrisation of their points."""
     conditions = []
     for end, step in zip(line.ends(cell), (-1, 1), strict=True):
         axis, point = np.zeros(3), np.zeros(3)
