@@ -10,7 +10,7 @@ INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
 
 def main() -> None:
-    """Ctrl-C ends without a traceback while the verbs load, too."""
+    """Run the command line. Ctrl-C ends it without a traceback, also while modules are imported."""
     try:
         from modelgen.cli.commands import app
 

@@ -1,4 +1,4 @@
-"""One function a verb; its docstring is its help."""
+"""The commands of the command line, one function each; its docstring is its help text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verbs that trade speed for accuracy: measure and tune."""
+"""The commands that trade speed for accuracy: measure and tune."""
 
 from __future__ import annotations
 
@@ -177,7 +177,8 @@ def tune(
 
 
 def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
-    """Where the scene is written with its settings; refuses two answers, and a folder that is not there."""
+    """The file into which the tuned scene is written. Raises ModelgenError for conflicting options or a
+    missing folder."""
     if out is not None and in_place:
         raise ModelgenError("--out", "together with --in-place", "one of them", "leave one out")
     target = scene if in_place else out or scene.with_name(f"{scene.stem}_tuned.toml")
@@ -194,14 +195,15 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
 
 
 def _refuse(given: Mapping[str, object], found: str, allowed: str) -> None:
-    """Options that would be passed over; None: not given."""
+    """Raise ModelgenError for given options that would have no effect; None: not given."""
     for option, value in given.items():
         if value is not None:
             raise ModelgenError(f"--{option}", found, allowed, "leave it out")
 
 
 def _names(option: str, text: str | None) -> tuple[str, ...] | None:
-    """The names in `A,B,..`; None if the option was not given. Refuses a list without names."""
+    """The names in `A,B,..`; None if the option was not given. Raises ModelgenError for a list without
+    names."""
     if text is None:
         return None
     names = tuple(part.strip() for part in text.split(",") if part.strip())
@@ -243,7 +245,8 @@ def _number(name: str, text: str, allowed: str, unit: str = "") -> float:
 
 @contextmanager
 def _resumable() -> Iterator[None]:
-    """Ctrl-C where there is no result yet: what was measured on the way to it is remembered."""
+    """End the command on Ctrl-C before there is a result; measurements made so far are kept for the next
+    call."""
     from modelgen.benchmark.measurement import INTERRUPTED as STOPPED
     from modelgen.benchmark.measurement import resumable
 
@@ -256,7 +259,7 @@ def _resumable() -> Iterator[None]:
 
 @contextmanager
 def _told() -> Iterator[Callable[[str], None]]:
-    """A line on standard error that says what is measured, and for how long."""
+    """Print a line on standard error that says what is being measured, and the time limit."""
     console = Console(stderr=True)
     columns: tuple[Any, ...] = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:

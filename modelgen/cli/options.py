@@ -1,4 +1,4 @@
-"""The options that several verbs share. Values come as text and are read as scene files are."""
+"""Options that several commands share. Their values are text and are read by the rules of scene files."""
 
 from __future__ import annotations
 
@@ -107,7 +107,8 @@ def read_option(name: str, text: str | None) -> Any:
 
 
 def read_main(name: str | None) -> str | None:
-    """The file name of `--main`. Raises ModelgenError unless it is one of C, that is not of the generated."""
+    """The file name of `--main`. Raises ModelgenError unless it ends in .c and is not the name of a generated
+    file."""
     from modelgen.codegen.emit import file_names
 
     if name is None or (re.fullmatch(r"\w[\w.-]*\.c", name) and name not in file_names()):

@@ -1,4 +1,4 @@
-"""What leaves a verb: facts, files, messages and the exit code."""
+"""Output of a command: standard output, files, messages and the exit code."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ P = ParamSpec("P")
 
 
 def guarded(command: Callable[P, None]) -> Callable[P, None]:
-    """Errors of the user become one message on standard error and an exit code, never a traceback."""
+    """Turn errors of the user into one message on standard error and an exit code, without a traceback."""
 
     @functools.wraps(command)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> None:
@@ -45,7 +45,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 
 
 def check_outputs(run: Path | None, picture: Path | None) -> None:
-    """Refuse what cannot be written before anything is computed."""
+    """Raise ModelgenError for output files that cannot be written, before anything is computed."""
     from modelgen.report import export
     from modelgen.report.plot import FORMATS, require_matplotlib
 
@@ -59,7 +59,7 @@ def check_outputs(run: Path | None, picture: Path | None) -> None:
 
 
 def check_file(path: Path) -> None:
-    """Refuse what is no file that can be written, and leave no trace."""
+    """Raise ModelgenError if the file cannot be written; leaves no file behind."""
     if path.is_dir():
         raise ModelgenError(str(path), "it is a folder", "a file", "name one")
     if not path.parent.is_dir():
@@ -82,7 +82,8 @@ def _unwritable(path: Path, cause: OSError) -> ModelgenError:
 def write_run(
     trajectory: Trajectory, library: Library, run: Path | None, picture: Path | None
 ) -> dict[str, str | None]:
-    """Write what is asked for; the files, as `out` and `plot` of the summary name them."""
+    """Write the requested files of a run. Returns their names under the keys `out` and `plot` of the
+    summary."""
     written = {"out": None if run is None else str(run), "plot": None if picture is None else str(picture)}
     if run is None and picture is None:
         return written
@@ -111,7 +112,7 @@ def write_main(library: Library, name: str) -> Path:
 
 
 def print_built(library: Library, program: Path | None) -> None:
-    """The library; of a program, the file and how it is compiled there."""
+    """Print the path of the library; for a program, its file and the command that compiles it."""
     typer.echo(library.path)
     if program is not None:
         from modelgen.runtime.c_program import compile_command
@@ -139,7 +140,7 @@ def print_text(text: str, out: Path | None) -> None:
 
 
 def _finite(value: Any) -> Any:
-    """JSON has no infinity and no NaN: null stands for both."""
+    """The value with None in place of infinity and NaN, which JSON lacks."""
     if isinstance(value, dict):
         return {key: _finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -148,7 +149,8 @@ def _finite(value: Any) -> Any:
 
 
 def exit_with(trajectory: Trajectory) -> None:
-    """Ends a verb whose run did not end well, or whose companion was interrupted."""
+    """End the command with the exit code of a run that did not end as `done`, or whose companion was
+    interrupted."""
     outcome = trajectory.outcome
     if not outcome.succeeded:
         typer.echo(_ending(trajectory), err=True)
@@ -160,7 +162,7 @@ def exit_with(trajectory: Trajectory) -> None:
 
 
 def _whole(trajectory: Trajectory) -> str:
-    """Of a run that was interrupted at its very end, or in its companion."""
+    """True of a run that was interrupted at its end, or in its companion run."""
     where = "as the run came to its end" if trajectory.stopped else "in the companion run"
     bare = trajectory.estimate is None or not trajectory.estimate.uncertified
     return f"interrupted {where}: the run is whole{'' if bare else ', its error is not certified'}"

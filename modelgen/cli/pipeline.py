@@ -1,4 +1,4 @@
-"""The pipeline as the verbs walk it: from a file to a library and a run, with progress on standard error."""
+"""The pipeline of the commands: from a scene file to a library and a run, with progress on standard error."""
 
 from __future__ import annotations
 
@@ -39,12 +39,13 @@ def derive_scene(scene: Scene) -> Derivation:
 
 
 def folder_of(scene: Scene, form: str | None) -> Path:
-    """Where a scene is built; a forced form has a folder of its own, beside the reviewed manifest."""
+    """The folder in which a scene is built. A forced form has its own folder, beside that of the committed
+    manifest."""
     return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse a folder that nothing can be generated in, before anything is derived."""
+    """Raise ModelgenError for a folder that cannot be written, before anything is derived."""
     nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not nearest.is_dir():
         raise _no_place(folder, f"{str(nearest)!r} is a file")
@@ -73,7 +74,8 @@ def build_derivation(derivation: Derivation, folder: Path, real: str | None = No
 
 
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
-    """Build, run with keywords of `simulate`; a start that is refused leaves no new folder behind."""
+    """Build a scene and run it with keywords of `simulate`. If the start is refused, a new folder is removed
+    again."""
     scene = read_scene(path, form)
     with _removed_if_refused(folder_of(scene, form)) as folder:
         library = build_scene(scene, folder)
@@ -83,7 +85,7 @@ def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[T
 
 
 def linearise_scene(path: Path, form: str | None) -> Linearised:
-    """The small motions of a scene; one without an equilibrium leaves no new folder behind."""
+    """The small motions of a scene. If there is no equilibrium, a new folder is removed again."""
     scene = read_scene(path, form)
     with _removed_if_refused(folder_of(scene, form)) as folder:
         derivation = derive_scene(scene)
@@ -124,7 +126,7 @@ def run_settings(
 
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on standard error, fed with the share that is done; it pulses until it is fed."""
+    """A progress bar on standard error. It is indeterminate until it receives the completed share."""
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(label, total=None)

@@ -1,4 +1,4 @@
-"""From a Derivation to a loaded library.
+"""Code generation: from a Derivation to C text, a compiled library and its manifest.
 
 Takes in a `Derivation`; gives out a `Package` (C text and manifest), then a `Library` (compiled, loaded,
 checked). The core is compiled once and kept in the user's cache; a scene compiles its kernels and a table

@@ -58,7 +58,7 @@ def _walk(folder: Traversable, prefix: str = "") -> Iterator[tuple[str, Traversa
 
 
 def _merged(names: list[str], known: set[str]) -> str:
-    """The texts one after the other, each include replaced by its text where it comes first."""
+    """The texts in order; each included header is inserted where it is first included."""
     files = core_files()
 
     def include(match: re.Match[str]) -> str:

@@ -128,7 +128,8 @@ def _versions(compiler: Compiler) -> dict[str, str]:
 def _compile(
     files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], runtime: Path, path: Path
 ) -> None:
-    """Compile in a folder of its own, then move the library into place, so that no one sees half of it."""
+    """Compile in a temporary folder, then move the library into place, so that no other process sees it
+    incomplete."""
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         scratch = Path(name)
         for file, text in files.items():

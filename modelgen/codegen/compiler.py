@@ -28,7 +28,7 @@ NATIVE = ("-march=native", *(("-mno-avx512f", "-mtune=generic") if IS_X86 else (
 
 @dataclass(frozen=True, slots=True)
 class Compiler:
-    """A command that compiles C, and what it says of itself."""
+    """A command that compiles C, and its version."""
 
     command: tuple[str, ...]
     version: str  # what --version prints
@@ -79,7 +79,7 @@ def _version(command: tuple[str, ...]) -> str:
 
 
 def cpu_target() -> str:
-    """What the compiler takes from this machine's processor."""
+    """The processor features for which -march=native generates code on this machine."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

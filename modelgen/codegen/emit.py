@@ -92,7 +92,8 @@ def emit(derivation: Derivation) -> Package:
 
 
 def file_names() -> set[str]:
-    """Of the C text of any package, and of the core that a program of its own needs beside it."""
+    """Names of all C files of a package, with those of the core that a standalone program is compiled
+    with."""
     return {"kernels.c", "model.c", HEADER, SOURCE}
 
 

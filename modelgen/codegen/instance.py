@@ -75,7 +75,7 @@ def _body_kind(kind: BodyKind) -> dict[str, Any]:
 
 
 def _folded(kind: BodyKind | ShapeKind) -> dict[str, list[float]]:
-    """The numbers that are constants of the kind's code."""
+    """Numbers that are constants in the code of the kind."""
     return {} if kind.folded is None else {"folded": list(kind.folded)}
 
 
@@ -150,7 +150,8 @@ def _joint_parameters(kind: str) -> list[str]:
 
 
 def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
-    """Of the kernels of a kind of joint, of its limits or of its springs, in order."""
+    """Names of the parameters of the kernels of a kind of joint, of its limits or of its springs, in
+    order."""
     if isinstance(kind, LoadKind):
         return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
     bound = ["bound"] if isinstance(kind, LimitKind) else []
@@ -169,7 +170,7 @@ def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
 
 
 def _periodic(kind: ShapeKind) -> tuple[bool, ...]:
-    """Of each coordinate: two of a surface, one of a curve, none of a point."""
+    """Whether each chart coordinate is periodic: two of a surface, one of a curve, none of a point."""
     if is_point(kind):
         return ()
     return (curve_of(kind).periodic,) if is_curve(kind) else surface_of(kind).periodic
@@ -181,7 +182,7 @@ def _finite(value: float) -> float | None:
 
 
 def instance_of(model: Model) -> dict[str, Any]:
-    """The scene as tables over the kinds."""
+    """The scene as tables that refer to the kinds by number."""
     scene = model.scene
     return {
         "name": scene.name,
@@ -239,7 +240,7 @@ def _joint(model: Model, entry: JointEntry) -> dict[str, Any]:
 
 
 def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
-    """Its kind counts on from those of the contacts."""
+    """The entry of a limit of a joint. Kinds of limits are numbered after those of contacts."""
     return {
         "name": entry.name,
         "kind": len(model.contact_kinds) + entry.kind,

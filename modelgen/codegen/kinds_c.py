@@ -146,18 +146,19 @@ def _tables(derivation: Derivation) -> list[str]:
 
 
 def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:
-    """Whether time, and whether the body's state, hides something; what springs do, samples show."""
+    """Whether a load may oscillate between samples of a step with time, and with the state of its bodies;
+    springs do not."""
     given = kind in ("force", "torque")
     return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
 
 
 def _limit_turns(model: Model) -> list[int]:
-    """Whether each kind of limit bounds an angle, which is its eta."""
+    """Whether each kind of limit bounds an angle, which then is its eta."""
     return [int(is_turn(kind.kind)) for kind in model.limit_kinds]
 
 
 def _joint_sizes(kind: JointKind) -> str:
-    """Rows, coordinates, and whether time moves it."""
+    """Number of rows and of coordinates of a kind of joint, and whether its rows depend on time."""
     return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None))
 
 

@@ -1,4 +1,5 @@
-"""What the running half knows of the generated code, and what it knows of one build. Plain JSON, no symbols.
+"""The manifest describes the generated code to the runtime; the build record describes one compilation. Plain
+JSON.
 
 A manifest is written as two files: its structure, which is the same on every machine and may be committed,
 and its instance, the numbers of the scene, whose last digits depend on the machine. The record of a build is
@@ -107,7 +108,8 @@ def record_name(real: str) -> str:
 
 
 def _tables(instance: Json) -> Json:
-    """Who is in the scene and who may touch whom, without numbers."""
+    """Summary of the instance's tables: bodies, pairs, feature pairs and contacts by name, without
+    numbers."""
     bodies = [body["name"] for body in instance["bodies"]]
     return {
         "bodies": [{key: body[key] for key in ("name", "motion", "kind")} for body in instance["bodies"]],
@@ -133,7 +135,7 @@ def _tables(instance: Json) -> Json:
 
 
 def _lines(value: Json) -> str:
-    """JSON with sorted keys, two levels broken into lines."""
+    """JSON text with sorted keys; the two outer levels have a line per entry."""
     parts = []
     for key in sorted(value):
         entry = value[key]

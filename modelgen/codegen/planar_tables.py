@@ -28,7 +28,7 @@ def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
 
 
 def patch_table(entry: PatchEntry) -> dict[str, Any]:
-    """Two faces, what holds them, and the feature pairs that lie in them."""
+    """A patch: its two faces, its support points, and the feature pairs that lie in it."""
     friction = (
         {"friction_kind": entry.friction_kind, "friction": list(entry.friction)}
         if entry.friction_kind >= 0

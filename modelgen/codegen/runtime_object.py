@@ -74,7 +74,8 @@ def runtime_hash(compiler: Compiler, flags: tuple[str, ...]) -> str:
 
 
 def _compile(compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
-    """Compile in a folder of its own, then move the object into place, so that no one sees half of it."""
+    """Compile in a temporary folder, then move the object into place, so that no other process sees it
+    incomplete."""
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         scratch = Path(name)
         (scratch / HEADER).write_text(header_text(), encoding="utf-8")
@@ -85,7 +86,7 @@ def _compile(compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Holds a lock that the system frees when the process ends, however it ends."""
+    """Hold a file lock, which the operating system releases when the process ends for any reason."""
     try:
         file = path.open("a")
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Which functions may go up and down between the samples that a step takes of them."""
+"""Functions of time that may oscillate between the samples that a step takes of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ def hides(f: ca.Function, *of: str) -> bool:
 
 
 def degree(f: ca.Function, of: Sequence[int]) -> float:
-    """Of the outputs of an SX function as polynomials in the inputs `of`; infinite if one is none."""
+    """Degree of the outputs of an SX function as polynomials in the inputs `of`; infinite if one is no
+    polynomial."""
     at: dict[int, float] = {}  # work-vector slot -> degree
     most = 0.0
     for k in range(f.n_instructions()):
@@ -34,7 +35,7 @@ def degree(f: ca.Function, of: Sequence[int]) -> float:
 
 
 def _of(operation: int, degrees: list[float]) -> float:
-    """Of a value, from those of what it is made of."""
+    """Degree of the result of an operation, from the degrees of its operands."""
     if not any(degrees):
         return 0.0
     if operation in _KEPT:
