@@ -9,6 +9,8 @@ from tempfile import mkdtemp
 import pytest
 from hypothesis import settings
 
+GOLDEN = 0.6180339887
+
 settings.register_profile("repeatable", deadline=None, derandomize=True, database=None)
 settings.register_profile("exploring", deadline=None)  # pytest --hypothesis-profile=exploring
 settings.load_profile("repeatable")
@@ -29,8 +31,20 @@ def pytest_configure(config: pytest.Config) -> None:
     config.add_cleanup(lambda: rmtree(made, ignore_errors=True))
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Studies take their time."""
+    """Mark the cases that are left to the studies, and give studies their time."""
+    functions: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.get_closest_marker("cases") and not item.get_closest_marker("slow"):
+            functions.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in functions.values():
+        (kept,) = cases[0].get_closest_marker("cases").args  # type: ignore[union-attr]
+        step = max(len(cases) / kept, 1.0)
+        chosen = {int((k + k * GOLDEN % 1) * step) for k in range(kept)}  # spread over inner parameters too
+        for number, item in enumerate(cases):
+            if number not in chosen:
+                item.add_marker(pytest.mark.slow)
     for item in items:
         if item.get_closest_marker("slow"):
             item.add_marker(pytest.mark.timeout(0))

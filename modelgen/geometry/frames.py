@@ -37,12 +37,8 @@ def frame_of(pose: ca.SX) -> Frame:
 
 
 def cross(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Cross product of vectors (3,), written out so that structural zeros are kept."""
-    return ca.vertcat(
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    """Cross product of vectors (3,)."""
+    return ca.cross(a, b)
 
 
 def dot(a: ca.SX, b: ca.SX) -> ca.SX:

@@ -7,6 +7,7 @@ With dA = c_u x c_v du dv exterior: 3 V = int x.dA, 2 int x_i dV = int x_i^2 dA_
 from __future__ import annotations
 
 import sys
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -34,9 +35,16 @@ def mass_properties(shape: Shape, density: float) -> tuple[float, Array, Array]:
 
     Raises SceneError for a surface that does not bound a finite volume on its inner side.
     """
+    parts = _volume_moments(shape)
+    return density * parts.volume, parts.centre, density * _inertia(parts.second)
+
+
+@lru_cache(maxsize=256)
+def _volume_moments(shape: Shape) -> Moments:
+    """Volume m^3, centre (3) m and second moments (3,3) m^5 about the centre; equal shapes once."""
     parts = _of_composite(shape)
     if parts is not None:
-        return density * parts.volume, parts.centre, density * _inertia(parts.second)
+        return parts
     cells = _cells(shape)
     moments = _moments(shape, cells, NODES[0])
     for nodes in NODES[1:]:
@@ -51,8 +59,7 @@ def mass_properties(shape: Shape, density: float) -> tuple[float, Array, Array]:
             shape, f"its material lies outside of it (volume {volume:.6g} m^3)", "swap u and v, or the cavity"
         )
     centre = moments[1:4] / volume
-    second = moments[4:].reshape(3, 3) - volume * np.outer(centre, centre)
-    return density * volume, centre, density * _inertia(second)
+    return Moments(volume, centre, moments[4:].reshape(3, 3) - volume * np.outer(centre, centre))
 
 
 def _inertia(second: Array) -> Array:

@@ -37,6 +37,7 @@ def arguments(name: str, dtype: Any = np.float64) -> list[Array]:
     return [random.uniform(0.1, 0.9, function.numel_in(i)).astype(dtype) for i in range(function.n_in())]
 
 
+@pytest.mark.cases(13)
 @pytest.mark.parametrize("name", KERNELS)
 def test_the_library_agrees_with_the_formula(name: str) -> None:
     given = arguments(name)
@@ -57,6 +58,7 @@ def test_casadi_loads_the_same_kernel_from_the_same_file(name: str) -> None:
         np.testing.assert_array_equal(a, np.array(b).ravel())
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("rows", [3, 6])
 def test_tangential_rows_reach_the_library(rows: Rows) -> None:
     model = require(WIDE)
@@ -73,6 +75,7 @@ def test_tangential_rows_reach_the_library(rows: Rows) -> None:
             np.testing.assert_allclose(a, np.array(b).ravel(), rtol=1e-11, atol=1e-12)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("real", "digits"), [("float", 1e-3), ("long double", 1e-11)])
 def test_other_real_types_agree_to_their_digits(real: str, digits: float) -> None:
     library, double = compiled(PACKAGE, real), wide()

@@ -90,6 +90,7 @@ def test_rates_cost_no_more_than_their_ceiling(
     assert instructions(ContactKind("count", form, side(o, motion, pose), side(f))) <= ceiling
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize(("key", "ceilings"), SLIDING.items())
 def test_tangential_rows_cost_no_more_than_their_ceiling(
     key: tuple[str, BodyMotion, Posing, str], ceilings: tuple[int, int, int]
@@ -107,6 +108,7 @@ def test_a_ball_on_the_ground_costs_next_to_nothing() -> None:
     assert instructions(kind) <= 13
 
 
+@pytest.mark.cases(44)
 @pytest.mark.parametrize(("o", "f"), PAIRS)
 def test_the_cheapest_regular_form_is_chosen(o: str, f: str) -> None:
     names = regular_forms(side(o), side(f))
@@ -153,6 +155,7 @@ def test_planes_come_first_and_points_last() -> None:
     assert not any(order(kind, kind) for kind in KINDS.values())
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize(
     ("o", "f"),
     [("plane", "ellipsoid"), ("ellipsoid", "sheet"), ("torus", "torus"), ("torus", "helix"),

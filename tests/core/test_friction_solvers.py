@@ -81,20 +81,20 @@ def test_flat_sides_err_as_their_number_says(lcp: Any) -> None:
 def test_where_coulombs_answer_is_unique_all_exact_solvers_agree(lcp: Any) -> None:
     """Motions of the core and of IPOPT, on problems with a proof of uniqueness."""
     compared = 0
-    for problem in map(mild, range(40)):
+    for problem in map(mild, range(20)):
         answer, reference = coulomb(problem, lcp), solver("mpcc")(problem, lcp)
         assert reference.outcome is Outcome.SOLVED
         if answer.unique:
             compared += 1
             np.testing.assert_allclose(answer.w, reference.w, rtol=0, atol=1e-5 * np.abs(problem.b).max())
-    assert compared >= 25
+    assert compared >= 12
 
 
 def test_what_the_reference_finds_the_core_confirms(lcp: Any) -> None:
     """On problems of all kinds: started at IPOPT's forces, the core stays at its motion."""
-    found = [(p, solver("mpcc")(p, lcp)) for p in (feasible(seed, 4) for seed in range(200, 220))]
+    found = [(p, solver("mpcc")(p, lcp)) for p in (feasible(seed, 4) for seed in range(200, 210))]
     solved = [(p, reference) for p, reference in found if reference.outcome is Outcome.SOLVED]
-    assert len(solved) >= 16
+    assert len(solved) >= 8
     for problem, reference in solved:
         answer = coulomb(problem, lcp, start=reference.z)
         assert answer.outcome is Outcome.SOLVED

@@ -30,6 +30,7 @@ def assert_listed(case: dict[str, Any], z: np.ndarray) -> None:
         assert nearest <= 1e-9
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("name", SOLVABLE)
 def test_a_listed_solution_is_found(name: str, lcp: Any) -> None:
     case = CASES[name]

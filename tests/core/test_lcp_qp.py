@@ -187,6 +187,7 @@ def test_the_iteration_limit_is_reported_and_nothing_claimed(lcp: Any) -> None:
     assert answer.residual > 1e-9
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize(("real", "tolerance"), [("float", 1e-3), ("double", 1e-9), ("long double", 1e-12)])
 @pytest.mark.parametrize("rank", [2, 5, 20])
 def test_one_source_serves_every_real(

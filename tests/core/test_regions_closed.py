@@ -35,6 +35,7 @@ POINTS = np.array([[0, 0], [0.3, -0.2], [0.7, 0.1], [1.2, 0.4], [-2.0, 0.5], [0.
 number = st.floats(-1.5, 1.5).filter(lambda x: abs(x) > 1e-9)
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("holed", [False, True])
 def test_in_a_disc_or_ring_the_margin_is_radius_less_distance(
@@ -177,6 +178,7 @@ def test_sides_that_touch_are_a_hull_of_a_segment(plane_core: CoreBuild) -> None
     assert found.margin == pytest.approx([0, -0.2, -2], abs=CLOSE)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("real", "close"), [("float", 1e-6), ("double", 1e-15), ("long double", 1e-18)])
 def test_every_real_type_is_exact_to_its_rounding(regions_in: Build, real: str, close: float) -> None:
     core = regions_in(real)

@@ -65,7 +65,7 @@ def poses() -> st.SearchStrategy[Array]:
 tables = st.one_of(st.just([]), regions())
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=8)
 @given(o=tables, f=regions(), pose=poses())
 @example(o=wave(0.7, 0.17311904473615258, 3), f=disc(0.49), pose=facing(-0.1, -0.3, 0.0))
 @example(o=annulus(1, 0.5), f=polygon(LETTER), pose=facing(0.7, -0.2, pi / 2))

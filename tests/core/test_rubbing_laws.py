@@ -93,6 +93,7 @@ def test_friction_is_that_along_rays(
     assert found.friction[0] == pytest.approx(wanted, abs=allowed)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("where", ["inside", "on the edge", "at a corner", "far away"])
 def test_friction_is_that_of_direct_quadrature(plane_core: CoreBuild, where: str) -> None:
     turning = {

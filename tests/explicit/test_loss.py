@@ -96,6 +96,7 @@ LOSSES = [
 ]
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("make", LOSSES)
 def test_arithmetic_loses_eps_over_mu(make: Callable[[float, int], Case]) -> None:
     """Down to mu = 1e-8, with the (q, eta) that the kernel is given; median of the poses of a decade."""
@@ -122,6 +123,7 @@ def test_nothing_of_the_rates_is_lost_between_parallel_edges_at_a_gap() -> None:
     assert -1.25 < slope(margins, np.array(rows)) < -0.75
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("f", ["point", "sphere"])
 def test_total_error_is_eps_over_mu_squared(f: str) -> None:
     """Near a focus, down to mu = 1e-5, both sides from the same pose in double precision."""

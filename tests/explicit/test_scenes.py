@@ -91,6 +91,7 @@ def test_a_ball_within_its_bowl_is_a_bowl_within_its_ball() -> None:
     assert same(*paths, tolerance=1e-9)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", [make.line(), make.segment(2.0), make.edge(2.0)])
 def test_crossed_rods_move_alike_in_both_forms(kind: object) -> None:
     rail = make.fixed("rail", kind, rpy=[0, np.pi / 2, 0] if kind.kind != "edge" else [0, 0, 0])  # type: ignore[attr-defined,arg-type]

@@ -31,6 +31,7 @@ def failures(name: str, quick: bool) -> list[dict[str, object]]:
     return [each.as_json() for each in found if not each.holds]
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("name", sorted(set(NAMES) - LONG))
 def test_a_few_decades_keep_their_law(name: str) -> None:
     assert not failures(name, quick=True)

@@ -56,6 +56,7 @@ def check(what: Scene, units: Units, true: Trajectory, until: float | None, with
     assert difference(found, true, units) <= within
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", QUICK)
 def test_units_of_powers_of_two_change_no_bit(name: str) -> None:
     what = read(SCENES / f"{name}.toml")

@@ -91,6 +91,7 @@ def test_a_cap_is_the_chart_to_second_order(name: str, pole: Pole) -> None:
         np.testing.assert_allclose(a, b, rtol=2e-13, atol=2e-13 / min(1, size))
 
 
+@pytest.mark.cases(13)
 @pytest.mark.parametrize(("name", "pole"), POLES, ids=str)
 @pytest.mark.parametrize("form", ["mixed", "block"])
 def test_a_change_of_chart_leaves_no_trace(name: str, pole: Pole, form: str) -> None:

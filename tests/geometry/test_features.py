@@ -85,6 +85,7 @@ def test_what_leads_on_leads_back(specimen: Specimen) -> None:
             assert (condition.kind == "direction") == (feature.dimension == 0)
 
 
+@pytest.mark.cases(7)
 @pytest.mark.parametrize("name", [name for name in SPECIMENS if name != "disc"])
 def test_every_point_of_the_boundary_is_on_one_face(name: str) -> None:
     """Up to points within rounding of an edge, and to the overlap of a fan and its core."""
@@ -101,6 +102,7 @@ def test_every_point_of_the_boundary_is_on_one_face(name: str) -> None:
     assert len(seen) == len(faces) or name in ("gem", "star")
 
 
+@pytest.mark.cases(5)
 def test_points_of_faces_lie_on_the_boundary_with_the_exterior_outside(specimen: Specimen) -> None:
     random = np.random.default_rng(5)
     for face in features_of(specimen.shape).features:

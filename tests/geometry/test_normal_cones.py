@@ -124,6 +124,7 @@ def exterior_points(name: str, count: int) -> list[np.ndarray]:
     return [x for x in points if SPECIMENS[name].level(x) > 1e-2][:count]
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("name", PROJECTIONS)
 def test_exactly_one_feature_holds_the_closest_point(name: str) -> None:
     features = features_of(SPECIMENS[name].shape).features

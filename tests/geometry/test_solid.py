@@ -47,6 +47,7 @@ def test_torus(major: float, ratio: float) -> None:
     close(found, mass, [across, across, along], major + minor)
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("p", "q"), [(2.0, 2.0), (2.1, 2.3), (2.5, 3.0), (4.0, 4.0), (8.0, 2.0), (16.0, 16.0)]
 )

@@ -85,6 +85,7 @@ def test_the_catalogue_is_that_of_the_scene() -> None:
     assert all(len(SHAPES[name].parameters) == len(LENGTHS[name]) for name in set(SURFACES) - PIECES)
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("name", IMPLICIT)
 @given(at=INSIDE)
 def test_the_chart_solves_the_equation_to_second_order(name: str, at: tuple[float, float]) -> None:

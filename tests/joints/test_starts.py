@@ -44,6 +44,7 @@ def parallelogram(angle: float, until: float, kinds: Sequence[str] = ("revolute"
     return joined(bodies, joints, until=until, gravity=[0, 0, 0])
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(("angle", "passed"), [(np.pi / 2, 5), (1.2, 5), (0.0, 4)])
 def test_a_parallelogram_goes_on_through_its_dead_centres_which_are_named(angle: float, passed: int) -> None:
     path = parallelogram(angle, 3.0)

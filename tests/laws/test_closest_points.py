@@ -118,6 +118,7 @@ def support(axes: Array, exponents: tuple[float, float], n: Array) -> Array:
     return ((x**P + y**P) ** (Q / P) + z**Q) ** (1 / Q)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("reach", [0.5, 1.2])
 def test_no_plane_separates_superellipsoids_better(reach: float) -> None:
     """Shapes that some plane separates are certified, at a distance that no plane exceeds."""

@@ -96,6 +96,7 @@ def slope(margins: list[float], errors: list[float]) -> float:
     return float(np.polyfit(np.log(margins), np.log(errors), 1)[0])
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS)
 def test_arithmetic_loses_eps_over_mu(form: str) -> None:
     """Down to mu = 1e-8, with the (q, eta) that the kernel is given; median of the poses of a decade."""
@@ -110,6 +111,7 @@ def test_arithmetic_loses_eps_over_mu(form: str) -> None:
     assert -1.25 < slope(margins, errors) < -0.75
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("form", FORMS)
 def test_total_error_is_eps_over_mu_squared(form: str) -> None:
     """Down to mu = 1e-5, both sides from the same pose in double precision."""

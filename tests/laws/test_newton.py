@@ -36,6 +36,7 @@ def margins(o: str, f: str, form: str, eta: Array, poses: tuple[Array, Array]) -
     return np.abs(columns(place, *poses, eta, parameters(o, f, COUNT))[3])
 
 
+@pytest.mark.cases(50)
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None:
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=21)

@@ -30,6 +30,7 @@ def relative_error(kind: ContactKind, at: list[Array]) -> float:
     return float(mp.norm(mp.matrix(found) - wanted) / mp.norm(wanted))
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS)
 def test_arithmetic_loses_eps_over_mu(form: str) -> None:
     """Down to mu = 1e-8; median of the poses of a decade."""
@@ -55,6 +56,7 @@ def decades(make: Callable[[float, int], Case], sizes: Array) -> tuple[Array, Ar
     return np.array(margins), np.array(errors)
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("make", [rim, concentric, *LOSSES])
 def test_curves_and_centres_lose_eps_over_mu(make: Callable[[float, int], Case]) -> None:
     margins, errors = decades(make, DECADES)

@@ -109,6 +109,7 @@ def changes(library: Library, until: float) -> list[Change]:
     return found
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", ["bean_with_poles", "egg_on_spline"])
 def test_a_change_leaves_no_trace(name: str) -> None:
     library = scene_of(name)
@@ -189,6 +190,7 @@ PAIRS = {
 }  # fmt: skip
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_motion_does_not_depend_on_how_a_surface_is_told(name: str) -> None:
     told, least = PAIRS[name]

@@ -105,6 +105,7 @@ def gaps_at(library: Library, poses: list[tuple[np.ndarray, Rotation]]) -> list[
     )
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("name", SOLIDS)
 def test_a_ball_touches_the_closest_point_of_a_solid(name: str) -> None:
     library, distance = pair(name, "ball"), SOLIDS[name][1]

@@ -110,6 +110,7 @@ def test_an_interrupt_keeps_what_was_computed() -> None:
     assert np.linalg.norm(part.p[-1] - whole.p[near]) < 0.2 * np.linalg.norm(whole.v[near])
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("torque", "end", "joined"),
     [("sqrt(-1 - t)", 0.0, True), ("sqrt(0.3 - t)", 0.3, False), ("1/(t - 0.2)", 0.2, False)],
@@ -133,6 +134,7 @@ def test_a_load_that_is_not_finite_ends_the_run_by_its_name(torque: str, end: fl
         assert np.isfinite(path.p).all()
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("gap", [0.0, 10.0])
 @pytest.mark.parametrize("height", ["0.01*sqrt(0.3 - t)", "0.01*log(0.3 - t)"])
 def test_a_path_that_is_not_finite_ends_the_run_by_its_name(height: str, gap: float) -> None:

@@ -52,6 +52,7 @@ def test_a_ball_grazes_a_post_a_moment_before_another_lands(accuracy: Accuracy, 
     assert times(path, "impact")[0] == pytest.approx((1 - np.sqrt(0.1**2 - 0.0999**2)) / 5, abs=1e-9)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("start", "velocity", "post"), THROWS)
 def test_a_thrown_ball_passes_a_post_that_it_first_rises_from(
     start: list[float], velocity: list[float], post: list[float]

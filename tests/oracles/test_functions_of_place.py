@@ -68,6 +68,7 @@ def check_arrives(path: Trajectory, work: Callable[[float], float], bends: list[
     assert error < 2e-3
 
 
+@pytest.mark.cases(12)
 @LEVELS
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.09])
@@ -100,6 +101,7 @@ def test_a_strip_passed_at_another_time_of_the_same_step_is_seen(accuracy: str) 
         assert path.v[-1, path.body_names.index("body"), 0] == pytest.approx(sqrt(0.9), abs=1e-3)
 
 
+@pytest.mark.cases(9)
 @LEVELS
 @pytest.mark.parametrize("rate", [0.1, 1.0])
 @pytest.mark.parametrize("depth", [1e-5, 1e-4, 1e-3])

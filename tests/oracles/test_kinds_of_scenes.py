@@ -55,6 +55,7 @@ def exported(library: Library) -> set[str]:
     return defined_symbols(Path(library.path))
 
 
+@pytest.mark.cases(13)
 @EVERY_SCENE
 def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) -> None:
     shown = check_facts(derived(name))["kinds"]
@@ -95,6 +96,7 @@ def test_every_function_is_of_one_of_these_kinds_and_check_counts_all(name: str)
     assert all(counted[function] == entry["instructions"] for function, entry in functions.items())
 
 
+@pytest.mark.cases(20)
 @ON_LINUX
 @EVERY_SCENE
 def test_the_built_library_exports_these_functions_and_the_core_and_nothing_else(name: str) -> None:

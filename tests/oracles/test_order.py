@@ -28,6 +28,7 @@ def same_motion(a: Trajectory, b: Trajectory, body: str, tolerance: float = 1e-9
     assert np.abs(rotations(a, i) - rotations(b, j)).max() < 10 * tolerance
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "shape",
     [
@@ -172,6 +173,7 @@ def test_folding_numbers_into_the_code_changes_nothing() -> None:
     same_motion(plain, folded, "b")
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("seen", ["a.position", "a.velocity", "b.orientation", "a.angular_velocity"])
 def test_what_is_observed_never_depends_on_what_else_is(seen: str) -> None:
     turned = {"rpy": [0.1, 0.2, 0.3], "angular_velocity": [3.0, 1.0, 2.0]}

@@ -51,6 +51,7 @@ def agree(library: Library, until: float) -> list[str]:
     return [each.kind for each in first]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("form", ["implicit", "support"])
 def test_an_ellipsoid_on_a_plane(form: str) -> None:
     assert agree(scene_of("ellipsoid_on_plane", form), 1.0) == []
@@ -73,6 +74,7 @@ def test_an_ellipsoid_that_lifts_off_an_ellipsoid() -> None:
     assert agree(scene_of("ellipsoid_on_ellipsoid"), 0.6) == ["lift-off"]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("restitution", "until"), [(0.0, 0.5), (0.5, 0.35)])
 def test_three_ellipsoids_that_fall_into_a_bowl_and_collide(restitution: float, until: float) -> None:
     stones = [

@@ -63,6 +63,7 @@ def lively(events: tuple[Event, ...]) -> list[tuple[str, str]]:
     return [(event.kind, event.contact) for event in events if event.t < slow and event.kind not in GRIPS]
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("name", SCENES_IN_FLOAT)
 def test_every_scene_runs_in_float(name: str) -> None:
     coarse = run(name, Accuracy.balanced(), real="float", until=0.5, samples=5)
@@ -114,6 +115,7 @@ def starts_of(library: Library) -> dict[str, dict[str, np.ndarray]]:
     return starts
 
 
+@pytest.mark.cases(1)
 @needs_long
 @pytest.mark.parametrize("name", ["ellipsoid_on_plane", "ellipsoids_in_bowl", "user_surface"])
 def test_kernels_in_double_are_those_in_long_double(name: str) -> None:

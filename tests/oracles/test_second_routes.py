@@ -22,6 +22,7 @@ def rotations(path: Trajectory, body: int) -> np.ndarray:
     return Rotation.from_quat(np.roll(path.quaternion[:, body].astype(float), -1, axis=-1)).as_matrix()
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS_ON_PLANE)
 def test_an_ellipsoid_on_a_plane_follows_its_reference(form: str) -> None:
     rows = DATA["trajectory"]
@@ -47,6 +48,7 @@ def compared(path: Trajectory, route: SupportRoute, direction: list[float]) -> t
     return float(position), float(np.abs(rotations(path, 1) - turned).max())
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("form", ["implicit", "block", "mixed"])
 def test_an_ellipsoid_in_a_cavity_follows_a_second_route(form: str) -> None:
     path = run("ellipsoid_in_cavity", Accuracy.tight(), form=form, until=2.0, samples=20)
@@ -58,6 +60,7 @@ def test_an_ellipsoid_in_a_cavity_follows_a_second_route(form: str) -> None:
     assert rotation < 1e-9
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("form", ["implicit", "block", "paper"])
 def test_an_ellipsoid_slides_off_an_ellipsoid_as_on_a_second_route(form: str) -> None:
     path = run("ellipsoid_on_ellipsoid", Accuracy.tight(), form=form, until=0.4, samples=20)

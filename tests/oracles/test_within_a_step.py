@@ -103,6 +103,7 @@ def check_place(path: Trajectory, exact: float, over: float, preset: str) -> Non
     assert off < OFF[preset] or over < 1e-3
 
 
+@pytest.mark.cases(8)
 @PRESETS
 @OVER
 def test_a_box_slides_once_its_grip_was_exceeded_for_a_moment(preset: str, over: float) -> None:

@@ -42,6 +42,7 @@ def lowest(path: Trajectory) -> np.ndarray:
     return path.p[:, 1, 2] - HEIGHT / 2 * upright - RADIUS * np.sqrt(np.maximum(1 - upright**2, 0))
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("e", [0.0, 0.4])
 def test_a_can_is_struck_at_one_point_of_its_rim_where_its_base_cannot_take_the_blow(e: float) -> None:
     """At the point that comes down fastest: P = (1 + e) u / (1/m + R^2/I). The centre of the impulses that

@@ -76,6 +76,7 @@ FOUR = ((-0.1, -0.08), (0.1, -0.08), (0.1, 0.08), (-0.1, 0.08))
 OVERLAPPING = ((-0.01, 0.0), (0.02, 0.0), (0.02, 0.01))
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize("places", [TWO, THREE, FOUR, OVERLAPPING])
 @pytest.mark.parametrize("angle", [0.0, 0.9, 4.0])
 def test_a_body_on_feet_tips_where_the_ray_of_its_pressure_leaves_the_hull_of_all(
@@ -94,6 +95,7 @@ def test_a_body_on_feet_tips_where_the_ray_of_its_pressure_leaves_the_hull_of_al
     assert not path.warnings
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("n", [3, 4, 5])
 def test_a_body_on_feet_with_friction_tips_at_the_same_place_and_not_before(n: int) -> None:
     """Its load acts at the height of the load over the table; nothing slips."""
@@ -141,6 +143,7 @@ def test_a_stool_that_slides_over_an_edge_tips_when_its_feet_in_front_have_left_
     assert path.outcome.name == "DONE"
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("bodies", [1, 2])
 def test_a_plank_on_two_bricks_tips_over_the_far_edge_of_one(bodies: int) -> None:
     """Of one fixed body or of two, which stand turned; the plank slides until its middle passes the edge."""

@@ -58,6 +58,7 @@ def apart(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> float:
 AFTER = [0.0, 1e-7, 1e-5, 1e-4, 1e-3, 3e-3, 0.012]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("shape", ["circle", "ellipse"])
 def test_a_run_may_end_as_soon_as_it_likes_after_a_face_has_begun_to_roll(shape: str) -> None:
     """As the same run that goes on; once in steps of those lengths, too."""

@@ -69,6 +69,7 @@ def test_a_glass_that_slides_off_a_straight_edge_is_left_by_it_where_its_rim_is(
     assert not path.warnings
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("place", "velocity", "spin"),
     [((0.15, 0.0), (0.5, 0.0), 3.0), ((0.15, 0.1), (0.5, 0.05), 4.0), ((-0.1, 0.05), (-0.37, 0.25), -2.0)],
@@ -107,6 +108,7 @@ OUTLINES = {
 }
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", OUTLINES)
 @pytest.mark.parametrize(
     "spin", [pytest.param(0.0, marks=pytest.mark.slow), 3.0, pytest.param(-2.0, marks=pytest.mark.slow)]
@@ -140,6 +142,7 @@ def test_a_plate_that_tips_over_a_straight_edge_moves_alike_whatever_its_outline
     assert max(path.energy_drift for path in paths) < 1e-12
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("place", "velocity"), [((0.1, 0.12), (0.5, 0.5)), ((0.1, 0.15), (0.6, 0.2))])
 def test_a_glass_that_slides_over_the_corner_of_a_table_keeps_its_energy(
     place: tuple[float, float], velocity: tuple[float, float]

@@ -46,6 +46,7 @@ def test_an_l_shape_tips_where_the_ray_of_its_pressure_leaves_its_convex_hull(an
     assert tip.t == pytest.approx(time, abs=1e-9)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "angle", [0.0, 0.4, pytest.param(1.0, marks=pytest.mark.slow), pytest.param(2.5, marks=pytest.mark.slow)]
 )

@@ -54,6 +54,7 @@ def bean() -> tuple[Shape, float]:
 SIDES = {"bean": bean, "stadium": lambda: (stadium(), RADIUS)}
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", SIDES)
 @pytest.mark.parametrize("aside", [0.0, 0.02])
 def test_a_face_turns_on_the_straight_side_of_its_hull_though_it_ends_on_curves(
@@ -116,6 +117,7 @@ def test_a_ring_tips_where_a_disc_of_its_radius_does_and_rolls_like_it(angle: fl
     assert np.abs(ring.quaternion - disc.quaternion).max() < 1e-11
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.8])
 def test_a_glass_that_is_pressed_outside_its_base_from_the_start_rolls_over_its_rim(angle: float) -> None:
     """Not over a chord between points that hold it; the plane motion is that of any side at the radius."""

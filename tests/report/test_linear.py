@@ -102,6 +102,7 @@ def test_a_spring_with_a_damper_dies_out_as_its_closed_form() -> None:
     assert found.p["bob"] == pytest.approx([0, 0, 1.0 - length], abs=1e-9)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", ["linked_rings", "helix_on_cylinder", "user_surface", "ellipsoid_in_cavity"])
 def test_a_run_along_a_mode_stays_on_it_with_its_frequency(name: str) -> None:
     """From the equilibrium with u = SMALL shape, p - p0 = SMALL shape sin(w t)/w up to the second order."""
@@ -214,6 +215,7 @@ def test_least_pressing_forces_meet_their_optimality(seed: int) -> None:
     assert (A[:, f <= 1e-9].T @ y).max(initial=0.0) < 1e-7
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", ["bouncing_ball", "ellipsoid_on_ellipsoid", "disc_on_rim", "coin_in_bowl"])
 def test_without_an_equilibrium_near_the_start_it_is_refused(name: str) -> None:
     with pytest.raises(SimulationError, match="no equilibrium near the start"):

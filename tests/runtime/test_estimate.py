@@ -19,6 +19,7 @@ from tests.running import library_of, scene_of
 CASES, SEED = 16, 6
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", ["bouncing_ball", "ellipsoid_on_plane", "double_pendulum"])
 def test_an_estimate_is_within_ten_times_of_the_error(name: str) -> None:
     library, truth = scene_of(name), library_of(true_form(scene_named(name)), "long double")

@@ -60,6 +60,7 @@ COMMANDS = {
 Modelgen = Callable[..., Any]
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize("form", FORMS)
 def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen) -> None:
     formulas = modelgen("inspect", f"{PAIRS[form]}:{form}", "--json").json["formulas"]
@@ -72,6 +73,7 @@ def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen)
     assert {step["name"] for step in rates["steps"]} <= set(NAMES)
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize("form", FORMS)
 def test_one_quantity_is_shorter_than_the_formula_and_ends_in_itself(form: str, modelgen: Modelgen) -> None:
     pair = f"{PAIRS[form]}:{form}"
@@ -104,6 +106,7 @@ def test_the_contact_angle_stands_beside_the_form_of_the_paper(modelgen: Modelge
     assert {port["name"]: port["unit"] for port in angle["outputs"]} == {"psi": "rad", "psi_dot": "rad/s"}
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("source", [EGG, "torus-ellipsoid:paper", "sphere-plane", "superellipsoid-ellipsoid"])
 def test_latex_is_balanced_and_uses_known_commands(source: str, modelgen: Modelgen) -> None:
     text = modelgen("inspect", source, "--format", "latex").out

@@ -29,6 +29,7 @@ def test_version(modelgen: Modelgen) -> None:
     assert modelgen("--version").out == f"modelgen {__version__}\n"
 
 
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_check_says_what_a_scene_requires_and_compiles_nothing(
     path: Path, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -91,6 +92,7 @@ def test_build_in_another_real_type_and_folder(modelgen: Modelgen, tmp_path: Pat
     assert Path(facts["library"]).parent == tmp_path / "f"
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("real", "flag"), [("double", ""), ("long double", "-DMG_REAL_LONG ")])
 def test_build_writes_a_c_program_that_runs_without_python(
     real: str, flag: str, modelgen: Modelgen, tmp_path: Path

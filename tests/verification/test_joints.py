@@ -23,6 +23,7 @@ def joint(kind: str) -> Derivation:
     return derive(require(kind_scene(kind)))
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
     derivation = joint(kind)
@@ -37,6 +38,7 @@ def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
         assert max(finding.worst for finding in verdict.findings) < 1e-12
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize(
     ("kind", "role", "output"),
     [
@@ -53,6 +55,7 @@ def test_a_corrupted_formula_of_a_joint_is_reported(kind: str, role: str, output
     assert verified(corrupted(formula, output), derivation, N, 6).status == "failed"
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("kind", [kind for kind in kinds.FORMS if kind != "rope"])
 def test_a_row_that_keeps_something_else_is_reported(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One row of the table is moved by a millionth of the turn between the frames."""

@@ -59,6 +59,7 @@ def with_rows(kind: str, rows: Rows) -> Derivation:
     return derive(replace(model, contact_kinds=tuple(replace(k, rows=rows) for k in model.contact_kinds)))
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("rows", [3, 6])
 @pytest.mark.parametrize("form", FORMS)
 def test_tangential_rows_agree_with_material_points(form: str, rows: Rows) -> None:
@@ -70,6 +71,7 @@ def test_tangential_rows_agree_with_material_points(form: str, rows: Rows) -> No
     assert "tangents" in {finding.quantity for finding in verdict.findings}
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("output", ["J_o", "J_f", "gamma", "tangents"])
 @pytest.mark.parametrize("kind", ["ellipsoid-torus", "plane-ellipsoid", "circle-helix"])
 def test_a_corrupted_tangential_row_is_reported(kind: str, output: str) -> None:
@@ -89,6 +91,7 @@ def test_tangential_rows_are_written_out_with_their_source() -> None:
     assert facts["unchecked"] == []
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize("form", FORMS)
 def test_every_form_agrees_with_the_motion(form: str) -> None:
     derivation = pair(f"{PAIRS[form]}:{form}")
@@ -98,6 +101,7 @@ def test_every_form_agrees_with_the_motion(form: str) -> None:
         assert verdict.status == verdict.claim, (formula.name, verdict.as_dict())
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_formula_of_a_scene_has_its_status(name: str) -> None:
     derivation = derive(require(read(f"scenes/{name}.toml")))
@@ -105,6 +109,7 @@ def test_every_formula_of_a_scene_has_its_status(name: str) -> None:
         assert verified(formula, derivation, N, 4).status in ("proved", "tested"), formula.name
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", TO_PROVE)
 def test_what_must_be_proved_is_proved(kind: str) -> None:
     derivation = pair(kind)
@@ -119,6 +124,7 @@ def test_the_table_of_proofs_names_roles_that_exist() -> None:
     assert set(MUST_BE_PROVED) == {"pose", "motion", "energy", "surface", "curve", "rates"}
 
 
+@pytest.mark.cases(7)
 @pytest.mark.parametrize(
     ("kind", "role", "output"),
     [

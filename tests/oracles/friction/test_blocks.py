@@ -43,6 +43,7 @@ def test_a_block_on_a_belt_sticks_and_slips(accuracy: Accuracy, off: float) -> N
     follows(path, 1, BeltOscillator().motion(0.0, 0.2, 5.0), off)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("pull", [2.5, 5.0, 12.0])
 def test_a_block_that_is_pulled_to_and_fro_stops_in_every_half_period(pull: float) -> None:
     contact = [{"between": ["block", "table"], "friction": 0.3}]
@@ -59,6 +60,7 @@ def test_a_block_thrown_up_an_incline_stays_or_returns(static: float) -> None:
     follows(path, 0, thrown_up_incline(0.5, 2.0, static, 0.4), 1e-12)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("direction", [(0.5, 0.866025403784), (0.0, 1.0), (-1.0, 0.0)])
 def test_a_box_pushed_in_any_direction_moves_as_its_closed_form(direction: tuple[float, float]) -> None:
     d = np.array(direction) / np.hypot(*direction)

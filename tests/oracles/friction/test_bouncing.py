@@ -32,6 +32,7 @@ def test_without_friction_elastic_blows_keep_energy_level_momentum_and_vertical_
         assert float(height(body, x)) > 0
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("mu", "e", "until"), [(0.2, 0.8, 1.2), (0.05, 0.5, 0.45), (1.0, 0.7, 0.85)])
 def test_blows_take_the_energy_that_their_impulses_tell(mu: float, e: float, until: float) -> None:
     body, first = bouncing_ellipsoid(mu)
@@ -89,6 +90,7 @@ def test_blows_without_end_are_refused() -> None:
         bounced(*bouncing_ellipsoid(0.05), [0.6], 0.5)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("mu", "e"), [(0.0, 1.0), (0.2, 0.8)])
 def test_flights_with_angular_momentum_in_the_world_meet_the_plane_alike(mu: float, e: float) -> None:
     body, first = bouncing_ellipsoid(mu)

@@ -33,6 +33,7 @@ def test_it_begins_as_half_the_growth_of_the_pull_along_it() -> None:
     assert v @ along / tau**2 == pytest.approx(rate @ along / 2, rel=1e-4)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("pulled", [PULLED, GentleSlip(0.5, 1.0, -2.0), GentleSlip(0.2, 3.0, 0.0)])
 def test_other_slips_come_to_this_one(pulled: GentleSlip) -> None:
     begin, early = pulled.begins, 1e-5

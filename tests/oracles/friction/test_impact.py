@@ -24,6 +24,7 @@ def blows(count: int) -> list[tuple[np.ndarray, np.ndarray]]:
     return out
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("mu", [0.0, 0.1, 0.3, 1.0])
 def test_a_blow_in_space_obeys_newton_and_coulomb(mu: float) -> None:
     for G, u in blows(40):
@@ -66,6 +67,7 @@ BLOWS = {
 }
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", BLOWS)
 def test_a_blow_in_the_plane_is_the_sum_of_small_ones(name: str) -> None:
     blow = BLOWS[name]

@@ -45,6 +45,7 @@ def test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again(accuracy: str,
     assert np.abs(path.p[:, 1] - path.p[0, 1]).max() < off
 
 
+@pytest.mark.cases(1)
 @BOTH
 def test_a_wheel_on_rail_follows_a_second_formulation(accuracy: str, off: float) -> None:
     path = run("wheel_on_rail", Accuracy.named(accuracy), samples=3)
@@ -72,6 +73,7 @@ def test_a_gripper_rolls_an_egg_in_place(accuracy: str, off: float) -> None:
     assert imbalance(path) < 0.1 * off
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("share", "falls"), [(1.01, False), (0.99, True)])
 def test_it_holds_the_egg_if_it_squeezes_enough(share: float, falls: bool) -> None:
     text = (SCENES / "gripper.toml").read_text(encoding="utf-8")

@@ -41,6 +41,7 @@ def test_a_sliding_puck_follows_its_reference() -> None:
     assert imbalance(path) < 1e-11
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("bore", [0.0, 0.02])
 @pytest.mark.parametrize(("speed", "spin"), [(1.0, 30.0), (0.3, 60.0), (1.0, 2.0)])
 def test_slip_and_spin_of_a_ring_die_together(bore: float, speed: float, spin: float) -> None:
@@ -146,6 +147,7 @@ def test_a_disc_on_a_belt_is_carried_along() -> None:
     assert imbalance(path) < 1e-9
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("shape", [make.cylinder(0.03, 0.12), make.box(0.06, 0.06, 0.12)])
 def test_a_body_pulled_at_its_top_tips_when_its_pressure_reaches_its_edge(shape: Shape) -> None:
     body = make.dynamic("body", shape, mass=1.0, inertia=[0.01, 0.01, 0.01], position=[0, 0, 0.06])

@@ -20,6 +20,7 @@ SHAPES: dict[str, Shape] = {
 }
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_tossed_body_comes_to_the_end_of_its_run(shape: str, seed: int) -> None:

@@ -40,6 +40,7 @@ def test_a_thrown_ball_comes_to_roll_as_published() -> None:
     assert w == pytest.approx([0, v[0] / 0.1, 0], abs=1e-13)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("v", "w", "mu"),
     [
