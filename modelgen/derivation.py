@@ -1,4 +1,4 @@
-"""From the Model to its formulas: one CasADi function per kind and role, each with its source."""
+"""Derivation of the formulas of a Model: one CasADi function per kind and role, each with its source."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def _of_contacts(model: Model) -> list[Formula]:
 
 
 def _of_limits(model: Model) -> list[Formula]:
-    """Their indices follow those of the contact kinds."""
+    """Formulas of the limits of joints; their kinds are numbered after the contact kinds."""
     found: list[Formula] = []
     for index, kind in enumerate(model.limit_kinds, start=len(model.contact_kinds)):
         rates, place = limit_kernels(kind)

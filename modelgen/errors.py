@@ -97,7 +97,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def expect(verb: str, value: object, kind: type) -> None:
-    """Refuses a value that a verb of the pipeline does not take; the remedy is the call that makes one of it.
+    """Raise ModelgenError for a value of the wrong type; the remedy names the call that makes the right one.
 
     >>> expect("derive", 3, str)
     Traceback (most recent call last):
@@ -111,7 +111,7 @@ def expect(verb: str, value: object, kind: type) -> None:
 
 
 def path_of(verb: str, value: object) -> Path:
-    """The path that a verb is given, as such or as text.
+    """The path of an argument that is a path or text.
 
     >>> path_of("read", 3)
     Traceback (most recent call last):

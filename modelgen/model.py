@@ -178,7 +178,7 @@ class PairEntry:
 
 @dataclass(frozen=True, slots=True)
 class ContactEntry:
-    """What follows one local minimum of the distance of a pair, on one feature pair of it at a time."""
+    """A contact: it follows one local minimum of the distance of a pair, on one feature pair at a time."""
 
     name: str  # "egg-table", "box-table:v0", "ball-groove#2"
     pair: int
@@ -189,7 +189,7 @@ class ContactEntry:
 
 @dataclass(frozen=True, slots=True)
 class BoundaryEntry:
-    """A piece of the boundary of a face, run through from the first of its ends to the second."""
+    """A piece of the boundary of a face, traversed from the first of its ends to the second."""
 
     kind: int  # of shape
     curve: Shape  # in its own axes

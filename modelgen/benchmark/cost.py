@@ -1,4 +1,4 @@
-"""What a run costs: CPU time of the core alone, by a yardstick that is run beside it."""
+"""Cost of a run: CPU time of the core alone, relative to a yardstick that is run beside it."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def why_not_counted() -> str:
 
 
 def instructions(library: Library, accuracy: Accuracy, until: float, level: str) -> int | None:
-    """What the core takes from a settled start to `until`, compiled for Haswell; None: not counted."""
+    """Instructions of the core from a settled start to `until`, compiled for Haswell; None: not counted."""
     if why_not_counted() or library.real not in COUNTED:
         return None
     with tempfile.TemporaryDirectory() as name:

@@ -1,4 +1,4 @@
-"""How far two motions are apart: in position, rotation, force and event times, and beyond a horizon."""
+"""Errors between two motions: position, rotation, force and event times; beyond a horizon, distributions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def separation(a: Motion, b: Motion, bodies: Bodies) -> Array:
 
 
 def errors(found: Motion, true: Motion, bodies: Bodies, horizon: float | None) -> dict[str, Any]:
-    """Each kind of error up to the horizon, and what can be judged beyond it.
+    """Each kind of error up to the horizon, and the comparison of distributions beyond it.
 
     position m, rotation rad, force (root mean square, over that of the reference), events s; the invariants
     of the whole run; `beyond`: differences of the distributions after the horizon.
@@ -50,7 +50,7 @@ def errors(found: Motion, true: Motion, bodies: Bodies, horizon: float | None) -
 
 
 def beyond(found: Motion, true: Motion, bodies: Bodies, n: int) -> dict[str, float]:
-    """After sample n, where trajectories mean nothing: how the samples of two runs are distributed.
+    """Distributions of the samples of two runs after sample n, where single trajectories are not predictable.
 
     Mean distance of the sorted samples (Wasserstein's) of heights along each axis over L, of speeds and of
     total momentum over their root mean squares.

@@ -56,7 +56,7 @@ class Bench:
         return not self.fresh and self.store.get(key) is not None
 
     def recall(self, key: str, make: Callable[[], Any]) -> Any:
-        """What is remembered under a key, or is made now and remembered."""
+        """The stored value of a key; computed and stored if there is none."""
         if self.remembers(key):
             return self.store.get(key)
         made = make()
@@ -80,7 +80,7 @@ class Bench:
 
 
 def point_of(bench: Bench, settings: Settings) -> Point:
-    """One setting of this program, measured, or remembered."""
+    """The measured or stored point of one setting of this program."""
     built = bench.subject.built(settings)
     key = bench.subject.key(built.library, {"settings": dict(settings)})
     bench.reused += bench.remembers(key)
@@ -89,7 +89,7 @@ def point_of(bench: Bench, settings: Settings) -> Point:
 
 
 def _compile_s(bench: Bench, built: Built) -> float | None:
-    """What the compiler took when this library was built; None where that was not measured."""
+    """CPU seconds of the compiler when this library was built; None if not measured."""
     key = bench.subject.key(built.library, {"compile": True})
     if built.compile_s is not None:
         bench.store.put(key, built.compile_s)

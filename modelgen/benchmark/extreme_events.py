@@ -30,7 +30,7 @@ def _bowled(friction: float) -> Scene:
 
 
 def _bowled_error(friction: float, path: Trajectory) -> float:
-    """Of the speed at the end, 5/7 of the first, and of the time of rolling."""
+    """Error of the final speed, 5/7 of the first, and of the time at which rolling begins."""
     v = path.v[-1, path.body_names.index("ball"), 0]
     if friction == 0:
         return float(abs(v / 3 - 1))
@@ -53,7 +53,7 @@ def _bouncing(e: float) -> Scene:
 
 
 def _height(e: float, t: float) -> float:
-    """Of the lowest point: the series of bounces that takes place at (2 e^k) t_1."""
+    """Height of the lowest point in closed form: bounces with flights of (2 e^k) t_1."""
     fall = sqrt(0.4 / G)
     t, bounce = t - fall, 2 * fall * e
     if t < 0:
@@ -91,7 +91,7 @@ def _table_on_feet(n: float) -> Scene:
 
 
 def _feet_error(path: Trajectory) -> float:
-    """Of the weight that the feet carry, and of the height."""
+    """Error of the weight that the feet carry, and of the height."""
     weight = np.abs(path.force.sum(axis=1) / (10 * G) - 1).max()
     return float(max(weight, np.abs(path.p[:, path.body_names.index("top"), 2] / 0.5 - 1).max()))
 

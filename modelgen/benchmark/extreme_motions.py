@@ -102,7 +102,7 @@ def _billiards(ratio: float) -> Scene:
 
 
 def _billiards_error(ratio: float, path: Trajectory) -> float:
-    """Of both velocities after the impact, (m - 1)/(m + 1) and 2 m/(m + 1), each by its own size."""
+    """Relative errors of both velocities after the impact, (m - 1)/(m + 1) and 2 m/(m + 1)."""
     true = np.array([(ratio - 1) / (ratio + 1), 2 * ratio / (ratio + 1)])
     return float((np.abs(path.v[-1, :, 0] - true) / np.maximum(np.abs(true), 1e-12)).max())
 

@@ -1,4 +1,4 @@
-"""What happens at the ends of what double precision holds: one extreme, its decades, its law of loss."""
+"""Extremes of double precision: each with its decades and the law by which accuracy is lost."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Verdict = Literal["safe", "warned", "refused"]
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What came of one value: the error, as the extreme measures it, and what the user is told."""
+    """Result for one value: the error, and the message that the user gets."""
 
     error: float | None  # None: there is no result
     told: tuple[str, ...] = ()
@@ -64,7 +64,7 @@ class Extreme:
     switch: str = ""
 
     def expected(self, value: float) -> Verdict:
-        """By the thresholds."""
+        """The expected outcome by the thresholds."""
         if self._is_beyond(value, self.switched):
             return "safe"
         if self._is_beyond(value, self.refused):

@@ -19,7 +19,7 @@ EXTREMES: tuple[Extreme, ...] = (*SHAPES, *MOTIONS, *EVENTS)
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """What was found, in the order of the list; `interrupted`: there would be more."""
+    """Results in the order of the list. `interrupted`: the survey is not complete."""
 
     found: tuple[Found, ...]
     interrupted: bool

@@ -15,7 +15,7 @@ CLEARLY = 0.95  # a setting improves a front if it costs, or errs, at most so mu
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """One setting, measured.
+    """One measured setting.
 
     `error` is the largest distance of body points from the reference up to the horizon, over the
     characteristic length, never below the reference's own; None where the run failed or was left out.
@@ -55,7 +55,8 @@ def front(points: Iterable[Point]) -> list[Point]:
 
 
 def spaced(points: Sequence[Point], factor: float) -> list[Point]:
-    """Of a front, the cheapest point and then each that errs less than the last one shown by a factor."""
+    """Points of a front to show: the cheapest, then each whose error is smaller than that of the last by a
+    factor."""
     shown: list[Point] = []
     for point in points:
         if not shown or place(point)[1] * factor <= place(shown[-1])[1]:

@@ -1,4 +1,5 @@
-"""What can be traded: one row a knob, with the values it takes and where it can make a difference.
+"""Table of knobs: settings that trade speed for accuracy, their values, and the scenes on which they have an
+effect.
 
 A further choice is a further row, or a further value of one.
 """
@@ -17,7 +18,7 @@ Settings = Mapping[str, Value]
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a scene offers to the knobs."""
+    """Properties of a scene that decide which knobs have an effect."""
 
     until: float  # s
     time: float  # s, the characteristic time
@@ -156,7 +157,7 @@ class Space:
         return [{**settings, ladder.name: value} for value in finer]
 
     def alternatives(self) -> Iterator[tuple[str, Value]]:
-        """Each value of each knob that is no ladder and not the method, but the first."""
+        """All values but the first of each knob that is neither a ladder nor the method."""
         for knob in self.knobs[1:]:
             if not knob.ladder:
                 yield from ((knob.name, value) for value in self.values(knob)[1:])

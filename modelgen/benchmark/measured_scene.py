@@ -62,7 +62,7 @@ class Subject:
         return Space(KNOBS, facts, names, self._own(facts))
 
     def _own(self, facts: Facts) -> dict[str, Any]:
-        """What the scene says of the knobs; not a form that gives the same equations as `auto`."""
+        """Knobs that the scene sets; a form that gives the same equations as `auto` is not one."""
         said = {knob.name: getattr(self.scene.run, knob.name) for knob in KNOBS}
         own = {name: value for name, value in said.items() if value is not None}
         if own.get("form") not in facts.forms:

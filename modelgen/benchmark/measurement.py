@@ -29,7 +29,7 @@ Report = Callable[[str], None]  # told what is measured next
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured of a scene; `interrupted` says why there would be more, and how to get it."""
+    """Measurements of a scene. `interrupted` says why they are not complete, and how to continue."""
 
     subject: Subject
     knobs: dict[str, list[Any]]

@@ -55,7 +55,7 @@ def uninterrupted(path: Trajectory) -> Trajectory:
 
 
 def motion_of(path: Trajectory, bodies: Bodies) -> Motion:
-    """What a run of this program leaves."""
+    """The motion of a run of this program."""
     chosen = list(bodies.moving)
     return Motion(
         t=path.t,

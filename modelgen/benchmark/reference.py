@@ -51,7 +51,7 @@ class Reference:
     spread: dict[str, float]  # beyond the horizon, between the two
 
     def facts(self) -> dict[str, Any]:
-        """What tables and JSON say of it."""
+        """Facts for tables and JSON."""
         shown = ("made_by", "error", "horizon", "reason", "growth", "end", "ending", "spread")
         return {name: getattr(self, name) for name in shown}
 

@@ -20,7 +20,7 @@ KINDS = ("shape_kinds", "body_kinds", "contact_kinds", "load_kinds", "joint_kind
 
 @dataclass
 class Variants:
-    """What was built so far, by set of kinds and real type; libraries lie in folders under `root`."""
+    """Libraries built so far, by set of kinds and real type, in folders under `root`."""
 
     root: Path
     _built: dict[tuple[Any, ...], Library] = field(default_factory=dict)

@@ -48,7 +48,7 @@ def _further(space: Space, points: Sequence[Point]) -> list[Settings]:
 
 
 def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Iterator[Point]:
-    """One ladder from coarse to fine, until its errors stay where they are, and are no smaller at its end."""
+    """Measure one ladder from coarse to fine until its error no longer falls, also at its end."""
     best, idle, whole = float("inf"), 0, False
     for settings in rungs:
         if not left() or (whole and settings is rungs[-1]):
@@ -71,7 +71,7 @@ def _descend(rungs: Sequence[Settings], evaluate: Evaluate, left: Left) -> Itera
 def _turn(
     space: Space, points: Sequence[Point], name: str, value: Value, evaluate: Evaluate, left: Left
 ) -> Iterator[Point]:
-    """One knob turned at three places of the front, and at all of them if that improved one.
+    """Vary one knob at three points of the front, and at all points if one of them improved.
 
     The last place is a rung below the most accurate point: where a knob lowers the floor, it shows there.
     """

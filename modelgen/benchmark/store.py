@@ -1,4 +1,4 @@
-"""What was measured before: one line of JSON each, in the folder that the scene is built in."""
+"""Store of measurements: one line of JSON each, in the folder in which the scene is built."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ COSTS = {  # beside CPU time: head of the column, and its unit
 
 
 def print_measurement(found: Measurement, console: Console) -> None:
-    """What was measured against, what was turned, and the front, by rising cost."""
+    """Print the reference, the knobs and the front by rising cost."""
     _print_reference(found, console)
     noise = "unknown" if found.noise is None else f"{100 * found.noise:.0f} %"
     console.print(
@@ -131,7 +131,7 @@ def _print_peer(peer: PeerPoints, found: Measurement, console: Console) -> None:
 
 
 def print_tuned(tuned: Tuned, console: Console) -> None:
-    """What was chosen, as verified."""
+    """Print the chosen settings with their verified error and cost."""
     point = tuned.point
     cost = (point.cost_ns_per_s or 0.0) / 1e3
     name = tuned.measurement.subject.scene.name

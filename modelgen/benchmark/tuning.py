@@ -61,7 +61,7 @@ class Demand:
     budget: float | None = None
 
     def pick(self, points: Sequence[Point]) -> Point | None:
-        """Where nothing is within the budget itself, the cheapest may be within its band."""
+        """Pick the most accurate point within the budget; if there is none, the cheapest within its band."""
         if self.error is not None:
             return cheapest(points, self.error)
         return finest(points, self.budget or 0.0) or next(filter(self.is_met, front(points)), None)

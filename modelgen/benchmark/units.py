@@ -36,7 +36,7 @@ Ends = tuple[float | None, float | None]
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What one old unit of length, mass and time is in new ones."""
+    """Sizes of one old unit of length, mass and time in new units."""
 
     length: float = 1.0
     mass: float = 1.0
@@ -55,7 +55,7 @@ class Units:
         return self.force * self.length
 
     def of_names(self) -> Mapping[str, float]:
-        """Of the names that loads and paths may use."""
+        """Unit exponents of the names that loads and paths may use."""
         names = {"t": self.time, **dict.fromkeys("xyz", self.length)}
         return (
             names

@@ -97,7 +97,7 @@ class Written:
 
 
 def why_not_closed(model: Model) -> str:
-    """What of a scene one right-hand side cannot have; empty where it has one."""
+    """Reasons why a scene cannot have one right-hand side in closed form; empty if it has one."""
     if model.joints:
         return f"joint {model.joints[0].name!r}"
     if len(model.pairs) > MAX_CONTACTS:
@@ -262,7 +262,7 @@ def _part(J: ca.SX, gamma: ca.SX, k: int) -> ca.SX:
 
 
 def _eta_dot(model: Model, touches: list[Touch]) -> ca.SX:
-    """By contact; zero where none is followed here."""
+    """eta_dot by contact; zero for contacts that the closed form does not follow."""
     first = {pair.contacts[0]: touch.eta_dot for pair, touch in zip(model.pairs, touches, strict=True)}
     return ca.vertcat(*(first.get(k, zeros(entry.room)) for k, entry in enumerate(model.contacts)))
 

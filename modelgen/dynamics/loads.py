@@ -80,7 +80,7 @@ def _given(kind: LoadKind, t: ca.SX, point: Point) -> ca.SX:
 
 
 def _state_symbols(t: ca.SX, point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
-    """What expressions may name: t, and the state of the centre of mass in world axes."""
+    """Symbols that expressions may use: t, and the state of the centre of mass in world axes."""
     velocity = point.twist[0:3] if motion != "fixed" else zeros(3)
     turns = motion in ("driven", "free")
     spin = ca.mtimes(point.rotation, point.twist[3:6]) if turns else zeros(3)

@@ -1,4 +1,4 @@
-"""From an expression of the scene to a CasADi expression."""
+"""Translation of expressions of the scene to CasADi."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ Domain = tuple[tuple[float, float], tuple[float, float]]
 
 @dataclass(frozen=True)
 class Surface:
-    """What is known about one kind of surface; every callable takes the parameters last."""
+    """Description of one kind of surface; every callable takes the parameters last."""
 
     jet: Callable[[ca.SX, ca.SX], Jet]
     domain: Domain  # of (u, v)

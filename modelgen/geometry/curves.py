@@ -33,7 +33,7 @@ class CurveJet:
 
 @dataclass(frozen=True)
 class SpaceCurve:
-    """What is known about one kind of curve; every callable takes the parameters last."""
+    """Description of one kind of curve; every callable takes the parameters last."""
 
     components: Callable[[ca.SX, ca.SX], ca.SX]
     domain: tuple[float, float]

@@ -1,4 +1,4 @@
-"""How far a shape reaches: surface, curve, point or composite."""
+"""Extent of a shape: surface, curve, point or composite."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def features_of(shape: Shape) -> Composite:
 
 
 def _ends(shape: Shape) -> tuple[Condition, ...]:
-    """Where a chart or a curve ends that is not joined to itself."""
+    """Ends of a chart or a curve that is not joined to itself."""
     if shape.chart is not None:
         return tuple(ends_of(shape.chart))
     if dimension_of(shape) != 1 or curve_of(shape).periodic:

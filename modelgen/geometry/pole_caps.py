@@ -132,7 +132,7 @@ def _radius(shape: Shape, pole: Pole, harmonics: Complex) -> float:
 
 
 def _error(there: Array, harmonics: Complex, radius: float) -> float:
-    """Of the polynomial, with two derivatives, against the size of the cap."""
+    """Error of the polynomial and of two of its derivatives, relative to the size of the cap."""
     n = np.arange(len(harmonics))
     exact = np.fft.fft(there, axis=1) / ANGLES
     total = 0.0

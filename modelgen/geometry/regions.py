@@ -197,7 +197,7 @@ def _vector(x: Array) -> tuple[float, float, float]:
 
 
 def _range(edge: Feature) -> tuple[float, float]:
-    """Where the curve of an edge begins and ends."""
+    """Curve parameters at which an edge begins and ends."""
     low, high = domain_of(edge.shape)[0]
     for condition in edge.conditions:
         if condition.kind == "parameter":

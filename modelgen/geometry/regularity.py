@@ -33,7 +33,7 @@ REGULAR = 1e-6  # least |c_u x c_v|, or |c'|, against the largest
 
 @dataclass(frozen=True)
 class Worst:
-    """Where |c_u x c_v| or |c'| is least, and how small it is against its largest value."""
+    """Place where |c_u x c_v| or |c'| is least, and its ratio to the largest value."""
 
     at: tuple[float, ...]
     ratio: float

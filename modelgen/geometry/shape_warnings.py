@@ -1,4 +1,4 @@
-"""What a shape is known to do badly, in words, before a run meets it."""
+"""Warnings about known weaknesses of a shape, given before a run meets them."""
 
 from __future__ import annotations
 

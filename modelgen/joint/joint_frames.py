@@ -23,7 +23,7 @@ class Rate:
 
 @dataclass(frozen=True)
 class Side:
-    """One body of a joint: its pose and twist, and what the joint's frame in it is, all in world axes."""
+    """One body of a joint: its pose, its twist and the frame of the joint in it, all in world axes."""
 
     pose: ca.SX
     twist: ca.SX
@@ -94,7 +94,7 @@ class Meeting:
         return dot(self.axis(axis), self.span)
 
     def rate(self, value: ca.SX) -> Rate:
-        """Of a vector of expressions in t, the span and the axes, along the rigid motions of both bodies.
+        """Rate of a vector of expressions of t, the span and the axes, as both bodies move.
 
         With g = d value/d span and h the angular gradients, in world axes,
         value_dot = g.(v_b + w_b x s_b - v_a - w_a x s_a) + h_a.w_a + h_b.w_b + bias, s_a and s_b the arms.

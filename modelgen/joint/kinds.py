@@ -21,7 +21,7 @@ Value = Callable[[Meeting, ca.SX], ca.SX]  # of the frames and the kind's own nu
 
 @dataclass(frozen=True)
 class Coordinate:
-    """What a joint leaves free; an angle lies within half a turn."""
+    """A coordinate of a joint; an angle lies within half a turn."""
 
     name: str
     measure: Measure

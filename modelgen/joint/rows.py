@@ -31,7 +31,7 @@ def values_of(kind: JointKind, m: Meeting, numbers: ca.SX) -> ca.SX:
 
 
 def row_count(kind: JointKind) -> int:
-    """How many rows a joint of this kind has."""
+    """Number of rows of a joint of this kind."""
     return int(values_of(kind, meeting(), numbers_of(kind.kind)).numel())
 
 

@@ -94,8 +94,8 @@ def cone(contact: Contact) -> Array:
 
 
 def share(contact: Contact, force: Array) -> tuple[float, str]:
-    """What part of their bounds the forces along its rows, in the axes of friction, take: the largest, and
-    whose it is. Infinite where nothing presses and something is to be held."""
+    """Largest ratio of a friction force (axes of friction) to its bound, and its friction constraint.
+    Infinite where a force is needed and the normal force is zero."""
     found = [
         (_length(force[_rows(constraint)], constraint), constraint.kind) for constraint in contact.friction
     ]

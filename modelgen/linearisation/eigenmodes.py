@@ -52,7 +52,7 @@ def small_motions(place: Place, time: float, neutral: float) -> tuple[Mode, ...]
 
 
 def _moving(K: Array, C: Array, slow: float, soft: float) -> Solver:
-    """By what the matrices are."""
+    """The modes, by the method that suits the matrices."""
     if np.abs(C).max(initial=0.0) >= slow:
         return _damped
     return _undamped if np.abs(K - K.T).max(initial=0.0) < soft else _circulating
@@ -77,7 +77,7 @@ def _undamped(place: Place, moved: Array, still: Array, slow: float) -> Iterator
 
 
 def _circulating(place: Place, moved: Array, still: Array, slow: float) -> Iterator[Mode]:
-    """Without damping, K of any form: s^2 = -value of each eigenvalue; the neutral motions follow."""
+    """Modes without damping, K of any form: s^2 = -value of each eigenvalue; then the neutral motions."""
     values, vectors = np.linalg.eig(moved.T @ place.stiffness @ moved)
     for value, z in zip(values, vectors.T, strict=True):
         if value.imag < 0:
@@ -97,7 +97,8 @@ def _circulating(place: Place, moved: Array, still: Array, slow: float) -> Itera
 
 
 def _damped(place: Place, moved: Array, still: Array, slow: float) -> Iterator[Mode]:
-    """Of the motions across the neutral ones, which follow them: s^2 y + still^T (s C + K) moved z = 0."""
+    """Damped modes of the motions across the neutral ones, from s^2 y + still^T (s C + K) moved z = 0; then
+    the neutral motions."""
     K, C = (moved.T @ matrix @ moved for matrix in (place.stiffness, place.damping))
     k = len(K)
     values, vectors = np.linalg.eig(np.block([[np.zeros((k, k)), np.eye(k)], [-K, -C]]))

@@ -51,7 +51,7 @@ class Linearised:
 
     @property
     def frequencies(self) -> Array:
-        """Of the oscillations, rad/s, ascending."""
+        """Frequencies of the oscillations, rad/s, ascending."""
         return np.array([mode.frequency for mode in self.modes if mode.frequency])
 
 
@@ -113,7 +113,7 @@ def equilibrium(touching: Touching) -> Place:
 
 
 def _sought(touching: Touching) -> Place | None:
-    """Where Newton's method ends; None where it does not."""
+    """The place to which Newton's method converges; None if it does not converge."""
     place = touching.at(np.array(touching.model.initial_q), tuple(each.eta for each in touching.contacts))
     for _ in range(STEPS):
         if _unrest(place, touching.model.scales) < AT_REST:

@@ -26,7 +26,7 @@ MOST = 1e9  # times its friction that a contact may lack
 
 @dataclass(frozen=True, slots=True)
 class Friction:
-    """At a contact that holds at rest; the array is read-only."""
+    """Friction of a contact that sticks at rest; the array is read-only."""
 
     force: Array  # (3,) N, world axes, on the second body of the pair
     share: float  # of its static friction, or of the resistance that is taken up most; at most 1
@@ -34,7 +34,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Held:
-    """What the contacts have to hold at a place, in rows turned to the axes of friction."""
+    """Forces that the contacts must provide at a place, in rows turned to the axes of friction."""
 
     touching: Touching
     place: Place
@@ -56,7 +56,8 @@ class Held:
         return np.asarray(self.axes @ held)
 
     def shares(self, z: Array) -> list[tuple[float, str]]:
-        """Of each contact what its forces take, and of what; rounding counts as nothing."""
+        """Share of its bounds that each contact's forces need, and the constraint concerned; rounding counts
+        as zero."""
         clean = np.where(np.abs(z) > BALANCED * np.abs(z).max(initial=0.0), z, 0.0)
         return [share(contact, self.of(k, clean)) for k, contact in enumerate(self.touching.contacts)]
 
@@ -138,7 +139,7 @@ def _among(held: Held, z: Array) -> Array:
 
 
 def _refuse_lacking(held: Held) -> NoReturn:
-    """By what factor the bounds are too narrow, by bisection."""
+    """Raise SimulationError with the factor by which the bounds are too narrow, found by bisection."""
     enough = 2.0
     while held.within(enough) is None:
         enough *= 2

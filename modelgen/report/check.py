@@ -1,4 +1,5 @@
-"""What a scene requires, before anything is compiled: kinds, forms and why, instruction counts."""
+"""`check`: the kinds and forms that a scene requires, why, and instruction counts, before anything is
+compiled."""
 
 from __future__ import annotations
 

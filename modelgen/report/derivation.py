@@ -31,7 +31,7 @@ from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, join
 
 @dataclass(frozen=True)
 class View:
-    """What is shown beside a formula: numbers at one configuration, and a status computed on n others."""
+    """Additions to a formula: numbers at one configuration, and a status computed on n others."""
 
     seed: int = 0
     given: Mapping[str, Any] = field(default_factory=dict)

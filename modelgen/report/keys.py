@@ -92,7 +92,7 @@ def _written(default: Any) -> str:
 
 
 def _values(each: Schema) -> str:
-    """What a key may hold, in words."""
+    """Description of the values that a key may have."""
     if "$ref" in each:
         return f"a {each['$ref'].rsplit('/', 1)[1]} table"
     if "const" in each:

@@ -1,4 +1,4 @@
-"""What `linearise` prints: the equilibrium, and each small motion with its frequency and shape."""
+"""Output of `linearise`: the equilibrium, and each small motion with its frequency and shape."""
 
 from __future__ import annotations
 

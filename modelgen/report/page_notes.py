@@ -1,4 +1,4 @@
-"""What a page shows beside the formulas: closed forms of the shapes, singularities, and the errata."""
+"""Notes of a page: closed forms of the shapes, singularities, and the errata."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Record:
-    """What a run file holds; `save` writes it, `load` reads it and `draw` draws it.
+    """Contents of a run file; `save` writes it, `load` reads it and `draw` draws it.
 
     `columns` as in Trajectory (SI, world axes); `pairs` body indices (o, f) of each contact with
     shapes, which the limits of joints follow; `faces` the outlines of faces that rested (report/patches.py);
@@ -47,7 +47,7 @@ class Record:
     faces: dict[str, Array] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        """What it is of, how it ended and how much there is of it; no arrays."""
+        """Name of the scene, outcome and sizes; no arrays."""
         run, samples = self.summary, len(self.columns["t"])
         return f"<Record {run['scene']}: {run['outcome']} at t = {run['t_end']:.6g} s; samples: {samples}>"
 

@@ -1,4 +1,4 @@
-"""What each decision to leave something out of a scene's code saves: the same scene derived without it."""
+"""Instructions saved by each decision to prune a scene's code, from a derivation without that decision."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ANY_FRICTION = Friction((0.3, 0.3), (0.3, 0.3))  # the code is the same for all 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """Of the code of a scene, and of its state."""
+    """Size of the code of a scene, and of its state."""
 
     instructions: int  # of the kernels of one evaluation of the right-hand side
     bytes: int  # of C text
@@ -31,7 +31,7 @@ class Size:
 
 @dataclass(frozen=True, slots=True)
 class Saving:
-    """One decision: with it as `taken` says, and with the other."""
+    """One decision, with the sizes for it as `taken` says and for the alternative."""
 
     decision: str
     of: str  # which bodies or contacts
@@ -47,7 +47,7 @@ class Saving:
 
 
 def savings_of(derivation: Derivation) -> list[Saving]:
-    """Of every decision that the scene gives occasion for; derives it again for each."""
+    """The savings of every decision that applies to the scene; derives the scene again for each."""
     model = derivation.model
     own, found = size_of(derivation), []
     for decision, undo in DECISIONS.items():
@@ -64,7 +64,7 @@ def savings_of(derivation: Derivation) -> list[Saving]:
 
 
 def size_of(derivation: Derivation) -> Size:
-    """What one evaluation takes: each body, load, joint and followed contact once."""
+    """Instructions of one evaluation: each body, load, joint and followed contact once."""
     model = derivation.model
     files = emit(derivation).files
     counts: Mapping[tuple[str, int], int] = {

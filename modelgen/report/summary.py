@@ -12,7 +12,7 @@ NOISE = 1e-13  # numbers below this part of the largest of their kind are printe
 
 
 def print_summary(summary: dict[str, Any], console: Console) -> None:
-    """What `simulate` prints from what `simulate --json` holds."""
+    """Print the summary of `simulate`, from the facts of `simulate --json`."""
     console.print(
         f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.9g} s ({summary['accuracy']})",
         markup=False,

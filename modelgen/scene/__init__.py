@@ -1,4 +1,4 @@
-"""What the user wrote: scene files (TOML), the values they become, and scenes written in Python.
+"""Scenes: files (TOML), the values that they become, and scenes written in Python.
 
 A scene file lists bodies, the pairs of shapes that may touch, loads and settings, in SI units:
 

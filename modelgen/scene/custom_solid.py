@@ -157,7 +157,8 @@ def _check_targets(parts: list[tuple[Place, Feature]]) -> None:
 
 
 def _check_answers(parts: list[tuple[Place, Feature]]) -> None:
-    """What is next by a condition of one kind leads back by the kind that belongs to it."""
+    """Check that adjacency is mutual: the neighbour across a condition leads back by the corresponding kind
+    of condition."""
     features = {feature.name: feature for _, feature in parts}
     for at, feature in parts:
         for condition in feature.conditions:

@@ -73,7 +73,7 @@ _OFF: Mapping[str, Callable[[Array, dict[str, float]], Array]] = {  # about the 
 
 
 def _ends(edge: Feature, place: Place) -> tuple[float, float]:
-    """Where the edge starts and ends, by its shape and by its conditions."""
+    """Start and end of the edge, by its shape and by its conditions."""
     low, high = {
         "edge": (-inf, inf), "circle": _ROUND, "ellipse_curve": _ROUND, "segment": (-0.5, 0.5),
     }.get(edge.shape.kind, (-inf, inf))  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the functions and operators of expressions mean, in double precision."""
+"""Functions and operators of expressions, in double precision."""
 
 from __future__ import annotations
 

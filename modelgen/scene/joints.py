@@ -41,7 +41,7 @@ def joints(read: Written, bodies: Mapping[str, Body]) -> tuple[Joint, ...]:
 
 
 def pose_at_start(body: Body, place: Place) -> Pose:
-    """Of the body's axes in the world at t = 0; a driven body's path comes on top of its pose."""
+    """Pose of the body's axes in the world at t = 0; of a driven body its pose and its path."""
     if body.path is None:
         return body.pose
     start = dict.fromkeys(PATH_NAMES, 0.0)
@@ -141,7 +141,7 @@ def _check_between(names: tuple[str, str], bodies: Mapping[str, Body], place: Pl
 
 
 def _check_idle(joint: Joint, place: Place) -> None:
-    """What a joint says of limits or a spring that it does not have."""
+    """Raise SceneError for keys of limits or a spring that the kind of joint does not have."""
     unlimited = joint.limits == joint.limits_y == (None, None)
     if joint.restitution and unlimited:
         remedy = "add limits = [least, largest], or remove it"

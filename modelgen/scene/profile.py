@@ -35,12 +35,12 @@ def read_profile(values: Mapping[str, Any], place: Place) -> Profile:
 
 
 def signed_area(points: list[Point]) -> float:
-    """Of the polygon of the points, m^2; positive counterclockwise."""
+    """Signed area of the polygon of the points, m^2; positive counterclockwise."""
     return sum(a[0] * b[1] - a[1] * b[0] for a, b in _sides(points)) / 2
 
 
 def centroid(points: list[Point]) -> Point:
-    """Of the polygon of the points, m."""
+    """Centroid of the polygon of the points, m."""
     weights = [a[0] * b[1] - a[1] * b[0] for a, b in _sides(points)]
     total = 3 * sum(weights)
     x, y = (

@@ -144,7 +144,7 @@ def _polygon(points: tuple[Point, ...], place: Place) -> tuple[Point, ...]:
 
 
 def _triples(points: tuple[Point, ...]) -> list[tuple[Point, Point, Point]]:
-    """Each point between its neighbours."""
+    """Each point with its two neighbours."""
     return list(zip((points[-1], *points[:-1]), points, (*points[1:], points[0]), strict=True))
 
 

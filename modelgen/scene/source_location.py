@@ -1,4 +1,4 @@
-"""Where in the scene a value stands, and the errors that say so."""
+"""Location of a value in the scene file, and errors that name it."""
 
 from __future__ import annotations
 

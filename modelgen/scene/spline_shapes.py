@@ -121,7 +121,7 @@ def read_polyline(values: Mapping[str, Any], place: Place) -> Polyline:
 
 
 def _setback(points: tuple[Point, ...], radius: float, k: int, closed: bool, place: Place) -> float:
-    """How much of both neighbouring pieces the arc at a corner takes: radius tan(turn/2), m."""
+    """Length of both neighbouring pieces that the arc at a corner replaces: radius tan(turn/2), m."""
     if not closed and k in (0, len(points) - 1):
         return 0.0
     a, b, c = points[k - 1], points[k], points[(k + 1) % len(points)]

@@ -1,4 +1,4 @@
-"""What the user wrote, as frozen values in SI units. No symbols, no numerics beyond plain floats."""
+"""Values of a scene in SI units, frozen. No symbols, no arrays."""
 
 from __future__ import annotations
 
@@ -143,7 +143,8 @@ ImpactLaw = Literal["newton", "poisson", "stronge"]
 
 @dataclass(frozen=True, slots=True)
 class Restitution:
-    """What an impact gives back: of speed (Newton), of impulse (Poisson); of energy its square (Stronge)."""
+    """Restitution of an impact: ratio of speeds (Newton), of impulses (Poisson), or root of that of works
+    (Stronge)."""
 
     value: float = 0.0  # 0..1
     law: ImpactLaw = "newton"
@@ -220,7 +221,7 @@ Load = ForceLoad | TorqueLoad | SpringLoad
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
-    """How the scene is run; None leaves a choice to the accuracy, or to the generator and the build."""
+    """Settings of a run; None leaves a choice to the accuracy, or to the generator and the build."""
 
     until: float = 1.0  # s
     accuracy: str = "balanced"  # fast | balanced | tight

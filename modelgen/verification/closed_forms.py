@@ -37,7 +37,8 @@ class ClosedForms:
 
 
 def closed_forms(shape: ShapeKind) -> ClosedForms | None:
-    """Of a surface c, normal z, I, II, M, K, T; of a curve c, speed, curvature k and torsion tau.
+    """Closed forms of a surface (c, normal z, I, II, M, K, T) or of a curve (c, speed, curvature k, torsion
+    tau).
 
     None of a point, of folded numbers, and of a shape whose formula is too long to be read.
     """

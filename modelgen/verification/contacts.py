@@ -146,7 +146,8 @@ def check_place(sample: Sample, place: ca.Function) -> list[Finding]:
 
 
 def _newton(sample: Sample, place: ca.Function, eta: Array, eta_next: Array, numbers: Array) -> Finding:
-    """From an error e the step leaves at most a multiple of e^2; signs, which it renews, are left aside."""
+    """Quadratic convergence: from an error e the step leaves at most a multiple of e^2; signs, which it
+    renews, are excluded."""
     layout, at = eta_layout(sample.pair.kind), sample.at
     kept = slice(0, len(eta) - SIGNS.get(layout[0], 0) - SIGNS.get(layout[1], 0))
     away = np.zeros_like(eta)
@@ -164,7 +165,7 @@ def _newton(sample: Sample, place: ca.Function, eta: Array, eta_next: Array, num
 
 
 def check_angle(sample: Sample, angle: ca.Function) -> list[Finding]:
-    """Each angle's rate against the derivative of the angle itself along the motion of the pair."""
+    """Compare each angle's rate with the derivative of the angle along the motion of the pair."""
     kind = sample.pair.kind
     values = columns(angle, *moving_inputs(sample))
     rates = dict(zip(angle.name_out(), values, strict=True))

@@ -1,4 +1,4 @@
-"""What a check of a formula found: proved by an identity, or compared on random configurations."""
+"""Findings of a check of a formula: proved by an identity, or compared on random configurations."""
 
 from __future__ import annotations
 

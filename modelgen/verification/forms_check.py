@@ -25,7 +25,7 @@ STAGES = (("I", ("E", "F", "F", "G")), ("II", ("L", "M", "M", "N")))
 
 
 def check_forms(forms: ClosedForms, numbers: tuple[float, ...], n: int, seed: int) -> list[Finding]:
-    """Each closed form at n random points of the scene's own shape."""
+    """Check each closed form at n random points of the scene's own shape."""
     feature = feature_of(forms.shape, 1.0)
     random = np.random.default_rng(seed)
     points = np.array([random.uniform(*ends, n) for ends in feature.ranges])

@@ -150,7 +150,7 @@ def _on_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
 
 
 def _gathered(routes: Mapping[str, str], entries: Sequence[Both]) -> list[Finding]:
-    """One finding a quantity, over all configurations."""
+    """One finding per quantity, over all configurations."""
     return [
         compared(name, route, *(np.array([entry[name][k] for entry in entries]).T for k in (0, 1)))
         for name, route in routes.items()
@@ -180,7 +180,7 @@ def limit_numbers(kind: LimitKind, at: Drawn) -> tuple[Array, float]:
 
 
 def gap_of(kind: LimitKind, at: Drawn, *turns: float) -> tuple[float, float, float]:
-    """How far the coordinate, and `turns` beside it, is from the bound, and its derivatives."""
+    """Gap between the coordinate (plus `turns`) and the bound, and its derivatives."""
     bound, sign = float(at.parameters[-1]), -1 if kind.upper else 1
     length, turned = float(at.parameters[24]), sum(turns)
 

@@ -18,7 +18,7 @@ Array = np.ndarray[Any, Any]
 
 
 def check_load(function: ca.Function, kind: LoadKind, n: int, seed: int) -> list[Finding]:
-    """Of a spring, minus the derivative of its energy and of its dissipation; else the virtual power."""
+    """Check a spring by the derivative of its energy and dissipation, other loads by their virtual power."""
     random = np.random.default_rng(seed)
     sides = [_side(motion, n, random) for motion in kind.motions]
     turned = [] if kind.kind != "spring" else [np.tile([[40.0], [0.7], [0.3]], n)]

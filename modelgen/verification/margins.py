@@ -1,4 +1,4 @@
-"""Where a kind of contact is singular: the condition in words, and its margin over the coordinates."""
+"""Singularities of a kind of contact: the condition in words, and its margin over the coordinates."""
 
 from __future__ import annotations
 

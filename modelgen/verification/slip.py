@@ -24,7 +24,7 @@ POINTS = "rates of material points and rotations by differentiation of the motio
 
 @dataclass(frozen=True)
 class Passing:
-    """How f moves past o at the closest points, world axes, one column per configuration."""
+    """Relative motion of f and o at the closest points, world axes, one column per configuration."""
 
     V: Array  # (3,n) m/s
     V_dot: Array  # (3,n) m/s^2
@@ -56,7 +56,7 @@ def _derivatives(o: Feature, f: Feature) -> ca.Function:
 
 
 def passing(pair: Partnership, at: Configurations, known: Truth) -> Passing:
-    """On the given extremal pairs, whose coordinates move by `known`."""
+    """Relative motion at the given closest points, whose coordinates move at the rates `known`."""
     n = at.n
     given = [repeated(entry, n) for entry in (*pair.numbers, *pair.placements)]
     V, V_t, V_alpha, w, w_dot = columns(

@@ -108,7 +108,7 @@ class Line:
 
 @dataclass(slots=True)
 class _Value:
-    """One instruction's result: how to compute it, and how often it is used."""
+    """Result of one instruction: its expression, and the number of its uses."""
 
     operation: int
     arguments: tuple[int, ...]

@@ -27,7 +27,7 @@ OF_JOINTS = ("rows", "coordinates")
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What is claimed of a formula, and what was found when it was asked for."""
+    """The claims about a formula, and the findings where they were requested."""
 
     claim: Status
     findings: tuple[Finding, ...] = ()
@@ -51,7 +51,7 @@ class Verdict:
 
 
 def claimed(formula: Formula, model: Model) -> Verdict:
-    """What the tables say, without computing anything."""
+    """The claims of the tables, without any computation."""
     return Verdict("proved" if must_be_proved(formula, model) else "tested")
 
 

@@ -1,4 +1,4 @@
-"""The core alone, with hand-written kinds: every real type, warnings as errors; with sanitizers as a study."""
+"""The core alone, with hand-written kinds: every real type; sanitizers as a study."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class Peer:
 
 @dataclass(slots=True)
 class PeerPoints:
-    """What was measured of a peer; nothing, with the reasons, where it cannot represent the scene."""
+    """Measurements of a peer; none, with the reasons, if it cannot represent the scene."""
 
     name: str
     cannot: list[str]
@@ -79,7 +79,7 @@ class PeerPoints:
         return front(self.points)
 
     def advantage(self, ours: Sequence[Point]) -> dict[str, float] | None:
-        """Of our points over the peer's best within SLOW."""
+        """Ratio of cost of our points to the peer's best within SLOW."""
         return advantage(ours, self.points, SLOW * 1e9)
 
     def as_json(self, ours: Sequence[Point]) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def _timed(bench: Bench, run: Run) -> tuple[Array, Cost]:
 def sampled(
     setup: Setup, advance: Callable[[int, float], None], read: Callable[[], Array]
 ) -> tuple[Array, float]:
-    """What `read` gives at the start and after each `advance`(sample, t), and CPU seconds of the latter."""
+    """Values of `read` at the start and after each `advance(sample, t)`, and CPU seconds of `advance`."""
     rows, spent = [read()], 0.0
     for sample, t in enumerate(setup.times[1:]):
         begun = time.process_time()

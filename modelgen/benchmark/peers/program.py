@@ -46,7 +46,7 @@ def python_with(module: str) -> str | None:
 
 
 def output_of(command: Sequence[str]) -> str:
-    """What a command prints; empty where it fails."""
+    """Standard output of a command; empty if it fails."""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stdout.strip() if done.returncode == 0 else ""
 

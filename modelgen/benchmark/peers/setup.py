@@ -1,4 +1,4 @@
-"""What every simulator is told of a scene: bodies as they start, and loads as numbers."""
+"""Description of a scene for every simulator: bodies at the start, and loads as numbers."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Setup:
         return (np.arange(steps) + 0.5) * self.until / steps
 
     def per_sample(self, step: float) -> int:
-        """How many steps, of about a size, fill an output interval."""
+        """Number of steps of about the given size in an output interval."""
         return max(1, round(self.until / self.samples / step))
 
     def solid(self, name: str) -> Solid:

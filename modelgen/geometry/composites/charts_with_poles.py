@@ -39,7 +39,7 @@ def _away_from(chart: Chart, pole: Pole, distance: float, cap: str) -> Condition
 
 
 def ends_of(chart: Chart) -> list[Condition]:
-    """Where the surface ends: sides of the domain that are neither poles nor joined."""
+    """Ends of the surface: sides of the domain that are neither poles nor joined."""
     conditions = []
     for axis, (lower, upper) in enumerate(chart.domain):
         if not chart.periodic[axis]:

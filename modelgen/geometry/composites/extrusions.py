@@ -161,7 +161,7 @@ def _circle(centre: Array, radius: float, next: str, inside: bool) -> Condition:
 
 
 def _centroid(points: Array) -> Array:
-    """Of the polygon of points (n,2), m."""
+    """Centroid of the polygon of points (n,2), m."""
     after = np.roll(points, -1, axis=0)
     weights = points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]
     return np.asarray(weights @ (points + after) / (3 * weights.sum()))

@@ -123,7 +123,8 @@ def _polyhedron(shape: Shape) -> Moments:
 
 
 def _polygon_prism(shape: Shape) -> Moments:
-    """Of the triangles between the mean of the corners and the sides, those outside with a minus."""
+    """Moments of a prism over a polygon, summed over triangles between the mean of the corners and the sides,
+    with sign."""
     polygon = corners(shape)
     origin = polygon.mean(axis=0)
     a = polygon - origin

@@ -154,7 +154,7 @@ def three_forces(n: int, seed: int) -> Errors:
 
 
 def _best_weight(random: np.random.Generator) -> float:
-    """Of all triples of a convex quadrilateral's corners, the largest least weight at the crossing."""
+    """The largest least weight at the crossing, over all triples of corners of a convex quadrilateral."""
     arms = random.uniform(0.3, 2.0, 4)
     angle = random.uniform(0.3, np.pi - 0.3)
     one, two = np.array([1.0, 0.0]), np.array([np.cos(angle), np.sin(angle)])

@@ -1,4 +1,4 @@
-"""What the rows of the erratum table are decided on: random contacts, the paper's quantities, the truth.
+"""Data on which the errata are decided: random contacts, the paper's quantities, and independent values.
 
 The paper's quantities are taken from the forms that follow it; what is compared with is the motion alone.
 """
@@ -135,7 +135,7 @@ def _stacked(out: Array, n: int) -> Array:
 
 
 def _surfaces(at: Pair) -> tuple[dict[str, ca.SX], ca.Function]:
-    """Of Theorem 4.1, beside them the literal frames of Appendix E.1."""
+    """Quantities of Theorem 4.1, with the literal frames of Appendix E.1."""
     m = montana(at)
     values = {
         "M_o": m.o.M, "M_f": m.f.M, "K_o": m.o.K, "K_f": m.f.K, "T_o": m.o.T, "T_f": m.f.T,
@@ -176,7 +176,7 @@ def _curve(partner: Partner, t: ca.SX, piece: Strand, side: str) -> dict[str, ca
 
 
 def _curve_on_surface(at: Pair) -> tuple[dict[str, ca.SX], ca.Function]:
-    """Of Theorem 4.6."""
+    """Quantities of Theorem 4.6."""
     o = montana_frame(at.o, at.eta_o)
     N = at.o.rotation @ o.normal
     here = levers(at, o.point, jet_of_curve(at.f, at.eta_f).x)
@@ -192,7 +192,7 @@ def _curve_on_surface(at: Pair) -> tuple[dict[str, ca.SX], ca.Function]:
 
 
 def _two_curves(at: Pair) -> tuple[dict[str, ca.SX], ca.Function]:
-    """Of Theorem 4.3."""
+    """Quantities of Theorem 4.3."""
     here = crossing(at)
     o, f = strand(at.o, at.eta[0], here.N), strand(at.f, at.eta[1], -here.N)
     V, R_psi = relative(at, here.N, here.levers, f.axes), o.axes.T @ f.axes

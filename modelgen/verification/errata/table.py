@@ -37,7 +37,7 @@ class Erratum:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What the computation said: largest errors, and how many configurations agree."""
+    """Result of the computation: largest errors, and number of configurations that agree."""
 
     erratum: Erratum
     n: int
