@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.benchmark.motion import Array, Bodies, Motion
+from modelgen.benchmark.sampled_motion import Array, Bodies, Motion
 from modelgen.runtime.run_distance import angle_between, events_between, forces_between
 
 

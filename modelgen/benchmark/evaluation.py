@@ -8,14 +8,14 @@ from functools import cached_property
 from typing import Any
 
 from modelgen.benchmark.cost import YARD, cost_of
-from modelgen.benchmark.counts import instructions
 from modelgen.benchmark.errors import errors, separation
-from modelgen.benchmark.front import Point
+from modelgen.benchmark.instruction_counts import instructions
 from modelgen.benchmark.knobs import Settings, Space
 from modelgen.benchmark.measured_scene import Built, Subject
-from modelgen.benchmark.motion import Motion, motion_of
+from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.reference import Reference, reference_of
-from modelgen.benchmark.store import Store
+from modelgen.benchmark.sampled_motion import Motion, motion_of
+from modelgen.benchmark.work_precision_front import Point
 from modelgen.codegen.compiler import LEVEL
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError

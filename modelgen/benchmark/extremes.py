@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from modelgen.benchmark.errors import separation
-from modelgen.benchmark.motion import Bodies, motion_of, uninterrupted
+from modelgen.benchmark.sampled_motion import Bodies, motion_of, uninterrupted
 from modelgen.benchmark.scene_variants import Variants
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError

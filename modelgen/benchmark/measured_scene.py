@@ -12,7 +12,7 @@ from typing import Any
 
 from modelgen.assembly import require
 from modelgen.benchmark.knobs import KNOBS, Facts, Settings, Space
-from modelgen.benchmark.motion import Bodies, uninterrupted
+from modelgen.benchmark.sampled_motion import Bodies, uninterrupted
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import emit
 from modelgen.codegen.library import Library

@@ -12,7 +12,7 @@ import numpy as np
 from modelgen.benchmark.errors import beyond, separation
 from modelgen.benchmark.knobs import Space
 from modelgen.benchmark.measured_scene import Subject
-from modelgen.benchmark.motion import Array, Bodies, Motion, motion_of
+from modelgen.benchmark.sampled_motion import Array, Bodies, Motion, motion_of
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.benchmark.evaluation import Bench, point_of, scaled
-from modelgen.benchmark.front import Point, cheapest, finest, front, is_measured, place
 from modelgen.benchmark.knobs import Settings
 from modelgen.benchmark.measured_scene import applied
 from modelgen.benchmark.measurement import Measurement, Report, measure
-from modelgen.benchmark.store import Store
+from modelgen.benchmark.measurement_store import Store
+from modelgen.benchmark.work_precision_front import Point, cheapest, finest, front, is_measured, place
 from modelgen.errors import ModelgenError
 from modelgen.scene.types import RunSettings, Scene
 

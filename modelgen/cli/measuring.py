@@ -105,8 +105,8 @@ def measure(
 
 
 def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
-    from modelgen.benchmark.picture import draw_measurement
-    from modelgen.benchmark.table import print_measurement
+    from modelgen.benchmark.front_plot import draw_measurement
+    from modelgen.benchmark.measurement_table import print_measurement
 
     if plot is not None:
         draw_measurement(found, plot)
@@ -151,8 +151,8 @@ def tune(
 ) -> None:
     """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""
     from modelgen.benchmark import tune as tuned
+    from modelgen.benchmark.measurement_table import print_tuned
     from modelgen.benchmark.settings_file import with_run
-    from modelgen.benchmark.table import print_tuned
     from modelgen.report.summary import print_written
 
     target = _target(scene, out, in_place)

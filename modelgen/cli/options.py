@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.scene.run import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
+from modelgen.scene.run_settings import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
 from modelgen.scene.scalar_types import Choice, Real, Type, Whole
 from modelgen.scene.source_location import Place
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.bodies import read_body, unique_names
-from modelgen.scene.format import SCENE
-from modelgen.scene.run import RUN, check_run
+from modelgen.scene.run_settings import RUN, check_run
+from modelgen.scene.scene_format import SCENE
 from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, RunSettings, Scene
 

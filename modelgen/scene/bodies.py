@@ -7,10 +7,10 @@ from typing import Any
 
 from modelgen.scene.chart import read_chart, read_curve
 from modelgen.scene.custom_solid import read_solid
-from modelgen.scene.format import PATH_NAMES, ZERO
 from modelgen.scene.formulas import finite, triple
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.pose import read_pose
+from modelgen.scene.scene_format import PATH_NAMES, ZERO
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.solids import SOLIDS
 from modelgen.scene.source_location import Place

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 
 from modelgen.scene.assemble import scene_from_bodies
 from modelgen.scene.bodies import body_of, read_body, read_shape
-from modelgen.scene.format import BODY, SCENE, SCENE_NAME, SHAPE
+from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, Scene, Shape
 

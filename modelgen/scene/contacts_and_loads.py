@@ -7,9 +7,9 @@ from math import hypot
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.formulas import triple
 from modelgen.scene.quaternions import conjugate, turned
+from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.shapes import SHAPES
 from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad

@@ -7,10 +7,10 @@ from math import cos, hypot, pi, sin
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.format import PATH_NAMES
 from modelgen.scene.formulas import finite
 from modelgen.scene.pose import read_pose
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
+from modelgen.scene.scene_format import PATH_NAMES
 from modelgen.scene.source_location import Place
 from modelgen.scene.types import Body, Joint, Pose
 

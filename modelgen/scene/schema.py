@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from modelgen.scene.format import DEFINED, SCENE
+from modelgen.scene.scene_format import DEFINED, SCENE
 
 
 def scene_schema() -> dict[str, Any]:

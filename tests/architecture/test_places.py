@@ -16,11 +16,11 @@ IO_PLACES = (
     "codegen/library.py",
     "codegen/runtime_object.py",
     "report/",
-    "benchmark/counts.py",
+    "benchmark/instruction_counts.py",
     "benchmark/peers/",
-    "benchmark/store.py",
+    "benchmark/measurement_store.py",
     "benchmark/extremes_table.py",
-    "benchmark/table.py",
+    "benchmark/measurement_table.py",
     "cli/",
 )
 IO_MODULES = {"subprocess", "shutil", "tempfile", "socket", "urllib", "http", "multiprocessing"}

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from modelgen import measure, tune
-from modelgen.benchmark.front import place
 from modelgen.benchmark.tuning import BAND
+from modelgen.benchmark.work_precision_front import place
 from modelgen.errors import ModelgenError
 from tests.benchmark.cases import scene_named
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from modelgen import build, derive, emit, read, require
-from modelgen.benchmark.counts import instructions, why_not_counted
+from modelgen.benchmark.instruction_counts import instructions, why_not_counted
 from modelgen.codegen.amalgamation import SOURCE, runtime_text
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.c_program import driver_text

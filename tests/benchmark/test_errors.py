@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen.benchmark.errors import beyond, errors, separation
-from modelgen.benchmark.motion import Bodies, Motion
+from modelgen.benchmark.sampled_motion import Bodies, Motion
 from modelgen.runtime.trajectory import Event
 
 BODIES = Bodies(length=0.5, moving=(1, 2), turning=(True, False), mass=(1.0, 2.0))

@@ -7,7 +7,16 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelgen.benchmark.front import Point, cheapest, finest, front, improves, is_measured, place, spaced
+from modelgen.benchmark.work_precision_front import (
+    Point,
+    cheapest,
+    finest,
+    front,
+    improves,
+    is_measured,
+    place,
+    spaced,
+)
 
 SIZES = st.floats(1e-16, 1e3)
 POINTS = st.lists(

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from modelgen import measure, read
-from modelgen.benchmark.front import is_measured, place
 from modelgen.benchmark.peers.mjcf import unlike
+from modelgen.benchmark.work_precision_front import is_measured, place
 from modelgen.scene.read import read_text
 from tests.running import SCENES
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from modelgen.benchmark.front import is_measured, place
 from modelgen.benchmark.measurement import Measurement, measure
 from modelgen.benchmark.peers import PEERS, drake, exudyn, siconos, simbody
+from modelgen.benchmark.work_precision_front import is_measured, place
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read, read_text
 from modelgen.scene.types import Scene

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from modelgen.benchmark.front import Point, front, place
+from modelgen.benchmark.front_search import sweep
 from modelgen.benchmark.knobs import KNOBS, Facts, Settings, Space
-from modelgen.benchmark.search import sweep
+from modelgen.benchmark.work_precision_front import Point, front, place
 
 FACTS = Facts(until=2.0, time=0.1, forms={"auto": 3, "block": 4}, contacts=True, joints=False)
 SPACE = Space(KNOBS, FACTS)

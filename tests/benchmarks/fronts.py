@@ -17,9 +17,9 @@ from math import log10
 from rich.console import Console
 
 from modelgen import measure, read
-from modelgen.benchmark.front import Point, front, is_measured, place
 from modelgen.benchmark.measurement import Measurement
 from modelgen.benchmark.peers import PEERS, PeerPoints
+from modelgen.benchmark.work_precision_front import Point, front, is_measured, place
 from modelgen.errors import ModelgenError
 from tests.running import SCENES
 

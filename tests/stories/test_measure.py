@@ -13,7 +13,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from modelgen.benchmark import evaluation as program
-from modelgen.benchmark.front import Point
+from modelgen.benchmark.work_precision_front import Point
 from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"

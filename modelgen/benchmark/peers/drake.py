@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
-from modelgen.benchmark.motion import Array
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers
+from modelgen.benchmark.sampled_motion import Array
 from modelgen.scene.types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (

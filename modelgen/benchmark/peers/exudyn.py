@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
-from modelgen.benchmark.motion import Array
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing
 from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers, rotation, unsteady
+from modelgen.benchmark.sampled_motion import Array
 from modelgen.scene.types import ContactPair, Scene
 
 KNOBS: tuple[Knob, ...] = (

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.knobs import Facts, Knob, Settings
-from modelgen.benchmark.motion import Array
 from modelgen.benchmark.peers.mjcf import Mjcf, different, is_ringed, motors, unlike
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.benchmark.peers.setup import Setup, tabulated
+from modelgen.benchmark.sampled_motion import Array
 
 
 def _steps(facts: Facts) -> list[float]:

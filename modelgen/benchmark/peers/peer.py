@@ -11,11 +11,11 @@ import numpy as np
 
 from modelgen.benchmark.cost import Cost, cost_of
 from modelgen.benchmark.evaluation import Bench
-from modelgen.benchmark.front import Point, advantage, front
+from modelgen.benchmark.front_search import sweep
 from modelgen.benchmark.knobs import Knob, Settings, Space
-from modelgen.benchmark.motion import Array, Motion
 from modelgen.benchmark.peers.setup import Setup
-from modelgen.benchmark.search import sweep
+from modelgen.benchmark.sampled_motion import Array, Motion
+from modelgen.benchmark.work_precision_front import Point, advantage, front
 from modelgen.errors import ModelgenError
 
 PATIENCE = 4.0  # s of CPU time per simulated second, after which a run is given up

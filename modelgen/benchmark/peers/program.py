@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from modelgen.benchmark.motion import Array
 from modelgen.benchmark.peers.peer import PeerError
+from modelgen.benchmark.sampled_motion import Array
 
 AROUND_S = 60.0  # wall time, beyond its patience, after which a program is ended
 

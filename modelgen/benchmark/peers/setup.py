@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from modelgen.benchmark.motion import Array
+from modelgen.benchmark.sampled_motion import Array
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.scene.expression import Expression
 from modelgen.scene.quaternions import Quaternion, product, rows_of

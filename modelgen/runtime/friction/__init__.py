@@ -15,7 +15,7 @@ from typing import Literal
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.complementarity import CoreLibrary
-from modelgen.runtime.friction.compiled import coulomb, relaxation, residual
+from modelgen.runtime.friction.compiled_solvers import coulomb, relaxation, residual
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modelgen.runtime.complementarity import CoreLibrary
-from modelgen.runtime.friction.compiled import motion, residual
+from modelgen.runtime.friction.compiled_solvers import motion, residual
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 RELAXATIONS = (10.0, 1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # G H <= this, one after the other

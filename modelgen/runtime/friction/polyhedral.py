@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from modelgen.runtime import complementarity
 from modelgen.runtime.complementarity import CoreLibrary, solve_lcp
-from modelgen.runtime.friction.compiled import motion, residual
+from modelgen.runtime.friction.compiled_solvers import motion, residual
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 FACETS = 8

@@ -8,11 +8,11 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from modelgen.benchmark.counts import why_not_counted
-from modelgen.benchmark.front import Point, spaced
+from modelgen.benchmark.instruction_counts import why_not_counted
 from modelgen.benchmark.measurement import SHOWN, Measurement
 from modelgen.benchmark.peers import PeerPoints
 from modelgen.benchmark.tuning import BAND, Tuned
+from modelgen.benchmark.work_precision_front import Point, spaced
 
 KINDS = {  # of errors, with the heads of their columns
     "position": "position m",

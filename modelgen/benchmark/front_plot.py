@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.front import Point, is_measured, place
 from modelgen.benchmark.measurement import Measurement
+from modelgen.benchmark.work_precision_front import Point, is_measured, place
 from modelgen.report.export import check_suffix
 from modelgen.report.plot import FORMATS, require_matplotlib
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
-from modelgen.benchmark.front import Point, front, improves, is_measured, place
 from modelgen.benchmark.knobs import Settings, Space, Value
+from modelgen.benchmark.work_precision_front import Point, front, improves, is_measured, place
 
 ROUNDS = 3  # in which combinations of knobs are built up
 IDLE = 3  # rungs without a smaller error before the end of a ladder is looked at
