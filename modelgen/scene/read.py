@@ -10,6 +10,7 @@ from pathlib import Path
 from modelgen.errors import nearest, path_of
 from modelgen.scene.assemble import scene_from_tables
 from modelgen.scene.source_location import Place
+from modelgen.scene.toml_errors import syntax_fault
 from modelgen.scene.types import Scene
 
 LARGEST = 4 * 2**20  # bytes
@@ -26,7 +27,9 @@ def read_text(text: str, source: str = "<text>") -> Scene:
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise Place(source).error(f"not TOML: {error}", "", "mend the text there") from None
+        fault = syntax_fault(text, error)
+        where = f"line {fault.line}" if fault.line else "end of the file"
+        raise Place(source, where).error(f"not TOML: {fault.found}", "", fault.remedy) from None
     except (RecursionError, ValueError):
         found = "not TOML: a value is nested too deeply or has too many digits"
         raise Place(source).error(found, "", "simplify it") from None

@@ -1,0 +1,5 @@
+"""`python -m modelgen`: the command line."""
+
+from modelgen.cli import main
+
+main()
