@@ -9,6 +9,9 @@ from tempfile import mkdtemp
 import pytest
 from hypothesis import settings
 
+from modelgen.codegen import build
+from tests.running import LEVEL
+
 GOLDEN = 0.6180339887
 
 settings.register_profile("repeatable", deadline=None, derandomize=True, database=None)
@@ -23,7 +26,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """The workers of a run find the libraries of each other."""
+    """Compile at level O1, which computes the same bits as O2; let workers find each other's libraries."""
+    build.LEVEL = LEVEL
     if hasattr(config, "workerinput"):
         return
     made = mkdtemp(prefix="modelgen-pool-")
@@ -52,6 +56,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few repeats: what a run costs is not asked here."""
+    """Few repeats and no counted instructions: what a run costs is not asked here."""
     monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)
+    monkeypatch.setattr("modelgen.benchmark.evaluation.instructions", lambda *given: None)

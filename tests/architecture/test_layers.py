@@ -36,10 +36,12 @@ NUMERIC_SIDE = (
     "modelgen.codegen.amalgamation",
 )
 
+ENTRY = "modelgen.__main__"
+
 
 def room(module: str) -> str:
-    """The room of `modelgen.scene.read` is `scene`; of the package itself, the empty name."""
-    return module.split(".")[1] if "." in module else ""
+    """The room of `modelgen.scene.read` is `scene`; of the package and its entry, the empty name."""
+    return module.split(".")[1] if "." in module and module != ENTRY else ""
 
 
 def module_of(path: Path) -> str:

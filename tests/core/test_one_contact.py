@@ -54,13 +54,13 @@ def alone(problem: FrictionProblem) -> list[np.ndarray]:
 
 def test_one_contact_does_as_another_route_says(lcp: Any) -> None:
     slid = 0
-    for problem in map(one, SEEDS):
+    for problem in map(one, SEEDS[:40]):
         answer, answers = coulomb(problem, lcp), alone(problem)
         assert answer.outcome is Outcome.SOLVED
         size = np.abs(answer.z).max()
         assert min(np.abs(answer.z - z).max() for z in answers) < 1e-9 * size
         slid += Motion.SLIPS in answer.motions[0]
-    assert 50 < slid < len(SEEDS)
+    assert 25 < slid < 40
 
 
 @pytest.mark.parametrize("joints", [0, 2])

@@ -101,6 +101,7 @@ def test_capsule(r: float, h: float) -> None:
 
 
 @given(LENGTH, st.floats(0.05, 0.95))
+@pytest.mark.slow
 def test_half_torus(major: float, ratio: float) -> None:
     """pi^2 R r^2; two halves make the torus."""
     minor = ratio * major

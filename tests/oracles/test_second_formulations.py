@@ -84,6 +84,7 @@ def test_a_peg_in_a_hole_follows_a_second_formulation() -> None:
     compared("peg_in_hole")
 
 
+@pytest.mark.slow
 def test_a_coin_in_a_bowl_follows_a_second_formulation() -> None:
     compared("coin_in_bowl")
 

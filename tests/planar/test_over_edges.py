@@ -39,6 +39,7 @@ def over_a_corner(theta: float, rate: float, s: float, slip: float) -> tuple[flo
     return float(rate_rate), float(slip_rate)
 
 
+@pytest.mark.slow
 def test_a_glass_that_slides_off_a_straight_edge_is_left_by_it_where_its_rim_is() -> None:
     """The edge crosses the rim at two points, which come together a radius from the middle of the base."""
     start, begin = (EDGE - 0.1) / SPEED, 0.1

@@ -88,6 +88,7 @@ def test_a_glass_that_slides_turns_over_the_edge_of_its_base_sliding_on() -> Non
     assert np.abs(path.p[after, 1] - exact).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("azimuth", [pytest.param(0.4, marks=pytest.mark.slow), 1.0])
 def test_an_elliptic_base_rolls_without_slip_alike_on_both_sides(azimuth: float) -> None:
     path = glass(1.2, azimuth, 1.0, ELLIPSE)

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from modelgen.cli.commands import app
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.runtime_object import runtime_object
+from tests.running import LEVEL
 
 ROOT = Path(__file__).parents[2]
 
@@ -35,7 +36,7 @@ class Answer:
 def core() -> None:
     """Compile the core before the first command, so that no command reports it among its own messages."""
     compiler = find_compiler()
-    runtime_object(compiler, compiler.flags("double"))
+    runtime_object(compiler, compiler.flags("double", LEVEL))
 
 
 @pytest.fixture(scope="session")

@@ -90,7 +90,7 @@ def test_blows_without_end_are_refused() -> None:
         bounced(*bouncing_ellipsoid(0.05), [0.6], 0.5)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "e"), [(0.0, 1.0), (0.2, 0.8)])
 def test_flights_with_angular_momentum_in_the_world_meet_the_plane_alike(mu: float, e: float) -> None:
     body, first = bouncing_ellipsoid(mu)

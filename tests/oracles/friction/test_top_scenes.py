@@ -56,6 +56,7 @@ def follows(path: Trajectory, states: Array, off: float) -> bool:
 
 
 @BOTH
+@pytest.mark.slow
 def test_a_rattleback_turns_back_as_its_reference(accuracy: str, off: float) -> None:
     path = run("rattleback", Accuracy.named(accuracy), samples=SAMPLES)
     assert not path.events

@@ -89,6 +89,7 @@ def test_a_tippe_top_turns_over_keeps_jelletts_integral_and_comes_to_roll() -> N
     assert rotation < 1e-7
 
 
+@pytest.mark.slow
 def test_a_spinning_egg_rises() -> None:
     body, first = spinning_egg(), spinning_egg_start()
     states = slid(body, first, [0, 0.2, 1.0], 1e-15)
