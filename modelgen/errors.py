@@ -62,7 +62,7 @@ class SimulationError(ModelgenError):
     """A run cannot start or cannot go on."""
 
 
-SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, joints and motions
+SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, joints and motions, and for keys
     **dict.fromkeys(("cube", "cuboid", "brick", "block", "rectangle"), ("box",)),
     **dict.fromkeys(("ball", "globe"), ("sphere", "spherical")),
     **dict.fromkeys(("can", "coin", "puck", "tin", "wheel"), ("disc",)),
@@ -70,7 +70,7 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, 
     **dict.fromkeys(("ring", "donut", "doughnut", "tyre", "tire"), ("torus",)),
     **dict.fromkeys(("floor", "ground", "wall", "halfspace", "half_space"), ("plane",)),
     **dict.fromkeys(("mesh", "hull", "tetrahedron", "pyramid"), ("polyhedron",)),
-    **dict.fromkeys(("prism"), ("extrusion",)),
+    **dict.fromkeys(("prism",), ("extrusion",)),
     **dict.fromkeys(("terrain", "heightfield", "heightmap"), ("height_field",)),
     **dict.fromkeys(("egg", "spheroid"), ("ellipsoid",)),
     **dict.fromkeys(("spring", "coil"), ("helix",)),
@@ -83,7 +83,22 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, 
     **dict.fromkeys(("cable", "string", "tether"), ("rope",)),
     **dict.fromkeys(("static", "rest"), ("fixed",)),
     **dict.fromkeys(("kinematic", "moving", "prescribed"), ("driven",)),
-    **dict.fromkeys(("free"), ("dynamic",)),
+    **dict.fromkeys(("free",), ("dynamic",)),
+    **dict.fromkeys(("height", "depth", "thickness"), ("length",)),
+    **dict.fromkeys(("diameter",), ("radius",)),
+    **dict.fromkeys(("weight",), ("mass",)),
+    **dict.fromkeys(("moments", "moment_of_inertia"), ("inertia",)),
+    **dict.fromkeys(("pos", "origin", "translation"), ("position",)),
+    **dict.fromkeys(("speed", "linear_velocity"), ("velocity",)),
+    **dict.fromkeys(("omega", "spin", "rotation_rate"), ("angular_velocity",)),
+    **dict.fromkeys(("euler", "angles"), ("rpy",)),
+    **dict.fromkeys(("orientation", "quat"), ("quaternion",)),
+    **dict.fromkeys(("mu", "friction_coefficient"), ("friction",)),
+    **dict.fromkeys(("bounce", "bounciness", "elasticity"), ("restitution",)),
+    **dict.fromkeys(("duration", "end", "end_time", "t_end"), ("until",)),
+    **dict.fromkeys(("dt", "timestep", "time_step", "h"), ("step",)),
+    **dict.fromkeys(("stiffness_coefficient", "k"), ("stiffness",)),
+    **dict.fromkeys(("c", "damping_coefficient"), ("damping",)),
 }
 
 

@@ -54,8 +54,11 @@ RUN = Table(
 
 
 def check_run(run: Mapping[str, Any], place: Place) -> None:
-    """Refuses what belongs to a method that the scene does not name; raises SceneError."""
+    """Raise SceneError for keys of another method, and for a step that is longer than the run."""
     for key, methods in (("step", STEPPED), ("scheme", STEPPED[1:]), ("solver", STEPPED[1:])):
         if run[key] is not None and run["method"] not in methods:
             allowed = "method = " + " or ".join(f'"{name}"' for name in methods) + " with it"
             raise place.key(key).error(repr(run[key]), allowed, "give both, or neither")
+    if run["step"] is not None and run["step"] > run["until"]:
+        found = f"a step of {run['step']:g} s, longer than the run of {run['until']:g} s"
+        raise place.key("step").error(found, "a step is a part of the run", "shorten it, or extend until")

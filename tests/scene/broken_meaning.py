@@ -245,6 +245,11 @@ MEANING: list[Case] = [
         ["joint[0]", "rest", "0.5 without stiffness", "add stiffness"],
     ),
     (
+        "a step longer than the run",
+        '[run]\nuntil = 0.1\nmethod = "rk4"\nstep = 0.2\n' + SOUND,
+        ["run.step", "0.2 s", "the run of 0.1 s", "shorten"],
+    ),
+    (
         "a step of no method",
         "[run]\nstep = 0.1\n" + SOUND,
         ["run.step", "0.1", 'method = "rk4" or "time-stepping" with it', "give both, or neither"],

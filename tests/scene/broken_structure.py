@@ -42,6 +42,10 @@ STRUCTURAL: list[Case] = [
     ("unknown shape", shaped('kind = "elipsoid"'), ["shape.kind", "'elipsoid'", "did you mean 'ellipsoid'?"]),
     ("another word for a box", shaped('kind = "Cube"'), ["shape.kind", "'Cube'", "did you mean 'box'?"]),
     ("another word for a sphere", shaped('kind = "ball"'), ["'ball'", "did you mean 'sphere'?"]),
+    ("a height", shaped('kind = "cylinder", radius = 1, height = 2'), ["'height'", "did you mean 'length'?"]),
+    ("a diameter", shaped('kind = "sphere", diameter = 2'), ["'diameter'", "did you mean 'radius'?"]),
+    ("Greek friction", SOUND + "mu = 0.3\n", ["'mu'", "did you mean 'friction'?"]),
+    ("a time step", SOUND + "[run]\ndt = 0.3\n", ["'dt'", "did you mean 'step'?"]),
     ("another word for a cylinder with ends", shaped('kind = "can"'), ["did you mean 'disc'?"]),
     ("no radius", shaped('kind = "sphere"'), ["body[1].shape", "'radius' is missing", "add radius"]),
     (
