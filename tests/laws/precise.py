@@ -40,14 +40,35 @@ def evaluate(f: ca.Function, *arguments: Sequence[Any]) -> list[list[Any]]:
     """The outputs of an SX function at mpmath (or exact double) arguments, in the working precision."""
     work: dict[int, Any] = {}
     outputs = [[mp.mpf(0)] * f.nnz_out(i) for i in range(f.n_out())]
-    for k in range(f.n_instructions()):
-        op, out, into = f.instruction_id(k), f.instruction_output(k), f.instruction_input(k)
+    for op, out, into, constant in _program(f):
         if op == ca.OP_INPUT:
             work[out[0]] = mp.mpf(arguments[into[0]][into[1]])
         elif op == ca.OP_OUTPUT:
             outputs[out[0]][out[1]] = work[into[0]]
         elif op == ca.OP_CONST:
-            work[out[0]] = mp.mpf(f.instruction_constant(k))
+            work[out[0]] = mp.mpf(constant)
         else:
             work[out[0]] = _OPERATIONS[op](*(work[i] for i in into))
     return outputs
+
+
+_PROGRAMS: dict[int, tuple[ca.Function, list[tuple[int, list[int], list[int], float]]]] = {}
+
+
+def _program(f: ca.Function) -> list[tuple[int, list[int], list[int], float]]:
+    """Operation, outputs, inputs and constant of each instruction; read once for each function."""
+    key = hash(f)
+    if key not in _PROGRAMS:
+        _PROGRAMS[key] = (
+            f,
+            [
+                (
+                    f.instruction_id(k),
+                    f.instruction_output(k),
+                    f.instruction_input(k),
+                    f.instruction_constant(k) if f.instruction_id(k) == ca.OP_CONST else 0.0,
+                )
+                for k in range(f.n_instructions())
+            ],
+        )
+    return _PROGRAMS[key][1]
