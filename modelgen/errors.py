@@ -62,7 +62,9 @@ class SimulationError(ModelgenError):
     """A run cannot start or cannot go on."""
 
 
-SYNONYMS: Mapping[str, tuple[str, ...]] = {  # other words for kinds of shapes, joints and motions, and for keys
+SYNONYMS: Mapping[
+    str, tuple[str, ...]
+] = {  # other words for kinds of shapes, joints and motions, and for keys
     **dict.fromkeys(("cube", "cuboid", "brick", "block", "rectangle"), ("box",)),
     **dict.fromkeys(("ball", "globe"), ("sphere", "spherical")),
     **dict.fromkeys(("can", "coin", "puck", "tin", "wheel"), ("disc",)),

@@ -90,6 +90,7 @@ def test_where_coulombs_answer_is_unique_all_exact_solvers_agree(lcp: Any) -> No
     assert compared >= 12
 
 
+@pytest.mark.slow
 def test_what_the_reference_finds_the_core_confirms(lcp: Any) -> None:
     """On problems of all kinds: started at IPOPT's forces, the core stays at its motion."""
     found = [(p, solver("mpcc")(p, lcp)) for p in (feasible(seed, 4) for seed in range(200, 210))]

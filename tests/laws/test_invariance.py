@@ -46,6 +46,7 @@ def rates(o: str, f: str, form: str, at: tuple[Array, ...], **kind: str) -> tupl
     return columns(contact_kernels(kind_of(o, f, form, **kind)).rates, *at)  # type: ignore[arg-type]
 
 
+@pytest.mark.cases(50)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_moving_the_world_changes_nothing(o: str, f: str, form: str) -> None:
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=5)
@@ -114,6 +115,7 @@ def test_a_placed_shape_is_a_shape_moved(o: str, f: str, form: str) -> None:
         np.testing.assert_allclose(found, wanted, **CLOSE)
 
 
+@pytest.mark.cases(34)
 @pytest.mark.parametrize("motion", ["fixed", "point", "driven"])
 @pytest.mark.parametrize(("o", "f", "form"), SPARSE)
 def test_a_simpler_motion_is_a_free_body_that_does_less(

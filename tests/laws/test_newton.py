@@ -50,6 +50,7 @@ def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None
     assert (np.linalg.norm(drift, axis=0) / scale)[fine].max() < 1e-9
 
 
+@pytest.mark.cases(50)
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
     """From an error e the step leaves at most C e^2, off the surface and along it, one C for all sizes."""

@@ -139,6 +139,7 @@ def test_moving_the_world_turns_the_frame_with_it(o: str, f: str, form: str) -> 
         np.testing.assert_allclose(found, wanted, **CLOSE)
 
 
+@pytest.mark.cases(34)
 @pytest.mark.parametrize("motion", ["fixed", "point", "driven"])
 @pytest.mark.parametrize(("o", "f", "form"), IN_EACH_FORM)
 def test_a_simpler_motion_is_a_free_body_that_does_less(

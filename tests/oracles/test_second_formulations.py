@@ -93,7 +93,9 @@ def test_a_helix_on_a_cylinder_follows_a_second_formulation() -> None:
     compared("helix_on_cylinder")
 
 
-@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize(
+    "name", ["peg_in_hole", "helix_on_cylinder", pytest.param("coin_in_bowl", marks=pytest.mark.slow)]
+)
 def test_the_motion_is_not_a_small_one(name: str) -> None:
     path, _ = both(name)
     assert np.ptp(path.p[:, 1], axis=0).max() > 0.02

@@ -60,6 +60,7 @@ def free_to_slide(angle: float) -> float:
     return INERTIA[1] + MASS * (RADIUS * cos(angle) - LENGTH / 2 * sin(angle)) ** 2
 
 
+@pytest.mark.cases(12)
 @LEVELS
 @SPINS
 @pytest.mark.parametrize("name", SHAPES)

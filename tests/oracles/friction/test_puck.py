@@ -72,6 +72,7 @@ def test_slip_and_spin_of_a_disc_end_at_the_known_ratio() -> None:
         assert path.v[-1, 0, 0] / (0.04 * path.w[-1, 0, 2]) == pytest.approx(0.653, abs=5e-3)
 
 
+@pytest.mark.slow
 def test_a_box_slides_and_spins_as_by_direct_quadrature() -> None:
     a, b, h, mu, mass = 0.1, 0.06, 0.015, 0.4, 1.3
     inertia = mass * (4 * a * a + 4 * b * b) / 12

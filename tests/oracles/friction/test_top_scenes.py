@@ -67,6 +67,7 @@ def test_a_rattleback_turns_back_as_its_reference(accuracy: str, off: float) -> 
     assert (np.linalg.norm(path.friction[:, 0], axis=1) < path.force[:, 0]).all()
 
 
+@pytest.mark.slow
 @BOTH
 def test_a_tippe_top_turns_over_as_its_reference(accuracy: str, off: float) -> None:
     path = run("tippe_top", Accuracy.named(accuracy), samples=SAMPLES)
