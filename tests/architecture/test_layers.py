@@ -25,7 +25,7 @@ PIPELINE = (
     ("benchmark",),
     ("cli",),
 )
-STATION = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}
+LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}
 RESOURCES = ("core/__init__.py",)  # holds C text, no Python
 NUMERIC_SIDE = (
     "modelgen.errors",
@@ -53,22 +53,22 @@ def modules_imported(path: Path) -> set[str]:
     return {name for _, name in imports(path) if name.split(".")[0] == "modelgen" and is_module(name)}
 
 
-def test_every_file_has_a_place_on_the_street() -> None:
-    strangers = {short(path) for path in PYTHON if room(module_of(path)) not in {*STATION, ""}}
-    assert not strangers
+def test_every_module_belongs_to_a_layer() -> None:
+    unlisted = {short(path) for path in PYTHON if room(module_of(path)) not in {*LAYER, ""}}
+    assert not unlisted
 
 
-def uphill() -> Iterator[str]:
-    """Imports of a room further down the pipeline; the package itself loads the verbs on demand."""
+def upward_imports() -> Iterator[str]:
+    """Imports of a later layer of the pipeline; the package itself loads the verbs on demand."""
     for path in PYTHON:
         here = room(module_of(path))
         for name in sorted(modules_imported(path)) if here else ():
-            if room(name) and STATION[room(name)] > STATION[here]:
+            if room(name) and LAYER[room(name)] > LAYER[here]:
                 yield f"{short(path)} imports {name}"
 
 
-def test_imports_run_down_the_street() -> None:
-    assert not list(uphill())
+def test_modules_import_from_their_layer_or_lower_ones() -> None:
+    assert not list(upward_imports())
 
 
 def test_modules_do_not_import_each_other_in_a_circle() -> None:
