@@ -62,7 +62,8 @@ def test_rows_that_are_lost_together_at_a_dead_centre_do_not_hide_each_other(kin
     (named,) = [each for each in parallelogram(np.pi / 2, 1.2, kinds).warnings if "were singular" in each]
     told = re.search(r"first before t = ([0-9.]+) s", named)
     assert told is not None
-    assert np.pi / 2 / SPEED < float(told[1]) < np.pi / 2 / SPEED + 0.1
+    early = Accuracy().joint_rank_tolerance ** 0.5  # rad: rows count as lost so near to the dead centre
+    assert (np.pi / 2 - early) / SPEED < float(told[1]) < np.pi / 2 / SPEED + 0.1
 
 
 def test_a_contact_beside_redundant_joints_keeps_its_certificate() -> None:
