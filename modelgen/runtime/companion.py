@@ -90,7 +90,7 @@ def _common(path: Trajectory, twin: Trajectory) -> int:
 
 
 def _steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
-    return accuracy.method == "time-stepping" or any(event.kind == "time-stepping" for event in path.events)
+    return accuracy.method == "time-stepping" or any(event.kind == "fallback-start" for event in path.events)
 
 
 def _safe(path: Trajectory, accuracy: Accuracy) -> float:

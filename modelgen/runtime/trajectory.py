@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -52,22 +52,29 @@ OUTCOME_OF_CODE = {
     25: Outcome.TOO_MANY_CLOSED,
     26: Outcome.NO_FRICTION,
 }
-EVENT_KINDS = (
-    *(
-        "impact",
-        "touch-down",
-        "lift-off",
-        "near-singular",
-        "feature-change",
-        "appear",
-        "vanish",
-        "face-contact",
-        "tipping",
-    ),
-    *("slip-start", "slip-stop", "slip-reversal", "spin-start", "spin-stop", "spin-reversal"),
-    *("roll-start", "roll-stop", "roll-reversal"),
-    *("fallback-start", "fallback-end"),
-)
+EventKind = Literal[
+    "impact",
+    "touch-down",
+    "lift-off",
+    "near-singular",
+    "feature-change",
+    "appear",
+    "vanish",
+    "face-contact",
+    "tipping",
+    "slip-start",
+    "slip-stop",
+    "slip-reversal",
+    "spin-start",
+    "spin-stop",
+    "spin-reversal",
+    "roll-start",
+    "roll-stop",
+    "roll-reversal",
+    "fallback-start",
+    "fallback-end",
+]
+EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +82,7 @@ class Event:
     """A change of mode: `t` in s, `kind` of EVENT_KINDS, the contact's name, the approach speed in m/s."""
 
     t: float
-    kind: str
+    kind: EventKind
     contact: str
     features: str = ""  # that the contact is between after the event, where its shapes have several
     speed: float = 0.0

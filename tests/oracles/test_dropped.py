@@ -109,9 +109,7 @@ def test_the_first_to_touch_are_the_lowest_features(start: str, tilt: float) -> 
     first = path.events[0]
     assert first.t == pytest.approx(np.sqrt(2 * DROP / G), abs=1e-11 + slack(start))
     named = {event.features for event in path.events if event.t == first.t and event.kind == "touch-down"}
-    heights = {
-        name: z - G * first.t**2 / 2 for name, z in solid.at(path, 0).items()
-    }  # no turning
+    heights = {name: z - G * first.t**2 / 2 for name, z in solid.at(path, 0).items()}  # no turning
     candidates = {name: z for name, z in heights.items() if "." in name} or heights
     assert named <= lowest(candidates, NEAR)
     assert named >= lowest(candidates, NEAR / 100)

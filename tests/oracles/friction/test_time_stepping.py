@@ -151,6 +151,8 @@ def test_painleves_rod_is_named_and_passed_by_an_impulse() -> None:
     assert path.outcome is Outcome.DONE
     assert path.events[0].kind == "fallback-start"
     assert "fallback-end" in [e.kind for e in path.events]
+    assert path.estimate is not None
+    assert "time-stepping locates no events" in path.estimate.uncertified
     assert sum("Painleve" in warning for warning in path.warnings) == 1
     arm = rod.half_length * np.array([-cos(theta), -sin(theta)])
     rows = np.array([[1, 0, arm[1]], [0, 1, -arm[0]]])  # of the tip, over vx, vz and the rate about y
