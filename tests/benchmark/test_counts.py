@@ -61,6 +61,7 @@ def named(name: str, form: str = "auto") -> Scene:
     return replace(scene, name=name, contacts=tuple(replace(pair, form=form) for pair in scene.contacts))
 
 
+@pytest.mark.slow
 @COUNTED
 def test_instructions_grow_with_the_steps() -> None:
     library = library_of(named("counted"))

@@ -120,6 +120,7 @@ def test_what_is_called_solved_has_the_certificate(lcp: Any, seed: int) -> None:
         assert residual(problem, answer.z, lcp) <= 1e-9
 
 
+@pytest.mark.slow
 def test_fewer_starts_find_less_and_are_no_less_honest(lcp: Any) -> None:
     solved = {}
     for starts in (1, 2, 0):

@@ -177,6 +177,7 @@ def test_a_chain_of_twenty_links_keeps_its_energy_and_its_joints_for_long() -> N
     assert path.joint_error_max < 1e-13
 
 
+@pytest.mark.slow
 def test_a_four_bar_linkage_does_not_drift_over_a_hundred_turns() -> None:
     path = run("four_bar", Accuracy.balanced(), until=70.0)
     assert path.coordinates[-1, 0] > 200 * np.pi

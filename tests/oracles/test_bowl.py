@@ -53,6 +53,7 @@ def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:
         assert alone.force[early, 0] == pytest.approx(together.force[early, index - 1], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_two_forms_stay_together_through_collisions() -> None:
     # they part by 1e-11 m here, by 1e-9 m after 4.5 s and by 1e-6 m after 6 s
     one, other = path_of("implicit"), path_of("mixed")

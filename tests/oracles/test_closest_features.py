@@ -121,6 +121,7 @@ def test_a_ball_touches_the_closest_point_of_a_solid(name: str) -> None:
         assert found[:1] == pytest.approx([gap], abs=2e-9), centre
 
 
+@pytest.mark.slow
 def test_polyhedra_touch_no_nearer_than_they_are() -> None:
     """The distance is that of 0 to the Minkowski difference; between two vertices no contact is followed."""
     library = pair("gem", "box")

@@ -134,7 +134,7 @@ def test_the_series_solves_the_equations_to_its_order(glass: Glass, order: int) 
         assert a < mpf("1e-17") or mp.log(a / b, 2) > order - 1.5
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("glass", FEW_GLASSES)
 def test_the_reference_keeps_its_energy_and_does_not_care_where_its_series_ends(glass: Glass) -> None:
     one, other = reference(glass), reference(glass, 1.5 * SERIES_UNTIL)

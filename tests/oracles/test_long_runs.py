@@ -25,6 +25,7 @@ def test_a_thousand_seconds(name: str, form: str, accuracy: str, drift: float) -
     assert path.gap_max < 1e-10 * library.manifest.instance["scales"]["length"]
 
 
+@pytest.mark.slow
 def test_many_short_steps_lose_no_time() -> None:
     """The first blow of a cradle, 3 500 to 26 000 steps after the start."""
     steps = [Accuracy.balanced().fixed_step(h) for h in (8.2e-5, 3.1e-5, 1.1e-5)]

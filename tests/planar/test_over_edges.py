@@ -70,7 +70,7 @@ def test_a_glass_that_slides_off_a_straight_edge_is_left_by_it_where_its_rim_is(
     assert not path.warnings
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "velocity", "spin"),
     [((0.15, 0.0), (0.5, 0.0), 3.0), ((0.15, 0.1), (0.5, 0.05), 4.0), ((-0.1, 0.05), (-0.37, 0.25), -2.0)],

@@ -136,6 +136,7 @@ def test_whichever_way_a_can_begins_to_turn_it_knows_how_well_it_does(
     assert path.steps < 200
 
 
+@pytest.mark.slow
 def test_a_spinning_can_that_is_pushed_tips_at_one_time_wherever_samples_and_ends_of_runs_fall() -> None:
     """Its friction comes from a pressure that is sought; near the rim it depends on where that began."""
     can = make.dynamic(

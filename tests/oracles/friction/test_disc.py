@@ -88,6 +88,7 @@ def test_three_formulations_roll_a_disc_alike(resistance: tuple[float, float]) -
     assert float(disc.energy(ours[0]) - disc.energy(ours[-1])) == pytest.approx(float(spent), abs=1e-15)
 
 
+@pytest.mark.slow
 def test_eulers_disk_comes_to_lie_flat_in_about_the_time_of_its_energy() -> None:
     disc = Disc(Real("0.0375"), Real("0.44"), rolling_resistance=Real("2e-4"))
     first = disc.steady(0.06, np.sqrt(4 * 9.81 / (0.0375 * 0.06)))
