@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from modelgen.report.scene_schema import NUMBER, entry, numbers, record
+from modelgen.runtime.trajectory import EVENT_KINDS
 
 _EVENT = record(
     "a change of mode",
     {
         "t": entry(NUMBER, "s"),
-        "kind": entry(
-            "string",
-            "impact, touch-down, lift-off, margin (too near a singularity), walk (to other features), "
-            "appear, vanish, flat (a face comes to rest on another) or tip (it turns over its edge)",
-        ),
+        "kind": entry("string", "kind of the event, as in the glossary", enum=list(EVENT_KINDS)),
         "contact": entry("string", "name of the contact"),
         "speed": entry(NUMBER, "approach speed, m/s; 0 where it has no meaning"),
         "features": entry("string", "that touch after the event, where the shapes have several"),

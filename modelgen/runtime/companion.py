@@ -24,7 +24,7 @@ from modelgen.runtime.run_distance import (
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables.structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
-from modelgen.runtime.warnings.impact_order import undecided_blows
+from modelgen.runtime.warnings.impact_order import undecided_impacts
 
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
@@ -179,10 +179,10 @@ def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
 def _order(
     path: Trajectory, twin: Trajectory, error: float, end: float, instance: Mapping[str, Any]
 ) -> Iterator[str]:
-    found = undecided_blows(path.events, twin.events, instance, SAFE, error, end)
+    found = undecided_impacts(path.events, twin.events, instance, SAFE, error, end)
     if found is not None:
         names = f"{found[0].contact} and {found[1].contact}"
-        yield f"which of the blows at {names} (t = {found[1].t:.6g} s) comes first is within the error"
+        yield f"which of the impacts at {names} (t = {found[1].t:.6g} s) comes first is within the error"
 
 
 def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from modelgen import Accuracy, simulate
 from modelgen.runtime.companion import SAFE, estimate_of
 from modelgen.runtime.trajectory import Event
-from modelgen.runtime.warnings.impact_order import undecided_blows
+from modelgen.runtime.warnings.impact_order import undecided_impacts
 from tests.running import scene_of
 
 LEFT, RIGHT = "cube-table:top_back_left", "cube-table:top_front_left"
@@ -24,7 +24,7 @@ Events = tuple[Event, ...]
 
 
 def found(mine: Events, theirs: Events, least: float = 1e-6) -> Events | None:
-    return undecided_blows(mine, theirs, scene_of("cube_toss").manifest.instance, SAFE, least, 0.36)
+    return undecided_impacts(mine, theirs, scene_of("cube_toss").manifest.instance, SAFE, least, 0.36)
 
 
 def shifted(event: Event, by: float) -> Event:
@@ -67,11 +67,11 @@ def test_an_estimate_says_so() -> None:
     stated = estimate_of(path, twin, Accuracy.balanced(), library.manifest.instance)
     assert stated.status == "uncertified"
     assert np.isfinite(stated.position).all()
-    assert f"which of the blows at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement
+    assert f"which of the impacts at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement
 
 
 @pytest.mark.parametrize("name", ["box_dropped", "newton_cradle", "bouncing_ellipsoid", "cylinder_dropped"])
 def test_shipped_scenes_of_blows_have_a_certain_order(name: str) -> None:
     path = simulate(scene_of(name))
     assert path.estimate is not None
-    assert "which of the blows" not in path.estimate.statement
+    assert "which of the impacts" not in path.estimate.statement

@@ -16,14 +16,12 @@
 #include "modelgen.h"
 #include "region/region.h"
 
-#define MG_GRID 17     /* samples along each side of a chart in a search at the start */
-#define MG_COARSE 9    /* samples along each side of a chart in a search during a run */
-#define MG_SAMPLES 289 /* most samples of a feature: MG_GRID squared */
-#define MG_SAMPLE_SIZE                                                                                           \
-  9                  /* numbers of a stored sample: point in its shape's axes, in its body's, direction in those \
-                      */
-#define MG_STARTS 8  /* most starts of Newton's method in one search of a feature pair */
-#define MG_MINIMA 24 /* most minima of the distance of one pair */
+#define MG_GRID 17             /* samples along each side of a chart in a search at the start */
+#define MG_COARSE 9            /* samples along each side of a chart in a search during a run */
+#define MG_SAMPLES 289         /* most samples of a feature: MG_GRID squared */
+#define MG_SAMPLE_SIZE 9       /* numbers of a stored sample: point in shape and body axes, direction in body axes */
+#define MG_STARTS 8            /* most starts of Newton's method in one search of a feature pair */
+#define MG_MINIMA 24           /* most minima of the distance of one pair */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
 #define MG_RADAU_STAGES 7      /* stages of Radau collocation */
 #define MG_MAX_ETA 8           /* room for the eta of one contact */

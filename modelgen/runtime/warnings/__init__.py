@@ -10,7 +10,7 @@ import numpy as np
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joints import joint_warnings
 from modelgen.runtime.session import Session
-from modelgen.runtime.warnings.impacts import blow_warnings
+from modelgen.runtime.warnings.impacts import impact_warnings
 from modelgen.runtime.warnings.time_stepping import stepping_warnings
 
 
@@ -52,7 +52,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
     found += _far(session, accuracy)
-    found += blow_warnings(session, accuracy)
+    found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
 

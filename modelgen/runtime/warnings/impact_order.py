@@ -13,10 +13,10 @@ from typing import Any
 
 from modelgen.runtime.trajectory import Event
 
-BLOWS = ("impact", "touch-down")
+IMPACTS = ("impact", "touch-down")
 
 
-def undecided_blows(
+def undecided_impacts(
     mine: Sequence[Event],
     theirs: Sequence[Event],
     instance: Mapping[str, Any],
@@ -29,11 +29,11 @@ def undecided_blows(
     Args:
         mine, theirs: the events of the run, and of its companion.
         instance: of the manifest.
-        safe: the time between two blows errs by `safe` times what the companion has otherwise.
-        least: m; blows that move less than this until `end`, s, are left aside.
+        safe: the time between two impacts errs by `safe` times what the companion has otherwise.
+        least: m; impacts that move less than this until `end`, s, are left aside.
     """
-    own, struck = _blows(mine, end), _moving(instance)
-    other = _numbered(_blows(theirs, end))
+    own, struck = _impacts(mine, end), _moving(instance)
+    other = _numbered(_impacts(theirs, end))
     for (a, key_a), (b, key_b) in pairwise((event, key) for key, event in _numbered(own).items()):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
             continue
@@ -45,15 +45,15 @@ def undecided_blows(
     return None
 
 
-def _blows(events: Sequence[Event], end: float) -> Iterator[Event]:
-    return (event for event in events if event.kind in BLOWS and event.t <= end)
+def _impacts(events: Sequence[Event], end: float) -> Iterator[Event]:
+    return (event for event in events if event.kind in IMPACTS and event.t <= end)
 
 
-def _numbered(blows: Iterator[Event]) -> dict[tuple[str, int], Event]:
+def _numbered(impacts: Iterator[Event]) -> dict[tuple[str, int], Event]:
     """The impacts in order, keyed by contact and number of the impact at that contact."""
     counts: dict[str, int] = defaultdict(int)
     numbered = {}
-    for event in blows:
+    for event in impacts:
         numbered[event.contact, counts[event.contact]] = event
         counts[event.contact] += 1
     return numbered

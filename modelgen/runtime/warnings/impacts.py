@@ -8,7 +8,7 @@ from modelgen.runtime.session import Session
 LAW_NAMES = {"newton": "Newton's", "poisson": "Poisson's", "stronge": "Stronge's"}
 
 
-def blow_warnings(session: Session, accuracy: Accuracy) -> list[str]:
+def impact_warnings(session: Session, accuracy: Accuracy) -> list[str]:
     """Warnings: energy gained in impacts, impact laws that were replaced, simultaneous impacts, Painleve's
     paradox."""
     return [*_gains(session, accuracy), *_laws(session), *_chains(session), *_paradox(session)]
@@ -50,7 +50,7 @@ def _chains(session: Session) -> list[str]:
         f"an impact at t = {float(run.chain_impact_t):.6g} s reached "
         f"{session.contacts[run.chain_impact_contact]}, "
         'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes '
-        "blows on one by one, after which bodies may part otherwise"
+        "impacts on one by one, after which bodies may separate otherwise"
     ]
 
 
