@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from modelgen.errors import SceneError
-from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression import Expression, Name, Number
+from modelgen.scene.expression_composition import expression_of, over, substitute, times
 from modelgen.scene.splines import ControlPolygon, HeightField, Net, Polyline, Spline
 from modelgen.scene.types import (
     Body,
@@ -224,35 +225,6 @@ def _ends(limits: Ends, factor: float) -> Ends:
 
 def _formula(formula: Expression, units: Units, factor: float) -> Expression:
     """The formula of quantities in new units; `factor` is that of its value."""
-    tree = _renamed(formula.tree, units.of_names())
-    tree = tree if factor == 1.0 else Binary("*", Number(factor), tree)
-    return Expression(_written(tree), tree, formula.names)
-
-
-def _renamed(node: Node, factors: Mapping[str, float]) -> Node:
-    """The names that have units, each over what an old unit of it is in new ones."""
-    match node:
-        case Name(name) if factors.get(name, 1.0) != 1.0:
-            return Binary("/", node, Number(factors[name]))
-        case Unary(op, x):
-            return Unary(op, _renamed(x, factors))
-        case Binary(op, a, b):
-            return Binary(op, _renamed(a, factors), _renamed(b, factors))
-        case Call(fn, args):
-            return Call(fn, tuple(_renamed(arg, factors) for arg in args))
-        case _:
-            return node
-
-
-def _written(node: Node) -> str:
-    match node:
-        case Number(value):
-            return repr(value)
-        case Name(name):
-            return name
-        case Unary(op, x):
-            return f"({op}{_written(x)})"
-        case Binary(op, a, b):
-            return f"({_written(a)}{op}{_written(b)})"
-        case Call(fn, args):
-            return f"{fn}({', '.join(map(_written, args))})"
+    changed = {name: over(Name(name), Number(f)) for name, f in units.of_names().items() if f != 1.0}
+    tree = substitute(formula.tree, changed)
+    return expression_of(tree if factor == 1.0 else times(Number(factor), tree))
