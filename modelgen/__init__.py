@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from modelgen.codegen.emit import emit as emit
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
-    from modelgen.linearisation.equilibrium import linearise as linearise
+    from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
-    from modelgen.report.plot import draw as draw
-    from modelgen.report.record import record_of as record_of
+    from modelgen.report.run_plot import draw as draw
+    from modelgen.report.run_record import record_of as record_of
     from modelgen.runtime.accuracy import Accuracy as Accuracy
     from modelgen.runtime.batch import simulate_batch as simulate_batch
     from modelgen.runtime.closest_points import closest_points as closest_points
@@ -60,13 +60,13 @@ _HOMES = {
     "simulate": "modelgen.runtime.simulate",
     "closest_points": "modelgen.runtime.closest_points",
     "simulate_batch": "modelgen.runtime.batch",
-    "linearise": "modelgen.linearisation.equilibrium",
+    "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",
-    "record_of": "modelgen.report.record",
+    "record_of": "modelgen.report.run_record",
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",
-    "draw": "modelgen.report.plot",
+    "draw": "modelgen.report.run_plot",
     "Accuracy": "modelgen.runtime.accuracy",
     "ModelgenError": "modelgen.errors",
 }

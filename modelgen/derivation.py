@@ -8,19 +8,19 @@ from typing import Literal
 
 import casadi as ca
 
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
 from modelgen.dynamics.loads import load_kernel
 from modelgen.errors import ModelgenError, expect
 from modelgen.geometry.curves import curve_kernel, is_curve
-from modelgen.geometry.points3d import is_point, point_kernel
-from modelgen.geometry.surface import surface_kernel
-from modelgen.joint.kinds import FORMS as FORMS_OF_JOINTS
-from modelgen.joint.limits import CITATION, limit_kernels
-from modelgen.joint.rows import coordinates_kernel, row_count, rows_kernel
-from modelgen.joint.springs import spring_kernel
+from modelgen.geometry.points import is_point, point_kernel
+from modelgen.geometry.surface_kernel import surface_kernel
+from modelgen.joint.joint_limits import CITATION, limit_kernels
+from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
+from modelgen.joint.joint_springs import spring_kernel
+from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model, ShapeKind
 
 Role = Literal[

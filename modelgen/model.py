@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from modelgen.scene.expression import Expression
-from modelgen.scene.types import (
+from modelgen.scene.scene_types import (
     Chart,
     Curve,
     ForceLoad,

@@ -59,4 +59,4 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few repeats and no counted instructions: what a run costs is not asked here."""
     monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)
-    monkeypatch.setattr("modelgen.benchmark.evaluation.instructions", lambda *given: None)
+    monkeypatch.setattr("modelgen.benchmark.setting_evaluation.instructions", lambda *given: None)

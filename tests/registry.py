@@ -8,8 +8,8 @@ from functools import cache
 
 from modelgen import read, require
 from modelgen.codegen.library import Library
-from modelgen.contact.kinds import regular_forms
-from modelgen.scene.types import Scene
+from modelgen.contact.form_table import regular_forms
+from modelgen.scene.scene_types import Scene
 from tests.registry_friction import WITH_FRICTION
 from tests.running import SCENES, library_of
 from tests.shipped import CURVE_ON_SURFACE, Shipped

@@ -18,7 +18,7 @@ from modelgen.codegen.build import source_hash
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"
 FILES = tuple(sorted(path for path in SCENES.glob("*.toml") if not path.stem.endswith("_tuned")))  # by `tune`

@@ -12,11 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
+from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_count import Following, confined, following
+from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, ball_around, feature_pairs_of
-from modelgen.assembly.friction_rows import friction_constraints_of
+from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -29,11 +31,9 @@ from modelgen.assembly.masses import (
     pose_numbers,
 )
 from modelgen.assembly.observed_influence import influencing
-from modelgen.assembly.pairing import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.pruning import bodies_of, check_observed, motion_of
-from modelgen.assembly.scales import scales_of
-from modelgen.contact.kinds import eta_layout
+from modelgen.contact.form_table import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,
@@ -53,7 +53,7 @@ from modelgen.model import (
 )
 from modelgen.notation import ETA_SIZE
 from modelgen.rotations import rotation_of
-from modelgen.scene.types import Body, Scene, Vector
+from modelgen.scene.scene_types import Body, Scene, Vector
 
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.features import features_of, is_composite
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
-from modelgen.scene.types import ContactPair, Shape
+from modelgen.scene.scene_types import ContactPair, Shape
 
 SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
 ROUND = ("sphere", "ellipsoid", "superellipsoid")

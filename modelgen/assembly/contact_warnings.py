@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from modelgen.assembly.friction_rows import has_friction
+from modelgen.assembly.friction_constraints import has_friction
 from modelgen.errors import SceneError
+from modelgen.geometry.chart_regularity import check_regular
 from modelgen.geometry.features import features_of
-from modelgen.geometry.regions import regions_of
-from modelgen.geometry.regularity import check_regular
+from modelgen.geometry.planar_regions import regions_of
 from modelgen.geometry.shape_warnings import declared_limits
-from modelgen.scene.types import Scene, Shape
+from modelgen.scene.scene_types import Scene, Shape
 
 
 def soundness(scene: Scene) -> tuple[str, ...]:

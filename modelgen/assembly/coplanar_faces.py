@@ -12,10 +12,10 @@ import numpy as np
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.support_points import SUPPORT_POINTS
 from modelgen.geometry.features import is_convex
-from modelgen.geometry.regions import in_one_plane, to_axes
+from modelgen.geometry.planar_regions import in_one_plane, to_axes
 from modelgen.model import FaceEntry, PatchEntry
-from modelgen.scene.poses import compose, to_outer
-from modelgen.scene.types import ContactPair, Pose, Vector
+from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.scene_types import ContactPair, Pose, Vector
 
 SLOTS = 3  # patches that a pair may rest on at a time where one of its shapes is not convex
 FIXED = -1  # in place of a body: all that are fixed

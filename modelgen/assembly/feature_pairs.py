@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.assembly.contact_form_choice import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.kind_list import KindList
-from modelgen.assembly.pairing import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.support_points import is_support_point, lies_flat, support_points_of, tilted
-from modelgen.contact.kinds import eta_layout, regular_forms
+from modelgen.contact.form_table import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
-from modelgen.geometry.composites.conditions import vertex
+from modelgen.geometry.composites.feature_conditions import vertex
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.rotations import rotation_of
-from modelgen.scene.poses import compose, to_outer
-from modelgen.scene.types import Condition, ContactPair, Feature, Pose, Shape, Vector
+from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Shape, Vector
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
 CONES = ("wing", "direction")  # conditions of the normal; the others are of the place

@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from modelgen.assembly.contact_form_choice import find_body
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
-from modelgen.assembly.pairing import find_body
-from modelgen.joint.limits import is_turn
-from modelgen.joint.rows import row_count
+from modelgen.joint.joint_limits import is_turn
+from modelgen.joint.joint_rows import row_count
 from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
-from modelgen.scene.types import Joint, Scene, Vector
+from modelgen.scene.scene_types import Joint, Scene, Vector
 
 _ENDS = ((0, "min"), (0, "max"), (1, "y_min"), (1, "y_max"))  # coordinates and names of the bounds
 

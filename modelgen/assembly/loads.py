@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from modelgen.assembly.pruning import points_of
 from modelgen.model import BodyMotion, LoadKind
-from modelgen.scene.types import ForceLoad, Load, SpringLoad, TorqueLoad, Vector
+from modelgen.scene.scene_types import ForceLoad, Load, SpringLoad, TorqueLoad, Vector
 
 _ZERO = (0.0, 0.0, 0.0)
 

@@ -12,7 +12,7 @@ from modelgen.errors import SceneError
 from modelgen.geometry.mass_properties import mass_properties
 from modelgen.model import InertiaKind
 from modelgen.rotations import rotation_of
-from modelgen.scene.types import Body, Pose, Shape, Vector
+from modelgen.scene.scene_types import Body, Pose, Shape, Vector
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from modelgen.assembly.pruning import bodies_of
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 
 def influencing(scene: Scene, contacts: Sequence[str]) -> tuple[Scene, tuple[str, ...]]:

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import cos, pi, sin
 
+from modelgen.assembly.contact_form_choice import Partner, pair_up, shape_kind
 from modelgen.assembly.feature_pairs import Whole
-from modelgen.assembly.friction_rows import has_friction
+from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
-from modelgen.assembly.pairing import Partner, pair_up, shape_kind
 from modelgen.assembly.support_points import SUPPORT_POINTS, rim_of
-from modelgen.geometry.regions import Region, regions_of
+from modelgen.geometry.planar_regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
-from modelgen.scene.poses import compose, to_outer
-from modelgen.scene.types import ContactPair, Pose, Shape
+from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.scene_types import ContactPair, Pose, Shape
 
 
 class Faces:

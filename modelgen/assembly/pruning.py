@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from modelgen.assembly.masses import Mass
 from modelgen.errors import SceneError, nearest
 from modelgen.model import BodyMotion
-from modelgen.scene.types import (
+from modelgen.scene.scene_types import (
     IDENTITY_QUATERNION,
     Body,
     ContactPair,

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.geometry.domains import domain_of
-from modelgen.geometry.regions import JOINED, point_of
+from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.planar_regions import JOINED, point_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
-from modelgen.scene.poses import to_outer
-from modelgen.scene.types import Condition, Feature, Shape
+from modelgen.scene.pose_arithmetic import to_outer
+from modelgen.scene.scene_types import Condition, Feature, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -10,11 +10,11 @@ import numpy as np
 
 from modelgen.benchmark.extreme_motions import rocking_egg
 from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.scene_variants import Variants
+from modelgen.benchmark.library_reuse import Variants
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.build import dynamic, fixed, plane, point, scene, sphere
-from modelgen.scene.types import Scene
+from modelgen.scene.python_scenes import dynamic, fixed, plane, point, scene, sphere
+from modelgen.scene.scene_types import Scene
 
 # ---- friction and restitution ----
 

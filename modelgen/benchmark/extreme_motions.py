@@ -8,12 +8,12 @@ from math import log10, sqrt
 import numpy as np
 
 from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
-from modelgen.benchmark.scene_variants import Variants
-from modelgen.benchmark.units import Units, in_units
+from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.build import dynamic, ellipsoid, fixed, plane, scene, sphere
-from modelgen.scene.types import Scene
+from modelgen.scene.python_scenes import dynamic, ellipsoid, fixed, plane, scene, sphere
+from modelgen.scene.scene_types import Scene
 
 # ---- units and places ----
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.scene_variants import Variants
+from modelgen.benchmark.library_reuse import Variants
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.build import (
+from modelgen.scene.python_scenes import (
     chart,
     circle,
     disc,
@@ -25,7 +25,7 @@ from modelgen.scene.build import (
     scene,
     sphere,
 )
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 Array = np.ndarray[Any, Any]
 

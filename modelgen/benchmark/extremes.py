@@ -9,15 +9,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from modelgen.benchmark.errors import separation
+from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.motion_errors import separation
 from modelgen.benchmark.sampled_motion import Bodies, motion_of, uninterrupted
-from modelgen.benchmark.scene_variants import Variants
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 EPS = float(np.finfo(float).eps)
 G = 9.81  # m/s^2, of a scene that names none

@@ -11,7 +11,7 @@ from modelgen.benchmark.extreme_events import EVENTS
 from modelgen.benchmark.extreme_motions import MOTIONS
 from modelgen.benchmark.extreme_shapes import SHAPES
 from modelgen.benchmark.extremes import Extreme, Found, tried
-from modelgen.benchmark.scene_variants import Variants
+from modelgen.benchmark.library_reuse import Variants
 from modelgen.errors import ModelgenError, nearest
 
 EXTREMES: tuple[Extreme, ...] = (*SHAPES, *MOTIONS, *EVENTS)

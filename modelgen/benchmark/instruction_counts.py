@@ -10,9 +10,9 @@ from functools import cache
 from pathlib import Path
 
 from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler
+from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, Manifest
-from modelgen.codegen.runtime_object import runtime_object
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.c_program import ENTRY, driver_text
 

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.front_search import sweep
 from modelgen.benchmark.instruction_counts import why_not_counted
 from modelgen.benchmark.knobs import KNOBS, Settings
-from modelgen.benchmark.measured_scene import Subject
 from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.peers import PEERS, Peer, PeerPoints, peer_points
+from modelgen.benchmark.scene_under_measurement import Subject
+from modelgen.benchmark.setting_evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, front, place, spaced
 from modelgen.errors import ModelgenError, expect, nearest
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early
 KEPT = "what was measured is kept, the same command{} goes on from there"

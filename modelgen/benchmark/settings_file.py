@@ -10,9 +10,9 @@ from dataclasses import fields
 from typing import Any
 
 from modelgen.benchmark.knobs import KNOBS, Settings
-from modelgen.benchmark.measured_scene import BUILD
+from modelgen.benchmark.scene_under_measurement import BUILD
 from modelgen.errors import ModelgenError
-from modelgen.scene.types import RunSettings
+from modelgen.scene.scene_types import RunSettings
 
 HEADER = re.compile(r"^\s*\[")
 RUN_HEADER = re.compile(r"^\s*\[\s*run\s*\]\s*(#.*)?$")

@@ -9,14 +9,14 @@ from math import log
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.evaluation import Bench, point_of, scaled
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.measured_scene import applied
 from modelgen.benchmark.measurement import Measurement, Report, measure
 from modelgen.benchmark.measurement_store import Store
+from modelgen.benchmark.scene_under_measurement import applied
+from modelgen.benchmark.setting_evaluation import Bench, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, cheapest, finest, front, is_measured, place
 from modelgen.errors import ModelgenError
-from modelgen.scene.types import RunSettings, Scene
+from modelgen.scene.scene_types import RunSettings, Scene
 
 BAND = 0.2  # by which a verified cost may exceed a budget
 HALVINGS = 3  # of the rung between two neighbours on a ladder

@@ -11,7 +11,7 @@ from rich.console import Console
 
 import modelgen
 from modelgen.cli.manual import manual
-from modelgen.cli.measuring import measure, tune
+from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.options import (
     AsJson,
     At,
@@ -86,7 +86,7 @@ def check(scene: SceneFile, form: Form = None, brief: Brief = False, as_json: As
     """Say what a scene requires: kinds, forms, instruction counts, what leaving things out saves. Compiles
     nothing."""
     from modelgen.report.check import check_facts, print_check
-    from modelgen.report.savings import savings_of
+    from modelgen.report.pruning_savings import savings_of
 
     derivation = derive_scene(read_scene(scene, form))
     facts = check_facts(derivation)
@@ -160,7 +160,7 @@ def simulate(
 @guarded
 def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
     """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
-    from modelgen.report.linearised import mode_facts, print_modes
+    from modelgen.report.linearisation_output import mode_facts, print_modes
 
     facts = mode_facts(linearise_scene(scene, form))
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
@@ -185,8 +185,8 @@ def plot(
 ) -> None:
     """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
     from modelgen.report.export import FORMATS, load
-    from modelgen.report.plot import draw
-    from modelgen.report.record import record_of
+    from modelgen.report.run_plot import draw
+    from modelgen.report.run_record import record_of
     from modelgen.report.summary import print_written
 
     trajectory, record = None, None
@@ -240,10 +240,10 @@ def inspect(
 @guarded
 def schema(as_json: AsJson = False) -> None:
     """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
-    from modelgen.benchmark.extremes_result import surveyed_schema
-    from modelgen.benchmark.result import measured_schema, tuned_schema
+    from modelgen.benchmark.extremes_result_schema import surveyed_schema
+    from modelgen.benchmark.result_schema import measured_schema, tuned_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
-    from modelgen.scene.schema import scene_schema
+    from modelgen.scene.json_schema import scene_schema
 
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema()}

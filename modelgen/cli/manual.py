@@ -47,7 +47,7 @@ def page(topic: str) -> str:
         allowed = "the topics are " + ", ".join(TOPICS)
         raise ModelgenError(f"topic {topic!r}", "the manual has no such page", allowed, _meant(topic))
     if topic == "keys":
-        from modelgen.report.keys import keys_page
+        from modelgen.report.keys_page import keys_page
 
         return keys_page()
     return (FOLDER / f"{topic}.md").read_text(encoding="utf-8")

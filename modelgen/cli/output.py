@@ -47,7 +47,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 def check_outputs(run: Path | None, picture: Path | None) -> None:
     """Raise ModelgenError for output files that cannot be written, before anything is computed."""
     from modelgen.report import export
-    from modelgen.report.plot import FORMATS, require_matplotlib
+    from modelgen.report.run_plot import FORMATS, require_matplotlib
 
     for path, formats in ((run, export.FORMATS), (picture, FORMATS)):
         if path is None:
@@ -88,13 +88,13 @@ def write_run(
     if run is None and picture is None:
         return written
     from modelgen.report.export import save
-    from modelgen.report.record import record_of
+    from modelgen.report.run_record import record_of
 
     record = record_of(trajectory, library)
     if run is not None:
         save(record, run)
     if picture is not None:
-        from modelgen.report.plot import draw
+        from modelgen.report.run_plot import draw
 
         draw(record, picture)
     return written

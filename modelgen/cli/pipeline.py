@@ -20,9 +20,9 @@ from modelgen.errors import ModelgenError
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.derivation import Derivation
-    from modelgen.linearisation.equilibrium import Linearised
+    from modelgen.linearisation.equilibrium_and_modes import Linearised
     from modelgen.runtime.trajectory import Trajectory
-    from modelgen.scene.types import Scene
+    from modelgen.scene.scene_types import Scene
 
 
 def read_scene(path: Path, form: str | None) -> Scene:

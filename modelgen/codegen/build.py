@@ -21,10 +21,10 @@ from modelgen.codegen.compiler import (
     cpu_target,
     find_compiler,
 )
+from modelgen.codegen.core_cache import runtime_hash, runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, record_name
-from modelgen.codegen.runtime_object import runtime_hash, runtime_object
 from modelgen.errors import CompilerMissing, LibraryError, expect, nearest
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
-from modelgen.codegen.instance import instance_of, kinds_of
-from modelgen.codegen.kinds_c import table_text
+from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
+from modelgen.codegen.manifest_instance import instance_of, kinds_of
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import expect
 from modelgen.notation import unit_of

@@ -18,9 +18,9 @@ import casadi as ca
 
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import margin
-from modelgen.contact.points import chart_jet, chart_normal, montana_frame, second_form
-from modelgen.contact.rows import Levers, levers, rates_of
+from modelgen.contact.normal_row import Levers, levers, rates_of
+from modelgen.contact.singularity_margin import margin
+from modelgen.contact.surface_points import chart_jet, chart_normal, montana_frame, second_form
 from modelgen.geometry.frames import cross, dot, solve2
 
 

@@ -19,11 +19,11 @@ import casadi as ca
 from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
-from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.rows import jet_of_curve
-from modelgen.geometry.catalogue import exterior_sign
+from modelgen.contact.normal_row import jet_of_curve
+from modelgen.contact.singularity_margin import NO_LENGTH
 from modelgen.geometry.frames import cross, dot, zeros
-from modelgen.geometry.points3d import is_point
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import exterior_sign
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ import casadi as ca
 
 from modelgen.contact.contact_symbols import Partner
 from modelgen.contact.kernels import Foot
-from modelgen.geometry.catalogue import exterior_sign
 from modelgen.geometry.frames import cross, dot, zeros
-from modelgen.geometry.points3d import is_point
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import exterior_sign
 from modelgen.model import ShapeKind
 
 

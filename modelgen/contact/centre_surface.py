@@ -19,8 +19,8 @@ import casadi as ca
 from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
-from modelgen.contact.margin import centre_margin
-from modelgen.contact.points import SurfacePoint
+from modelgen.contact.singularity_margin import centre_margin
+from modelgen.contact.surface_points import SurfacePoint
 from modelgen.contact.tangent_form import spin_along
 from modelgen.geometry.frames import cross, dot, solve2
 

@@ -20,7 +20,7 @@ from modelgen.geometry.frames import (
     identity_frame,
     zeros,
 )
-from modelgen.geometry.surface import shape_parameters
+from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.notation import ETA_SIZE
 

@@ -12,9 +12,9 @@ import casadi as ca
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.curve_surface import CurveSystem
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import curve_margin
-from modelgen.contact.points import chart_jet, chart_normal, montana_frame, second_form
-from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
+from modelgen.contact.normal_row import Levers, jet_of_curve, levers, rates_of
+from modelgen.contact.singularity_margin import curve_margin
+from modelgen.contact.surface_points import chart_jet, chart_normal, montana_frame, second_form
 from modelgen.geometry.frames import cross, dot, solve2
 
 

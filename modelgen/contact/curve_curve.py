@@ -19,8 +19,8 @@ import casadi as ca
 
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import crossing_margin
-from modelgen.contact.rows import Levers, jet_of_curve, levers, rates_of
+from modelgen.contact.normal_row import Levers, jet_of_curve, levers, rates_of
+from modelgen.contact.singularity_margin import crossing_margin
 from modelgen.geometry.frames import cross, dot, solve2, zeros
 
 

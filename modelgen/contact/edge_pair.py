@@ -19,8 +19,8 @@ import casadi as ca
 
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.margin import NO_LENGTH
-from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
+from modelgen.contact.normal_row import Levers, feet, jacobian_rows, levers, passing
+from modelgen.contact.singularity_margin import NO_LENGTH
 from modelgen.geometry.curves import STRAIGHT
 from modelgen.geometry.frames import cross, dot, zeros
 

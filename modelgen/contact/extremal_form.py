@@ -15,8 +15,8 @@ import casadi as ca
 from modelgen.contact.block_form import chart_placement
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.points import chart_jet, chart_normal
-from modelgen.contact.rows import Levers, feet, jacobian_rows, levers, passing
+from modelgen.contact.normal_row import Levers, feet, jacobian_rows, levers, passing
+from modelgen.contact.surface_points import chart_jet, chart_normal
 from modelgen.geometry.frames import cross, dot, solve2
 
 

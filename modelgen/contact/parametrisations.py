@@ -11,10 +11,10 @@ from modelgen.contact.centre_surface import centre_surface_place, centre_surface
 from modelgen.contact.contact_symbols import Layout, Pair, Partner
 from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.newton import tangent_place
-from modelgen.contact.points import SurfacePoint, chart_point, implicit_point, plane_point
+from modelgen.contact.newton_step import tangent_place
+from modelgen.contact.surface_points import SurfacePoint, chart_point, implicit_point, plane_point
 from modelgen.contact.tangent_form import tangent_rates
-from modelgen.geometry.catalogue import surface_of
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ShapeKind
 
 _POINTS: Mapping[str, Callable[[Partner, ca.SX], SurfacePoint]] = {

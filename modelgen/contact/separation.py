@@ -20,10 +20,10 @@ from functools import cache
 import casadi as ca
 
 from modelgen.contact.contact_symbols import Pair, Partner, pair
-from modelgen.contact.support_form import support_of
-from modelgen.geometry.catalogue import surface_of
+from modelgen.contact.plane_support import support_of
 from modelgen.geometry.curves import is_curve
 from modelgen.geometry.frames import dot, solve2, tangent_frame
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ContactKind, ShapeKind
 
 AIM_INPUTS = ("pose_o", "pose_f", "eta", "parameters")

@@ -23,8 +23,8 @@ import casadi as ca
 
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Rates
-from modelgen.contact.margin import relative_curvature
-from modelgen.contact.points import SurfacePoint
+from modelgen.contact.singularity_margin import relative_curvature
+from modelgen.contact.surface_points import SurfacePoint
 from modelgen.geometry.frames import cross, dot, is_zero, solve2, zeros
 
 

@@ -11,7 +11,7 @@ from modelgen.dynamics.symbolic_rotations import quaternion
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.model import BodyMotion, LoadKind
-from modelgen.scene.types import ForceLoad, TorqueLoad
+from modelgen.scene.scene_types import ForceLoad, TorqueLoad
 
 NO_LENGTH = 1e-30  # m: guards the direction of a spring of length zero, which then exerts no force
 

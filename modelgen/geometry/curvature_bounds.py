@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 
 from modelgen.geometry.features import is_convex
-from modelgen.scene.types import Shape
+from modelgen.scene.scene_types import Shape
 
 STRAIGHT = ("point", "line", "segment", "edge")  # convex, though they bound no material
 

@@ -10,14 +10,14 @@ from math import inf, pi
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry import polynomials
+from modelgen.geometry import polynomial_pieces
 from modelgen.geometry import support_maps as supports
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import zeros
 from modelgen.geometry.support_maps import Support
-from modelgen.geometry.surface import shape_parameters
+from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ShapeKind
-from modelgen.scene.types import Curve, Shape
+from modelgen.scene.scene_types import Curve, Shape
 
 SAMPLES = 257  # of a user's curve, for its bounding radius
 
@@ -83,7 +83,7 @@ CURVES: Mapping[str, SpaceCurve] = {
     "ellipse_curve": SpaceCurve(_ellipse, _TURN, True, supports.ellipse, lambda p: max(p[0:2])),
     "helix": SpaceCurve(_helix, _ENDLESS, False),
     "bezier_curve": SpaceCurve(
-        polynomials.bezier_curve, (0.0, 1.0), False, bounding=polynomials.bezier_radius
+        polynomial_pieces.bezier_curve, (0.0, 1.0), False, bounding=polynomial_pieces.bezier_radius
     ),
 }
 

@@ -8,12 +8,12 @@ from math import hypot, inf, isfinite
 
 import numpy as np
 
-from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.features import features_of, is_composite
-from modelgen.geometry.points3d import is_point
-from modelgen.scene.poses import to_outer
-from modelgen.scene.types import Shape, Vector
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import surface_of
+from modelgen.scene.pose_arithmetic import to_outer
+from modelgen.scene.scene_types import Shape, Vector
 
 
 def bounding_radius(shape: Shape) -> float:

@@ -10,13 +10,13 @@ from math import isfinite
 from modelgen.geometry.composites import revolutions as rounds
 from modelgen.geometry.composites import splines
 from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
-from modelgen.geometry.composites.conditions import at_least, at_most
 from modelgen.geometry.composites.extrusions import extrusion
+from modelgen.geometry.composites.feature_conditions import at_least, at_most
 from modelgen.geometry.composites.polyhedra import box, polyhedron
 from modelgen.geometry.composites.polylines import polyline
+from modelgen.geometry.coordinate_domains import dimension_of, domain_of
 from modelgen.geometry.curves import curve_of
-from modelgen.geometry.domains import dimension_of, domain_of
-from modelgen.scene.types import Composite, Condition, Feature, Pose, Shape
+from modelgen.scene.scene_types import Composite, Condition, Feature, Pose, Shape
 
 __all__ = ["Composite", "Condition", "Feature", "features_of", "is_composite", "is_convex"]
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from modelgen.errors import SceneError
 from modelgen.geometry.casadi_expressions import lower
-from modelgen.geometry.catalogue import SURFACES, exterior_sign, surface_of
 from modelgen.geometry.composites.moments import Moments, moments_of, prism
 from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
-from modelgen.scene.types import Profile, Shape
+from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
+from modelgen.scene.scene_types import Profile, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ExpressionError, SceneError
-from modelgen.geometry.polynomials import cap_exponents
+from modelgen.geometry.polynomial_pieces import cap_exponents
 from modelgen.geometry.power_series import Array, taylor
-from modelgen.scene.types import Chart, Shape
+from modelgen.scene.scene_types import Chart, Shape
 
 DEGREE = 12  # total, of a cap
 TAIL = 4  # further orders that the size of what is left out is taken from

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from modelgen.scene.types import Shape
+from modelgen.scene.scene_types import Shape
 
 
 def declared_limits(shape: Shape) -> tuple[str, ...]:

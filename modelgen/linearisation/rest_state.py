@@ -32,7 +32,7 @@ from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
-from modelgen.scene.types import Restitution
+from modelgen.scene.scene_types import Restitution
 
 DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
 

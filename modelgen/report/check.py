@@ -9,9 +9,9 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from modelgen.contact.kinds import contact_kernels, regular_forms
+from modelgen.contact.form_table import contact_kernels, regular_forms
 from modelgen.derivation import Derivation
-from modelgen.joint.kinds import FORMS as JOINTS
+from modelgen.joint.joint_table import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
 from modelgen.report.resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints

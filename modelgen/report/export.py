@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
-from modelgen.report.record import COLUMNS, Array, Record
+from modelgen.report.run_record import COLUMNS, Array, Record
 
 FORMATS = (".npz", ".csv")
 

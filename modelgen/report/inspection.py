@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from modelgen.derivation import Derivation
-from modelgen.report.derivation import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
+from modelgen.report.formula_list import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
 from modelgen.report.formula_text import STYLES
+from modelgen.report.html_page import page
+from modelgen.report.html_page_notes import errata_facts, shape_facts, singularity_facts
 from modelgen.report.kind_scenes import kind_scene
-from modelgen.report.page import page
-from modelgen.report.page_notes import errata_facts, shape_facts, singularity_facts
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 PAGE = 50  # configurations of a page, where nothing else is asked for
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.contact.kinds import FORMS
+from modelgen.contact.form_table import FORMS
 from modelgen.errors import ModelgenError, nearest
-from modelgen.joint.kinds import FORMS as JOINTS
+from modelgen.joint.joint_table import FORMS as JOINTS
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.shapes import SHAPES
-from modelgen.scene.types import Body, ContactPair, Joint, Pose, Scene, Shape, Vector
+from modelgen.scene.scene_types import Body, ContactPair, Joint, Pose, Scene, Shape, Vector
+from modelgen.scene.shape_catalogue import SHAPES
 
 MOTION = parse_expression("0.2*sin(3*t)", ("t",))
 TEETH = (17.0, 40.0)

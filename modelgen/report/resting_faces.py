@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from modelgen.geometry.regions import in_one_plane
+from modelgen.geometry.planar_regions import in_one_plane
 from modelgen.model import Model, PatchEntry
-from modelgen.scene.poses import UPSIDE_DOWN, compose
-from modelgen.scene.types import Pose
+from modelgen.scene.pose_arithmetic import UPSIDE_DOWN, compose
+from modelgen.scene.scene_types import Pose
 
 SHOWN = 3  # pairs of faces named in a row; the rest is counted
 

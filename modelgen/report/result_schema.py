@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from modelgen.report.scene_schema import NUMBER, entry, numbers, record
+from modelgen.report.json_schema import NUMBER, entry, numbers, record
 from modelgen.runtime.trajectory import EVENT_KINDS
 
 _EVENT = record(

@@ -13,7 +13,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import REFUSED, refusal
-from modelgen.runtime.tables.structures import RUN_ARRAYS, Array, address
+from modelgen.runtime.tables.ctypes_structures import RUN_ARRAYS, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 

@@ -14,7 +14,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.tables.structures import KERNELS, Array, address
+from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work

@@ -39,7 +39,7 @@ from modelgen.codegen.library import Library, kernel_table
 from modelgen.errors import SimulationError, nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
-from modelgen.runtime.tables.structures import QUERY_FOUND, QUERY_GIVEN, Array, Tables, address
+from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, Tables, address
 
 SIGNS = (float("inf"),) * 2  # entries that jump
 PART = 8  # an entry of eta moves by an eighth of its range in one step at most

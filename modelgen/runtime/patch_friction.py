@@ -1,4 +1,4 @@
-"""Coulomb friction between two planar regions that lie on each other, described as in `runtime.regions`.
+"""Coulomb friction between two planar regions that lie on each other (described in `runtime.planar_regions`).
 
 The pressure is max(0, a + b.x) with the given resultant and centre: a foundation of springs that do not pull
 (Winkler 1867; Johnson, Contact Mechanics, 1985, 4.3). It is affine while the centre lies in the kern of the
@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.regions import FINE, IDENTITY, Arc, Core, query_of
-from modelgen.runtime.tables.structures import Array, address, structure
+from modelgen.runtime.planar_regions import FINE, IDENTITY, Arc, Core, query_of
+from modelgen.runtime.tables.ctypes_structures import Array, address, structure
 
 
 @dataclass(frozen=True, slots=True)

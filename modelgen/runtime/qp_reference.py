@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from modelgen.runtime.complementarity import LcpSolution, Outcome
+from modelgen.runtime.compiled_lcp import LcpSolution, Outcome
 
 _OPTIONS: dict[str, Any] = {"printLevel": "none", "error_on_fail": False}
 _OFF = 1e-7  # of max w: a row with more acceleration than this carries no force

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from modelgen.rotations import quaternions_of
-from modelgen.runtime.joints import joint_columns
+from modelgen.runtime.joint_results import joint_columns
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables.structures import RECORD_ARRAYS, Array, address
+from modelgen.runtime.tables.ctypes_structures import RECORD_ARRAYS, Array, address
 
 
 class Recording:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.runtime.tables.structures import Array
+from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
 

@@ -11,8 +11,15 @@ import numpy as np
 from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.tables.ctypes_structures import (
+    RUN_ARRAYS,
+    Array,
+    Tables,
+    address,
+    fill_settings,
+    fill_system,
+)
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
-from modelgen.runtime.tables.structures import RUN_ARRAYS, Array, Tables, address, fill_settings, fill_system
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
 CONTINUE, FULL = 1, 2

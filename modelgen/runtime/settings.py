@@ -9,7 +9,7 @@ from typing import Any, TypedDict
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_name, check_step
-from modelgen.runtime.tables.structures import LAWS, METHODS, SCHEMES
+from modelgen.runtime.tables.ctypes_structures import LAWS, METHODS, SCHEMES
 
 
 class Stepping(TypedDict, total=False):

@@ -13,14 +13,14 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number
-from modelgen.runtime.companion import estimate_of, nudge
-from modelgen.runtime.estimate import Estimate
-from modelgen.runtime.joints import coordinate_names
+from modelgen.runtime.error_estimate import estimate_of, nudge
+from modelgen.runtime.error_statement import Estimate
+from modelgen.runtime.joint_results import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
-from modelgen.runtime.tables.structures import Array
+from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded

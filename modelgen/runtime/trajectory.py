@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from modelgen.runtime.estimate import Estimate
+from modelgen.runtime.error_statement import Estimate
 
 Array = np.ndarray[Any, Any]
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
-from modelgen.scene.bodies import read_body, unique_names
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
+from modelgen.scene.scene_types import Body, RunSettings, Scene
+from modelgen.scene.shapes_and_bodies import read_body, unique_names
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Body, RunSettings, Scene
 
 
 def scene_from_tables(name: str, written: object, source: str) -> Scene:

@@ -7,12 +7,12 @@ from math import hypot
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.formulas import triple
+from modelgen.scene.checked_expressions import triple
 from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES
-from modelgen.scene.shapes import SHAPES
+from modelgen.scene.scene_types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
+from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
 
 Bodies = Mapping[str, Body]
 Partner = tuple[str, str]  # body, shape

@@ -10,8 +10,8 @@ import numpy as np
 
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import evaluate
+from modelgen.scene.scene_types import Condition, Feature, Pose, Shape
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Part = tuple[Place, Feature]

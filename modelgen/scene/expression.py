@@ -15,7 +15,7 @@ from math import e as euler
 from math import isfinite, pi
 
 from modelgen.errors import ExpressionError, nearest
-from modelgen.scene.expression_arithmetic import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
+from modelgen.scene.expression_functions import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
 
 MAX_LENGTH = 2000  # characters
 MAX_DEPTH = 150  # nested operations

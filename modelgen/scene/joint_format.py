@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from modelgen.scene.list_types import Field, Sequence, Table, Tagged
-from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS
+from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS
 from modelgen.scene.scalar_types import LIMIT, NUMBER, POSITIVE, ExpressionText, Real, Text, Whole
 
 NAME = Text(

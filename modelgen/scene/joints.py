@@ -7,12 +7,12 @@ from math import cos, hypot, pi, sin
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.formulas import finite
-from modelgen.scene.pose import read_pose
+from modelgen.scene.checked_expressions import finite
+from modelgen.scene.pose_input import read_pose
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
 from modelgen.scene.scene_format import PATH_NAMES
+from modelgen.scene.scene_types import Body, Joint, Pose
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Body, Joint, Pose
 
 WORLD = "world"
 _OPTIONAL = ("limits", "limits_y", "restitution", "stiffness", "damping", "rest")

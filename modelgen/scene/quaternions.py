@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from modelgen.scene.types import Matrix, Vector
+from modelgen.scene.scene_types import Matrix, Vector
 
 Quaternion = tuple[float, float, float, float]
 

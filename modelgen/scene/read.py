@@ -9,9 +9,9 @@ from pathlib import Path
 
 from modelgen.errors import nearest, path_of
 from modelgen.scene.assemble import scene_from_tables
+from modelgen.scene.scene_types import Scene
 from modelgen.scene.source_location import Place
 from modelgen.scene.toml_errors import syntax_fault
-from modelgen.scene.types import Scene
 
 LARGEST = 4 * 2**20  # bytes
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from modelgen.scene.list_types import Field, Table
 from modelgen.scene.scalar_types import Choice, Real, Schema
+from modelgen.scene.scene_types import Restitution
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Restitution
 
 LAWS = ("newton", "poisson", "stronge")
 VALUE = Real(0.0, 1.0)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from modelgen.scene.custom_solid import own_fields
-from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
-from modelgen.scene.pose import ORIENTATIONS, POSE_FIELDS, VECTOR
+from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run_settings import FORMS, RUN
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
-from modelgen.scene.shapes import CHART_FIELDS, CURVE_FIELDS, SHAPES
-from modelgen.scene.solids import SOLIDS
-from modelgen.scene.types import Restitution
+from modelgen.scene.scene_types import Restitution
+from modelgen.scene.shape_catalogue import CHART_FIELDS, CURVE_FIELDS, SHAPES
+from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
+from modelgen.scene.solids_with_edges import SOLIDS
 
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")

@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from math import pi
 from typing import Any
 
-from modelgen.scene.chart import check_curve, check_interval, read_chart
 from modelgen.scene.expression import Name, parse_expression
-from modelgen.scene.expression_composition import expression_of, number, substitute
+from modelgen.scene.expression_building import expression_of, number, substitute
 from modelgen.scene.list_types import Field, Sequence, Table, Tagged
 from modelgen.scene.scalar_types import NUMBER
-from modelgen.scene.shapes import CHART_FIELDS, SHAPES
+from modelgen.scene.scene_types import Chart, Curve
+from modelgen.scene.shape_catalogue import CHART_FIELDS, SHAPES
 from modelgen.scene.source_location import Place
-from modelgen.scene.types import Chart, Curve
+from modelgen.scene.user_chart import check_curve, check_interval, read_chart
 
 Interval = tuple[float, float]
 Ends = tuple[Interval | None, Interval | None]

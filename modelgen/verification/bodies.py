@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from modelgen.dynamics.bodies import body_kernels, mass_and_inertia
 from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate
+from modelgen.verification.extremal_motion import columns, repeated
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.motion import columns, repeated
 
 Array = np.ndarray[Any, Any]
 GRAVITY = (0.3, -0.5, -9.0)  # m/s^2, off every axis

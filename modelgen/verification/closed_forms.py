@@ -12,12 +12,12 @@ import casadi as ca
 import numpy as np
 import sympy as sp
 
-from modelgen.geometry.catalogue import exterior_sign
+from modelgen.geometry.surface_catalogue import exterior_sign
 from modelgen.model import ShapeKind
-from modelgen.verification.features import Feature, feature_of
-from modelgen.verification.numbers import value_of
+from modelgen.verification.contact_sides import Feature, feature_of
 from modelgen.verification.simplification import Sign, short, square_root
-from modelgen.verification.symbolic import definition
+from modelgen.verification.sympy_evaluation import value_of
+from modelgen.verification.sympy_translation import definition
 
 LONGEST = 80  # operations in the components of a shape; longer ones are left to CasADi
 SIGNED = ("paraboloid", "chart", "curve")  # kinds whose parameters may be negative

@@ -12,13 +12,13 @@ import numpy as np
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.contact_symbols import pair as symbols_of
 from modelgen.contact.extremal_form import pose_rate
-from modelgen.contact.kinds import eta_layout
+from modelgen.contact.form_table import eta_layout
 from modelgen.geometry.curves import is_straight
 from modelgen.model import ContactKind, Side
+from modelgen.verification.extremal_motion import Truth, columns, repeated, truth
 from modelgen.verification.findings import AGREE, Finding, compared
-from modelgen.verification.motion import Truth, columns, repeated, truth
 from modelgen.verification.random_configurations import Array, Configurations, Partnership, draw
-from modelgen.verification.slip import check_slip, passing, row_products
+from modelgen.verification.tangential_rows import check_slip, passing, row_products
 
 Record = TypeVar("Record", Configurations, Truth)
 MOTION = "time derivatives of the extremal pair by differentiation of the motion"

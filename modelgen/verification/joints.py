@@ -11,10 +11,10 @@ import mpmath as mp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from modelgen.joint.limits import is_turn
+from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.joint_truth import COORDINATES, differenced, frames_at, rows_of
+from modelgen.verification.joint_reference import COORDINATES, differenced, frames_at, rows_of
 
 Array = np.ndarray[Any, Any]
 Motions = tuple[tuple[Array, Array, Array], ...]

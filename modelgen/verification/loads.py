@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from modelgen.model import LoadKind
 from modelgen.scene.expression import evaluate
-from modelgen.scene.types import ForceLoad
+from modelgen.scene.scene_types import ForceLoad
+from modelgen.verification.extremal_motion import columns
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.motion import columns
 
 Array = np.ndarray[Any, Any]
 

@@ -9,11 +9,11 @@ import casadi as ca
 import sympy as sp
 
 from modelgen.derivation import Formula
-from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.frames import zeros
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import BodyKind, ContactKind, Model, ShapeKind
 from modelgen.verification.findings import Finding, proved
-from modelgen.verification.symbolic import component, definition
+from modelgen.verification.sympy_translation import component, definition
 
 SURFACES = ("plane", "sphere", "ellipsoid", "torus", "cylinder", "cone", "paraboloid")
 ROOTED = ("torus",)  # whose equation has a root, of which squaring would lose the sign

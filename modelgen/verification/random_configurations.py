@@ -11,12 +11,12 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
-from modelgen.contact.kinds import eta_layout
-from modelgen.geometry.catalogue import surface_of
+from modelgen.contact.form_table import eta_layout
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.points3d import is_point
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ContactKind, ShapeKind, Side
-from modelgen.verification.features import Feature, feature_of
+from modelgen.verification.contact_sides import Feature, feature_of
 
 Array = np.ndarray[Any, Any]
 GAPS = (0.3, 0.0, -0.15)  # of the size of the shapes, times a random number from 0.2 to 1

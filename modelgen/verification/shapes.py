@@ -8,11 +8,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry.catalogue import exterior_sign, surface_of
+from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
 from modelgen.model import ShapeKind
-from modelgen.verification.features import feature_of
+from modelgen.verification.contact_sides import feature_of
+from modelgen.verification.extremal_motion import columns, repeated
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.motion import columns, repeated
 from modelgen.verification.random_configurations import Partnership
 
 Array = np.ndarray[Any, Any]

@@ -14,7 +14,7 @@ IO_PLACES = (
     "codegen/build.py",
     "codegen/compiler.py",
     "codegen/library.py",
-    "codegen/runtime_object.py",
+    "codegen/core_cache.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",
@@ -33,7 +33,7 @@ C_CALLERS = ("codegen/library.py", "runtime/")
 
 # Numbers below 1e-3 in runtime/ outside Accuracy, and why each is no tolerance of a run.
 SMALL = {
-    ("complementarity.py", 1e-12): "rounding slack of the test whether a given matrix is semidefinite",
+    ("compiled_lcp.py", 1e-12): "rounding slack of the test whether a given matrix is semidefinite",
     **{
         ("mpcc.py", 10.0**-k): "relaxations of the reference by IPOPT, its tolerances"
         for k in (4, 6, 8, 10, 11, 12)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.runtime import patch_friction, regions
-from modelgen.runtime.tables.structures import Tables
+from modelgen.runtime import patch_friction, planar_regions
+from modelgen.runtime.tables.ctypes_structures import Tables
 from tests.core.compiling import CORE
 
 HEADERS = ("modelgen.h", "region/region_queries.h")
 SCALARS = {"int": ctypes.c_int, "long": ctypes.c_long, "mg_real": ctypes.c_double}
 TABLES = Tables(np.dtype(float))
-OUTLINE, REGIONS = regions._structures(np.dtype(float))
+OUTLINE, REGIONS = planar_regions._structures(np.dtype(float))
 STRUCTURES = {
     "mg_system": TABLES.System,
     "mg_settings": TABLES.Settings,

@@ -15,14 +15,14 @@ import numpy as np
 
 from modelgen import Accuracy, read, simulate
 from modelgen.assembly import require
-from modelgen.benchmark.reference import PREDICTABLE, nudged
+from modelgen.benchmark.reference_solution import PREDICTABLE, nudged
 from modelgen.codegen.library import Library
-from modelgen.contact.kinds import regular_forms
+from modelgen.contact.form_table import regular_forms
 from modelgen.errors import SimulationError
-from modelgen.runtime.companion import ROUNDED
+from modelgen.runtime.error_estimate import ROUNDED
 from modelgen.runtime.run_distance import angle_between, distance_between
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 from tests.running import SCENES
 
 TRUE = replace(Accuracy.finest(), tolerance=3e-15)

@@ -14,7 +14,7 @@ from modelgen.codegen.amalgamation import SOURCE, runtime_text
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.c_program import driver_text
 from modelgen.runtime.simulate import simulate
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 from tests.running import SCENES, library_of
 
 UNTIL = 0.05

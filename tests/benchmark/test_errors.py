@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modelgen.benchmark.errors import beyond, errors, separation
+from modelgen.benchmark.motion_errors import beyond, errors, separation
 from modelgen.benchmark.sampled_motion import Bodies, Motion
 from modelgen.runtime.trajectory import Event
 

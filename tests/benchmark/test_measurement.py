@@ -11,19 +11,19 @@ import pytest
 from rich.console import Console
 
 from modelgen import derive, emit, require
-from modelgen.benchmark import evaluation as program
+from modelgen.benchmark import setting_evaluation as program
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.measured_scene import Subject
 from modelgen.benchmark.measurement import SHOWN, measure
 from modelgen.benchmark.measurement_store import NAME
 from modelgen.benchmark.measurement_table import print_measurement, print_tuned
-from modelgen.benchmark.peers.setup import _solid
+from modelgen.benchmark.peers.scene_description import _solid
 from modelgen.benchmark.sampled_motion import Bodies
+from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.settings_file import with_run
 from modelgen.benchmark.tuning import BAND, tune
 from modelgen.benchmark.work_precision_front import Point, spaced
 from modelgen.errors import ModelgenError
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 from tests.benchmark.thrown import TEXT, thrown
 
 SHORT = 0.02  # s, wall time: for one setting

@@ -12,7 +12,7 @@ from modelgen.benchmark.peers import PEERS, drake, exudyn, siconos, simbody
 from modelgen.benchmark.work_precision_front import is_measured, place
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read, read_text
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 from tests.running import SCENES
 
 SHORT = {"until": 0.05, "samples": 4, "count": False}

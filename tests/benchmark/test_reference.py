@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from modelgen import measure, read, tune
-from modelgen.benchmark.measured_scene import Subject
-from modelgen.benchmark.reference import PREDICTABLE, ROUNDING, reference_of
+from modelgen.benchmark.reference_solution import PREDICTABLE, ROUNDING, reference_of
+from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text
 from tests.running import SCENES, folder

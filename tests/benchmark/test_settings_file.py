@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from modelgen.benchmark.measured_scene import applied
+from modelgen.benchmark.scene_under_measurement import applied
 from modelgen.benchmark.settings_file import with_run
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text

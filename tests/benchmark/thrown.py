@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from modelgen.scene.read import read_text
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 TEXT = """gravity = [0.0, 0.0, -9.81]
 

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 from modelgen.codegen.compiler import compile_library, find_compiler
+from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE
-from modelgen.codegen.runtime_object import runtime_object
 
 COUNTED_CPU = "-march=haswell"  # callgrind knows no newer vector instructions
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.oracles.glass_reference import G, Glass, harmonics, motion
 from tests.running import library_of
 

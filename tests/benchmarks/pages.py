@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from modelgen import derive, require
-from modelgen.joint.kinds import FORMS as JOINTS
+from modelgen.joint.joint_table import FORMS as JOINTS
 from modelgen.report.inspection import inspected, written
 from tests.verification.test_status import PAIRS
 

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from modelgen import record_of, simulate
-from modelgen.report.frames import draw_frames
+from modelgen.report.snapshots import draw_frames
 from tests.benchmarks.gamma2 import BASE, FINEST, SCENES, UNTIL, _tips
 from tests.running import scene_of
 

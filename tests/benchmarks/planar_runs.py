@@ -23,8 +23,8 @@ import numpy as np
 
 from modelgen import build, derive, emit, require, simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Scene, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Scene, Shape
 from tests.planar.sinking import deepest
 
 SIZE = 0.1  # m, of the bodies

@@ -19,12 +19,12 @@ import numpy as np
 
 from modelgen import Accuracy
 from modelgen.benchmark.cost import cost_of
-from modelgen.benchmark.evaluation import Bench
 from modelgen.benchmark.knobs import Space
-from modelgen.benchmark.measured_scene import Subject
 from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.sampled_motion import motion_of
-from modelgen.runtime.timing import core_time
+from modelgen.benchmark.scene_under_measurement import Subject
+from modelgen.benchmark.setting_evaluation import Bench
+from modelgen.runtime.cpu_time import core_time
 from tests.benchmark.cases import scene_named
 from tests.running import NAMES
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from modelgen import build, derive, emit, read, require
-from modelgen.report.savings import DECISIONS, Saving, savings_of
-from modelgen.scene.types import Scene
+from modelgen.report.pruning_savings import DECISIONS, Saving, savings_of
+from modelgen.scene.scene_types import Scene
 from tests.running import NAMES, SCENES
 
 WHOLE = ("no derivatives", "planar motion")  # of the right-hand side as one function: no bytes

@@ -23,9 +23,9 @@ from modelgen import Accuracy, build, derive, emit, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
-from modelgen.runtime.tables.structures import address
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene
+from modelgen.runtime.tables.ctypes_structures import address
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.benchmarks.counting import callgrind, countable
 
 CALLS = 2000

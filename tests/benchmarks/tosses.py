@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.cube_toss import (
     HALF_WIDTH,
     INERTIA,

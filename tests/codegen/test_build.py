@@ -256,7 +256,7 @@ def test_processes_that_build_at_once_compile_one_core(
     monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "cache"))
     ask = (
         "from modelgen.codegen.compiler import find_compiler\n"
-        "from modelgen.codegen.runtime_object import runtime_object\n"
+        "from modelgen.codegen.core_cache import runtime_object\n"
         "compiler = find_compiler()\n"
         "print(runtime_object(compiler, compiler.flags('double')))\n"
     )

@@ -15,7 +15,7 @@ import pytest
 from modelgen import derive, emit, require
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 from tests.model.scenes import TABLE, WIDE, ball_on_table, contact, egg, scene
 from tests.running import library_of
 

@@ -8,8 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.contact.kernels import PLACE_INPUTS, PLACE_OUTPUTS, RATES_INPUTS, RATES_OUTPUTS, SLIP_OUTPUTS
-from modelgen.contact.kinds import (
+from modelgen.contact.form_table import (
     FORMS,
     choose_form,
     contact_kernels,
@@ -18,12 +17,13 @@ from modelgen.contact.kinds import (
     order,
     regular_forms,
 )
+from modelgen.contact.kernels import PLACE_INPUTS, PLACE_OUTPUTS, RATES_INPUTS, RATES_OUTPUTS, SLIP_OUTPUTS
 from modelgen.errors import SceneError
 from modelgen.model import BodyMotion, ContactKind, Posing, Rows, ShapeKind, Side
 from modelgen.notation import ETA_SIZE, notation
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.shapes import SHAPES
-from modelgen.scene.types import Chart
+from modelgen.scene.scene_types import Chart
+from modelgen.scene.shape_catalogue import SHAPES
 
 ROWS: tuple[Rows, ...] = (1, 3, 6)
 X, Y, Z = (parse_expression(text, ("u", "v")) for text in ("u", "v", "u**2 + v**2"))

@@ -10,12 +10,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from modelgen.contact.contact_symbols import partner
-from modelgen.contact.forms import build_angle
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
-from modelgen.contact.points import montana_frame
+from modelgen.contact.form_builders import build_angle
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
+from modelgen.contact.surface_points import montana_frame
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.types import Chart
+from modelgen.scene.scene_types import Chart
 
 # A sphere with the chart of the worked example: x = c_u/|c_u|, y = c_v/|c_v|, z outward.
 RHO, U, PSI, W = 0.3, 0.4, 0.7, (1.1, -0.6, 0.0)

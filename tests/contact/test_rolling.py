@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from modelgen.contact.kinds import contact_kernels
+from modelgen.contact.form_table import contact_kernels
 from modelgen.model import ContactKind, Rows, ShapeKind, Side
 from tests.contact.test_reference_cases import PLANE, ROLLING, W, rolling_arguments, rolling_kind
 

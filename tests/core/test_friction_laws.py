@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from modelgen.runtime.complementarity import solve_qp
+from modelgen.runtime.compiled_lcp import solve_qp
 from modelgen.runtime.friction import FrictionProblem, Motion, Outcome, coulomb, relaxation, residual
 from tests.core.frictional import feasible, mild, natural_map, with_bilateral
 

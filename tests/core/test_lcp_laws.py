@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from modelgen.runtime.complementarity import Outcome, solve_lcp, solve_qp
+from modelgen.runtime.compiled_lcp import Outcome, solve_lcp, solve_qp
 
 laws = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 

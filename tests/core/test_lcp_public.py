@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.runtime.complementarity import Outcome, solve_lcp, solve_qp
+from modelgen.runtime.compiled_lcp import Outcome, solve_lcp, solve_qp
 
 CASES: dict[str, dict[str, Any]] = json.loads(
     (Path(__file__).parent / "data" / "lcp_siconos.json").read_text()

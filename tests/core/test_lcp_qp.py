@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.complementarity import Outcome, solve_lcp, solve_qp
+from modelgen.runtime.compiled_lcp import Outcome, solve_lcp, solve_qp
 from modelgen.runtime.qp_reference import reference_qp
 
 Problem = tuple[np.ndarray, np.ndarray]

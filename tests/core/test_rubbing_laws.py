@@ -12,7 +12,7 @@ from scipy.integrate import dblquad
 from scipy.special import ellipe, ellipk
 
 from modelgen.runtime.patch_friction import AreaFriction, area_friction
-from modelgen.runtime.regions import Arc, overlap
+from modelgen.runtime.planar_regions import Arc, overlap
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
     FRAME,

@@ -13,8 +13,8 @@ from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.oracles.flat_start import FLAT_START, Rolling, rolled, scene_of_glass
 from tests.oracles.glass_reference import DIGITS, Glass, harmonics
 

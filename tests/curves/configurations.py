@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.contact.kinds import eta_layout
+from modelgen.contact.form_table import eta_layout
 from modelgen.model import ContactKind
 from tests.curves.specimens import ALL, BENDS, Bend
 from tests.laws.configurations import Array, columns, pose_of, rotation_taking, surface, turned

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.contact.kinds import FORMS
+from modelgen.contact.form_table import FORMS
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.types import Curve
+from modelgen.scene.scene_types import Curve
 from tests.laws.shapes import SPECIMENS, Specimen, casteljau
 
 WAVE = ("t", "k*sin(2*t)", "t**3/4 + t/5")  # an inflection of the projection, no arc length

@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels
+from modelgen.contact.form_table import contact_kernels
 from tests.curves.configurations import Pairs, Truth, columns, eta_dot_of, eta_of, lengths, random_pairs
 from tests.curves.specimens import ALL, BENDS, CASES, ON_CURVES, Bend, kind_of
 from tests.laws.differenced import (

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout, order
+from modelgen.contact.form_table import contact_kernels, eta_layout, order
 from tests.curves.configurations import Pairs, Truth, curve, eta_dot_of, eta_of, lengths, random_pairs, truth
 from tests.curves.specimens import ALL, BENDS, CASES, EDGES, ON_CURVES, ON_SURFACES, PAIRS, STRAIGHT, kind_of
 from tests.laws.configurations import Array, columns, pose_of, rotation_of, rotation_taking, turned

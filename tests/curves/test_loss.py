@@ -12,7 +12,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels
+from modelgen.contact.form_table import contact_kernels
 from modelgen.model import ContactKind, ShapeKind, Side
 from tests.laws.configurations import Array
 from tests.laws.precise import evaluate

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.model import ContactKind, ShapeKind, Side
 from tests.curves.configurations import columns, eta_of, lengths, random_pairs
 from tests.curves.specimens import kind_of

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from modelgen import Accuracy, read, simulate
 from modelgen.errors import SceneError, SimulationError
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, ran, rotations
 from tests.running import SCENES, library_of, run
 

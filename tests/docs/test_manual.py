@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from modelgen.cli import manual
 from modelgen.cli.commands import app
 from modelgen.cli.manual import FOLDER, TOPICS, page
-from modelgen.report.keys import keys_page
+from modelgen.report.keys_page import keys_page
 from modelgen.scene.joint_format import JOINT
 from modelgen.scene.scene_format import SHAPE_KINDS
 from tests.docs.pages import PAGES, README, anchors, links, text_of

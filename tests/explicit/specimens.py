@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import product
 
-from modelgen.contact.kinds import FORMS
+from modelgen.contact.form_table import FORMS
 from modelgen.model import ContactKind, ShapeKind, Side
 from tests.curves.specimens import ALL
 from tests.laws.shapes import Specimen

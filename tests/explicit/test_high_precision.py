@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from tests.curves.specimens import ALL
 from tests.curves.test_high_precision import along
 from tests.explicit.configurations import Pairs, carried, lengths, random_pairs

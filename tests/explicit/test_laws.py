@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from modelgen.model import ContactKind, ShapeKind, Side
 from tests.curves.configurations import eta_of as curve_eta_of
 from tests.curves.configurations import lengths as curve_lengths

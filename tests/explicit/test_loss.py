@@ -14,7 +14,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels
+from modelgen.contact.form_table import contact_kernels
 from modelgen.model import ContactKind, ShapeKind, Side
 from tests.curves.test_loss import EPS, SEEDS, Case, decades, frame, margin, posed, slope, turn
 from tests.laws.precise import evaluate

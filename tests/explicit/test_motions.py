@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from modelgen.model import BodyMotion, ContactKind, Posing, ShapeKind, Side
 from modelgen.notation import ETA_SIZE
 from tests.curves.specimens import ALL

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from modelgen import require
 from modelgen.errors import SceneError, SimulationError
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.oracles.pieces import TABLE, G, ball, ran, rotations, times
 
 BOWL = make.fixed("bowl", make.ellipsoid(0.5, 0.4, 0.3, cavity=True))

@@ -9,7 +9,7 @@ import pytest
 from modelgen.benchmark.extremes import Extreme, Found, Trial, tried
 from modelgen.benchmark.extremes_survey import EXTREMES, survey
 from modelgen.benchmark.extremes_table import _ranges
-from modelgen.benchmark.scene_variants import Variants
+from modelgen.benchmark.library_reuse import Variants
 from modelgen.errors import ModelgenError
 from modelgen.runtime.session import Session
 from tests.running import folder

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from modelgen import read, require, simulate
-from modelgen.benchmark.scene_variants import Variants
-from modelgen.benchmark.units import Units, in_units
+from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.build import chart, dynamic, fixed, plane, scene
-from modelgen.scene.types import Scene
+from modelgen.scene.python_scenes import chart, dynamic, fixed, plane, scene
+from modelgen.scene.scene_types import Scene
 from tests.running import NAMES, SCENES, folder
 
 SMALL, LARGE = 2.0**-20, 2.0**20  # about 1e-6, 1e6

@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from modelgen.geometry.catalogue import surface_of
 from modelgen.geometry.features import features_of
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.rotations import rotation_of
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
 from modelgen.scene.custom_solid_checks import point_on, quadric
-from modelgen.scene.poses import to_inner, to_outer
-from modelgen.scene.types import Condition, Feature, Shape
+from modelgen.scene.pose_arithmetic import to_inner, to_outer
+from modelgen.scene.scene_types import Condition, Feature, Shape
 
 Level = Callable[[np.ndarray], float]
 L_OUTLINE = [[0, 0], [2, 0], [2, 0.7], [0.8, 0.7], [0.8, 2], [0, 2]]

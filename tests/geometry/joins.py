@@ -7,13 +7,13 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
-from modelgen.geometry.catalogue import surface_of
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
+from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ContactKind, ShapeKind, Side
-from modelgen.scene.types import Feature, Shape
+from modelgen.scene.scene_types import Feature, Shape
 from tests.laws.configurations import Array, columns, pose_of, rotation_taking, turned
 
 EGG = (0.5, 0.35, 0.3)

@@ -14,8 +14,8 @@ from modelgen.errors import SceneError
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.features import features_of
 from modelgen.geometry.mass_properties import mass_properties
-from modelgen.scene import build
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as build
+from modelgen.scene.scene_types import Shape
 
 from .composites import L_OUTLINE, SPECIMENS
 

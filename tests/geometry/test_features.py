@@ -7,9 +7,9 @@ import pytest
 
 from modelgen.geometry.features import features_of, is_composite, is_convex
 from modelgen.rotations import rotation_of
-from modelgen.scene import build
-from modelgen.scene.poses import to_inner
-from modelgen.scene.types import Condition, Feature, Pose, Shape
+from modelgen.scene import python_scenes as build
+from modelgen.scene.pose_arithmetic import to_inner
+from modelgen.scene.scene_types import Condition, Feature, Pose, Shape
 
 from .composites import (
     CONVEX,

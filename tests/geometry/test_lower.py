@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from modelgen.errors import ExpressionError
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.scene.expression import evaluate, parse_expression
-from modelgen.scene.expression_arithmetic import FUNCTIONS
+from modelgen.scene.expression_functions import FUNCTIONS
 
 VALUES = st.floats(-3, 3)
 ATOMS = st.sampled_from(["x", "y", "0.5", "2", "pi"])

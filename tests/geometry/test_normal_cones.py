@@ -10,8 +10,8 @@ from scipy.optimize import minimize_scalar, nnls
 
 from modelgen.geometry.features import features_of
 from modelgen.rotations import rotation_of
-from modelgen.scene.poses import to_inner
-from modelgen.scene.types import Feature
+from modelgen.scene.pose_arithmetic import to_inner
+from modelgen.scene.scene_types import Feature
 
 from .composites import GEM, SPECIMENS, curve_frame, curve_parameter, off_and_normal, values
 

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from modelgen.geometry.features import features_of
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
 
 from .composites import SPECIMENS, by_name
 

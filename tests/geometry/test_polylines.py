@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from modelgen.errors import SceneError
 from modelgen.geometry.features import features_of
 from modelgen.rotations import rotation_of
-from modelgen.scene import build
-from modelgen.scene.poses import to_outer
-from modelgen.scene.types import Feature, Shape
+from modelgen.scene import python_scenes as build
+from modelgen.scene.pose_arithmetic import to_outer
+from modelgen.scene.scene_types import Feature, Shape
 from tests.geometry.joins import features, jets
 
 HOOK = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 2, 0], [1, 2, 1]]

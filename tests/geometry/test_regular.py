@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.regularity import check_regular
+from modelgen.geometry.chart_regularity import check_regular
 from modelgen.geometry.shape_warnings import declared_limits
-from modelgen.scene import build
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as build
+from modelgen.scene.scene_types import Shape
 
 HALF, TURN = (-pi / 2, pi / 2), (0.0, 2 * pi)
 BALL = ("cos(u)*cos(v)", "cos(u)*sin(v)", "sin(u)")

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from modelgen.errors import SceneError
 from modelgen.geometry.features import is_composite
 from modelgen.geometry.mass_properties import mass_properties
-from modelgen.geometry.surface import surface_kernel
-from modelgen.scene import build
-from modelgen.scene.types import Shape
+from modelgen.geometry.surface_kernel import surface_kernel
+from modelgen.scene import python_scenes as build
+from modelgen.scene.scene_types import Shape
 from tests.geometry.joins import curvatures, jets, kind_of
 
 HALF = (-pi / 2, pi / 2)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from modelgen.errors import SceneError
 from modelgen.geometry.mass_properties import mass_properties
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.types import Chart, Shape
+from modelgen.scene.scene_types import Chart, Shape
 
 LENGTH = st.floats(1e-3, 1e2)
 

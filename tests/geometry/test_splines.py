@@ -12,9 +12,9 @@ from scipy.interpolate import BSpline, RectBivariateSpline
 
 from modelgen.geometry.composites.splines import Line
 from modelgen.geometry.features import features_of, is_composite
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
+from modelgen.scene.scene_types import Feature, Shape
 from modelgen.scene.splines import ControlPolygon, Net
-from modelgen.scene.types import Feature, Shape
 from tests.geometry.joins import COUNT, change, curvatures, features, forms_of, jets, numbers_of
 from tests.laws.configurations import Array
 

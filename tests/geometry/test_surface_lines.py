@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
+from modelgen.scene.scene_types import Shape
 from modelgen.scene.surface_lines import CHARTS
-from modelgen.scene.types import Shape
 from tests.geometry.joins import jets
 
 SURFACES: dict[str, dict[str, object]] = {

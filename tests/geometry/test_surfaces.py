@@ -12,14 +12,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from modelgen.geometry.catalogue import SURFACES, exterior_sign, surface_of
 from modelgen.geometry.curves import CURVES
 from modelgen.geometry.frames import tangent_frame
-from modelgen.geometry.surface import surface_kernel
+from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
+from modelgen.geometry.surface_kernel import surface_kernel
 from modelgen.model import ShapeKind
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.shapes import SHAPES
-from modelgen.scene.types import Chart, Shape
+from modelgen.scene.scene_types import Chart, Shape
+from modelgen.scene.shape_catalogue import SHAPES
 
 LENGTHS = {
     "plane": (), "sphere": (0.6,), "ellipsoid": (1.0, 0.7, 0.5), "torus": (1.0, 0.4), "cylinder": (0.6,),

@@ -9,8 +9,8 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body
 from tests.running import library_of
 
 G = 9.81

@@ -12,7 +12,7 @@ import pytest
 from modelgen import Accuracy, simulate, simulate_batch
 from modelgen.errors import SceneError, SimulationError
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.joints.test_closed_forms import block, coordinate, joined
 from tests.running import library_of, run
 

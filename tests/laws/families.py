@@ -6,7 +6,7 @@ from itertools import combinations_with_replacement
 
 import pytest
 
-from modelgen.contact.kinds import FORMS, eta_layout, order
+from modelgen.contact.form_table import FORMS, eta_layout, order
 from modelgen.model import BodyMotion, ContactKind, Posing, Rows, Side
 from tests.laws.shapes import SPECIMENS
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from modelgen.model import ShapeKind
 from modelgen.scene.expression import parse_expression
-from modelgen.scene.types import Chart
+from modelgen.scene.scene_types import Chart
 
 PATCH = (
     "u + k*v + 0.1*u*v",

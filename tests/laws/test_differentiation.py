@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from tests.laws.configurations import Array, Configurations, columns, eta_of, parameters, random_pairs
 from tests.laws.families import CASES, PAIRS, ROUGH, kind_of
 from tests.laws.oracle import Truth, eta_dot_of, truth

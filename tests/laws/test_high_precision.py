@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from tests.laws.configurations import Array, Configurations, columns, eta_of, parameters, random_pairs
 from tests.laws.differenced import Quantities, assert_same, at_index, differenced, frame, inner, moved
 from tests.laws.families import CASES, ROUGH, kind_of

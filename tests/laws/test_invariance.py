@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import FORMS, contact_kernels, eta_layout
+from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.model import BodyMotion
 from tests.laws.configurations import (
     Array,

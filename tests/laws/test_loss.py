@@ -16,7 +16,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import ContactKind, contact_kernels, eta_layout
+from modelgen.contact.form_table import ContactKind, contact_kernels, eta_layout
 from tests.laws.configurations import Array, pose_of
 from tests.laws.families import kind_of
 from tests.laws.precise import evaluate

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from tests.laws.configurations import Array, columns, eta_of, parameters, random_pairs
 from tests.laws.families import CASES, kind_of
 from tests.laws.shapes import SPECIMENS

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from modelgen.model import ContactKind
 from tests.curves import configurations as strands
 from tests.curves import test_laws as of_curves

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from modelgen.model import BodyMotion
 from tests.laws.configurations import (
     Array,

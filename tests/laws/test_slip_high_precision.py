@@ -11,7 +11,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import contact_kernels, eta_layout
+from modelgen.contact.form_table import contact_kernels, eta_layout
 from modelgen.model import ContactKind
 from tests.curves import configurations as strands
 from tests.curves import test_high_precision as of_curves

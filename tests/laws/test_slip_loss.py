@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from modelgen.contact.kinds import ContactKind, contact_kernels
+from modelgen.contact.form_table import ContactKind, contact_kernels
 from modelgen.geometry.frames import SEAM
 from modelgen.model import ShapeKind, Side
 from tests.curves.test_loss import Case, concentric, crossing, focal, rim

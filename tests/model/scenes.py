@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from modelgen.scene.read import read_text
-from modelgen.scene.types import Scene
+from modelgen.scene.scene_types import Scene
 
 TABLE = '[[body]]\nname = "table"\nmotion = "fixed"\nshape = { kind = "plane" }\n'
 

@@ -18,7 +18,7 @@ from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.symbolic_rotations import SERIES_BELOW, exponential, quaternion
 from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate, parse_expression
-from modelgen.scene.types import Path
+from modelgen.scene.scene_types import Path
 from tests.model.scenes import WIDE
 
 Array = np.ndarray[Any, Any]

@@ -10,8 +10,8 @@ import numpy as np
 from modelgen import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import Session
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene, Shape
 from tests.oracles.glass_reference import Glass
 from tests.oracles.pieces import TABLE
 from tests.running import library_of

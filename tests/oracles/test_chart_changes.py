@@ -16,8 +16,8 @@ from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.oracles.pieces import rotations, solid
 from tests.oracles.plain_rows import PlainScene, Rows
 from tests.running import library_of, scene_of

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import ellipj, ellipk
 
 from modelgen import Accuracy, simulate
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.running import library_of, run, scene_of
 
 G = 9.81

@@ -16,8 +16,8 @@ from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.running import library_of
 
 RADIUS = 0.03  # of the ball, m

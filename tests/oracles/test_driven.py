@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import G, ball, imbalance, ran, solid, times
 
 AMPLITUDE, RATE = 0.05, 20.0

@@ -12,7 +12,7 @@ from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.runtime.trajectory import Outcome
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, ball, ran, solid
 from tests.running import library_of
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, rotations, solid, times
 
 AXES = (0.12, 0.09, 0.07)

@@ -11,8 +11,8 @@ import pytest
 from mpmath import mp, mpf
 
 from modelgen import Accuracy
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.oracles.flat_start import Rolling, rolled, scene_of_glass
 from tests.oracles.glass_reference import DIGITS, G, Glass, Motion, Support, ellipse, harmonics, motion
 from tests.oracles.power_series import Series

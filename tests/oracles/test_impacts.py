@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, rotations, solid, times
 
 NO_GRAVITY = [0.0, 0.0, 0.0]

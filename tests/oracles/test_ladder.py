@@ -14,7 +14,7 @@ from scipy.integrate import quad
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G
 from tests.running import library_of
 

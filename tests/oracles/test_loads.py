@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, rotations
 
 MASS, SMALL = 1.3, 0.4

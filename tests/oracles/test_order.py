@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, ball, imbalance, ran, rotations, solid
 
 AXES = (0.12, 0.09, 0.07)

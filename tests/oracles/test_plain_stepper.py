@@ -11,7 +11,7 @@ from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.plain_stepper import Change, PlainStepper
 from tests.running import library_of, scene_of
 

@@ -9,7 +9,7 @@ import pytest
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran
 from tests.running import library_of
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.report.patches import arcs_of
-from modelgen.runtime.regions import Overlap, overlap
+from modelgen.report.resting_face_outlines import arcs_of
+from modelgen.runtime.planar_regions import Overlap, overlap
 from modelgen.runtime.trajectory import Trajectory
 
 Array = np.ndarray[Any, Any]

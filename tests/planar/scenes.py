@@ -8,8 +8,8 @@ import numpy as np
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Event, Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.running import library_of
 
 G = 9.81

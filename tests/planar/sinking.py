@@ -8,7 +8,7 @@ import numpy as np
 
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.expression import evaluate
-from modelgen.scene.types import Scene, Shape
+from modelgen.scene.scene_types import Scene, Shape
 from tests.oracles.pieces import rotations
 
 Array = np.ndarray

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import pi
 
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 
 STRAIGHT, RADIUS, HALF = 0.03, 0.02, 0.05  # half a straight side, radius of the ends, half the height; m
 

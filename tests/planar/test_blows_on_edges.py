@@ -9,8 +9,8 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.benchmarks.planar_runs import scene_of
 from tests.planar.scenes import MASS, events, table
 from tests.planar.sinking import deepest

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from modelgen import simulate
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import rotations
 from tests.planar.scenes import HEIGHT, MASS, RADIUS, TIGHT, G, events, pushed, resting, standing, table
 from tests.running import library_of, run

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.oracles.pieces import rotations
 from tests.planar.scenes import TIGHT, G, events, table
 from tests.planar.test_pressure import reach_of_hull

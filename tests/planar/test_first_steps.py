@@ -15,8 +15,8 @@ from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.planar.scenes import HEIGHT, MASS, RADIUS, TIGHT, G, events, standing, table
 from tests.running import library_of
 

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.oracles.pieces import rotations
 from tests.planar.scenes import HEIGHT, INERTIA, MASS, TIGHT, G, events, standing
 from tests.running import library_of

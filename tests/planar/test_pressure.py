@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from modelgen import simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import rotations
 from tests.planar.overlaps import patch_overlap
 from tests.planar.scenes import HEIGHT, MASS, TIGHT, G, events, pushed, resting

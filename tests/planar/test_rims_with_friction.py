@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.planar.scenes import HEIGHT, INERTIA, MASS, RADIUS, TIGHT, G, events, standing, table
 from tests.running import library_of
 

@@ -12,8 +12,8 @@ from scipy.optimize import minimize_scalar
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene, Shape
 from tests.oracles.pieces import rotations
 from tests.planar.scenes import HEIGHT, INERTIA, MASS, TIGHT, G, events, pushed, standing, table
 from tests.planar.stadium import RADIUS, stadium

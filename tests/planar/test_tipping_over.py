@@ -12,8 +12,8 @@ from scipy.integrate import quad, solve_ivp
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.planar.scenes import INERTIA, MASS, G, standing, table
 from tests.running import library_of
 

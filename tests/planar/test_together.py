@@ -7,8 +7,8 @@ import pytest
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body
 from tests.planar.scenes import HEIGHT, TIGHT, G, standing, table
 from tests.running import library_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from modelgen.report.record import Record
+from modelgen.report.run_record import Record
 
 
 def ball_on_table(n: int = 41) -> Record:

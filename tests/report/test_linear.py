@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import ModelgenError, SimulationError
-from modelgen.linearisation.equilibrium import Linearised
+from modelgen.linearisation.equilibrium_and_modes import Linearised
 from modelgen.linearisation.rest_forces import least_pressing
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.oracles.pieces import TABLE, G, ball
 from tests.running import SCENES, library_of
 

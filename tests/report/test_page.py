@@ -12,8 +12,8 @@ import sympy as sp
 from modelgen import derive, require
 from modelgen.report import mathml
 from modelgen.report.inspection import inspected, written
-from modelgen.report.raster import colour
-from modelgen.verification.errata.table import ERRATA
+from modelgen.report.png_raster import colour
+from modelgen.verification.errata.errata_table import ERRATA
 from tests.benchmarks.pages import browser, looked_at
 
 CORE = {  # elements of MathML Core

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from modelgen.errors import ModelgenError
-from modelgen.report.plot import _finish, draw, require_matplotlib
-from modelgen.report.record import Record
+from modelgen.report.run_plot import _finish, draw, require_matplotlib
+from modelgen.report.run_record import Record
 
 from .runs import ball_on_table
 

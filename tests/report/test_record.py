@@ -12,8 +12,8 @@ import pytest
 from modelgen import draw, record_of, simulate
 from modelgen.errors import ModelgenError
 from modelgen.report.export import load, save
-from modelgen.report.record import COLUMNS, rotate_inverse
-from modelgen.scene.build import dynamic, fixed, plane, scene, sphere
+from modelgen.report.run_record import COLUMNS, rotate_inverse
+from modelgen.scene.python_scenes import dynamic, fixed, plane, scene, sphere
 from tests.running import library_of
 
 from .runs import ball_on_table

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy, simulate
-from modelgen.runtime.companion import estimate_of
+from modelgen.runtime.error_estimate import estimate_of
 from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
 from tests.benchmark.cases import Verdict, judged, scene_named, true_form

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelgen import Accuracy, simulate
-from modelgen.runtime.companion import SAFE, estimate_of
+from modelgen.runtime.error_estimate import SAFE, estimate_of
 from modelgen.runtime.trajectory import Event
 from modelgen.runtime.warnings.impact_order import undecided_impacts
 from tests.running import scene_of

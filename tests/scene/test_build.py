@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
 from modelgen.scene.read import read_text
-from modelgen.scene.shapes import SHAPES
+from modelgen.scene.shape_catalogue import SHAPES
 
 from .broken_structure import SOUND
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from modelgen.rotations import quaternion_of, quaternions_of, rotation_of
-from modelgen.scene.poses import compose, frame, to_inner, to_outer
-from modelgen.scene.types import Pose
+from modelgen.scene.pose_arithmetic import compose, frame, to_inner, to_outer
+from modelgen.scene.scene_types import Pose
 
 
 @given(st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(x * x for x in q) > 1e-2))

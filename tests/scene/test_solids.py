@@ -12,10 +12,10 @@ import pytest
 
 from modelgen.errors import SceneError
 from modelgen.geometry.features import features_of
-from modelgen.scene import build
+from modelgen.scene import python_scenes as build
+from modelgen.scene.json_schema import scene_schema
 from modelgen.scene.read import read_text
-from modelgen.scene.schema import scene_schema
-from modelgen.scene.types import Shape
+from modelgen.scene.scene_types import Shape
 
 SCHEMA = scene_schema()
 VALIDATOR = jsonschema.Draft202012Validator({"$ref": "#/$defs/shape", "$defs": SCHEMA["$defs"]})

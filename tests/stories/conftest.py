@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from modelgen.cli.commands import app
 from modelgen.codegen.compiler import find_compiler
-from modelgen.codegen.runtime_object import runtime_object
+from modelgen.codegen.core_cache import runtime_object
 from tests.running import LEVEL
 
 ROOT = Path(__file__).parents[2]

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from modelgen.contact import kinds
+from modelgen.contact import form_table
+from modelgen.contact.form_table import FORMS
 from modelgen.contact.kernels import ContactKernels
-from modelgen.contact.kinds import FORMS
 from modelgen.model import ContactKind
 from modelgen.notation import NAMES
 
@@ -141,20 +141,20 @@ def test_status_is_claimed_until_it_is_asked_for(modelgen: Modelgen) -> None:
 def test_a_corrupted_form_fails_with_its_exit_code(
     modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    true = kinds.FORMS["block"].build
+    true = form_table.FORMS["block"].build
 
     def corrupted(kind: ContactKind) -> ContactKernels:
         kernels = true(kind)
         rates = kernels.stated()
         return replace(kernels, stated=lambda: replace(rates, gamma=-rates.gamma))
 
-    wrong = {**kinds.FORMS, "block": replace(kinds.FORMS["block"], build=corrupted)}
-    monkeypatch.setattr(kinds, "FORMS", wrong)
-    kinds.contact_kernels.cache_clear()
+    wrong = {**form_table.FORMS, "block": replace(form_table.FORMS["block"], build=corrupted)}
+    monkeypatch.setattr(form_table, "FORMS", wrong)
+    form_table.contact_kernels.cache_clear()
     try:
         answer = modelgen("inspect", "torus-ellipsoid:block", "--formula", "rates", "--verify", 9)
     finally:
-        kinds.contact_kernels.cache_clear()
+        form_table.contact_kernels.cache_clear()
     assert answer.code == 1
     assert "FAILED" in answer.out
     assert re.search(r"gamma +failed", answer.out)

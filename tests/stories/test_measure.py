@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from modelgen.benchmark import evaluation as program
+from modelgen.benchmark import setting_evaluation as program
 from modelgen.benchmark.work_precision_front import Point
 from modelgen.runtime.session import Session
 

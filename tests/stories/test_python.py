@@ -26,7 +26,7 @@ from modelgen import (
 )
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.scene.types import RunSettings, Scene
+from modelgen.scene.scene_types import RunSettings, Scene
 from tests.running import SCENES, library_of, scene_of
 
 

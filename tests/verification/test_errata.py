@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from modelgen.verification.errata.table import ERRATA, Erratum, decide
+from modelgen.verification.errata.errata_table import ERRATA, Erratum, decide
 
 EQUATIONS = {
     "(2.1)", "(3.1)", "(3.11)", "(4.4), (4.12), (4.23), (4.28), (B.7)", "(4.5)", "(4.11)", "(C.18), row z",

@@ -8,10 +8,10 @@ import casadi as ca
 import pytest
 
 from modelgen import derive, read, require
-from modelgen.contact.kinds import FORMS
+from modelgen.contact.form_table import FORMS
 from modelgen.derivation import Derivation, Formula
 from modelgen.model import Rows
-from modelgen.report.derivation import View, formula_facts
+from modelgen.report.formula_list import View, formula_facts
 from modelgen.report.kind_scenes import kind_scene
 from modelgen.verification.proofs import MUST_BE_PROVED, must_be_proved
 from modelgen.verification.verify import verified

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import ModelgenError
-from modelgen.verification.symbolic import Line, component, definition, leading_to
+from modelgen.verification.sympy_translation import Line, component, definition, leading_to
 
 UNARY = (
     *(ca.sin, ca.cos, ca.tan, ca.asin, ca.acos, ca.atan, ca.sinh, ca.cosh, ca.tanh, ca.exp, ca.log),

@@ -13,9 +13,9 @@ import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing, sampled
-from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers
+from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers
 from modelgen.benchmark.sampled_motion import Array
-from modelgen.scene.types import Scene, Shape
+from modelgen.scene.scene_types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (
     Knob(

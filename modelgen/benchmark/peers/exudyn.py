@@ -12,9 +12,9 @@ import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing
-from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers, rotation, unsteady
+from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers, rotation, unsteady
 from modelgen.benchmark.sampled_motion import Array
-from modelgen.scene.types import ContactPair, Scene
+from modelgen.scene.scene_types import ContactPair, Scene
 
 KNOBS: tuple[Knob, ...] = (
     Knob("solver", "of order 2", lambda f: ("TrapezoidalIndex2", "GeneralizedAlpha"), lambda f, s: True),

@@ -10,8 +10,8 @@ from math import cos, log, pi, sin, sqrt
 import numpy as np
 
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers, unsteady
-from modelgen.scene.types import ContactPair, ForceLoad, Scene, Shape, SpringLoad, TorqueLoad
+from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers, unsteady
+from modelgen.scene.scene_types import ContactPair, ForceLoad, Scene, Shape, SpringLoad, TorqueLoad
 
 PRIMITIVES: Mapping[str, tuple[tuple[str, ...], float]] = {  # parameters, and what of the last MuJoCo takes
     "sphere": (("radius",), 1.0),

@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.benchmark.knobs import Facts, Knob, Settings
 from modelgen.benchmark.peers.mjcf import Mjcf, different, is_ringed, motors, unlike
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing, sampled
-from modelgen.benchmark.peers.setup import Setup, tabulated
+from modelgen.benchmark.peers.scene_description import Setup, tabulated
 from modelgen.benchmark.sampled_motion import Array
 
 

@@ -10,11 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from modelgen.benchmark.cost import Cost, cost_of
-from modelgen.benchmark.evaluation import Bench
 from modelgen.benchmark.front_search import sweep
 from modelgen.benchmark.knobs import Knob, Settings, Space
-from modelgen.benchmark.peers.setup import Setup
+from modelgen.benchmark.peers.scene_description import Setup
 from modelgen.benchmark.sampled_motion import Array, Motion
+from modelgen.benchmark.setting_evaluation import Bench
 from modelgen.benchmark.work_precision_front import Point, advantage, front
 from modelgen.errors import ModelgenError
 

@@ -15,12 +15,20 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
+from modelgen.benchmark.peers.external_program import answer, output_of, python_with
 from modelgen.benchmark.peers.mjcf import motors
 from modelgen.benchmark.peers.peer import PATIENCE, Peer, Run, missing
-from modelgen.benchmark.peers.program import answer, output_of, python_with
-from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers, rotation, tabulated, unsteady
+from modelgen.benchmark.peers.scene_description import (
+    Setup,
+    Solid,
+    driven,
+    numbers,
+    rotation,
+    tabulated,
+    unsteady,
+)
 from modelgen.benchmark.sampled_motion import Array
-from modelgen.scene.types import ContactPair, ForceLoad, Scene, SpringLoad
+from modelgen.scene.scene_types import ContactPair, ForceLoad, Scene, SpringLoad
 
 KNOBS: tuple[Knob, ...] = (
     Knob(

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.benchmark.knobs import Knob, Settings
+from modelgen.benchmark.peers.external_program import answer, compiled, output_of
 from modelgen.benchmark.peers.peer import PATIENCE, Peer, Run, missing
-from modelgen.benchmark.peers.program import answer, compiled, output_of
-from modelgen.benchmark.peers.setup import Setup, Solid, driven, numbers
-from modelgen.scene.types import Scene, Shape
+from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers
+from modelgen.scene.scene_types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (
     Knob("integrator", "of order 4 with error control", lambda f: ("RungeKuttaMerson",), lambda f, s: True),

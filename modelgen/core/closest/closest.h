@@ -53,7 +53,7 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
    body. */
 MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 
-/* start_selection.c */
+/* newton_starts.c */
 
 /* Eta for a sample of each feature. */
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,

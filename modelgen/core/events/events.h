@@ -45,7 +45,7 @@ MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real th
    interpolant and the marked gap minima. */
 MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed);
 
-/* interior_minima.c */
+/* hidden_events.c */
 
 /* True if an event margin may be below zero between the samples of the step. Needs the right-hand side and the
    gap velocities at its end. */

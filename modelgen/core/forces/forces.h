@@ -167,7 +167,7 @@ MG_INTERNAL mg_real mg_friction_power(const mg_context *c);
 MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, int constraint, mg_real angle,
                                             mg_real *along);
 
-/* patch_pressure.c */
+/* patch_end_conditions.c */
 
 /* Position of a support point in world axes. */
 MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world);
@@ -384,7 +384,7 @@ MG_INTERNAL int mg_project_initial_pose(mg_context *c);
    start_joint. Needs the rows at the run's state. */
 MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
-/* event_margins.c */
+/* event_margin_samples.c */
 
 /* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);

@@ -7,7 +7,7 @@
 
 static const int mg_parametrisation_size[] = {0, 3, 2, 1, 3, 1, 1}; /* entries of eta, by MG_NONE .. MG_TURN */
 
-/* Cause of a transition of a contact (transitions.c gives the state after it and the event). */
+/* Cause of a transition of a contact (contact_transitions.c gives the state after it and the event). */
 enum {
   MG_IMPACT_INELASTIC,     /* an impact without rebound */
   MG_IMPACT_AVOIDED,       /* an approach that impacts at other contacts end */
@@ -300,7 +300,7 @@ MG_INTERNAL int mg_find_pivot_end_cause(const mg_context *c, int slot, const mg_
 /* Event function of a held edge, for the given cause. */
 MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int cause);
 
-/* transitions.c */
+/* contact_transitions.c */
 
 /* Appends an event to the list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from modelgen.geometry.composites.conditions import at_least, at_most, face, smooth
+from modelgen.geometry.composites.feature_conditions import at_least, at_most, face, smooth
 from modelgen.geometry.pole_caps import Pole, cap_at, poles_of
-from modelgen.scene.types import NO_POLES, Chart, Composite, Condition, Pose, Shape
+from modelgen.scene.scene_types import NO_POLES, Chart, Composite, Condition, Pose, Shape
 
 SHEET = "sheet"
 INNER = 0.6  # of a cap's radius, where the chart hands over; the cap hands back at its own radius

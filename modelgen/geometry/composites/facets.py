@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.geometry.composites.conditions import (
+from modelgen.geometry.composites.feature_conditions import (
     at_least,
     at_most,
     edge,
@@ -19,8 +19,8 @@ from modelgen.geometry.composites.conditions import (
     vertex,
     wing,
 )
-from modelgen.scene.poses import frame, to_inner
-from modelgen.scene.types import Condition, Feature
+from modelgen.scene.pose_arithmetic import frame, to_inner
+from modelgen.scene.scene_types import Condition, Feature
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -13,7 +13,7 @@ import numpy as np
 from modelgen.geometry.composites.extrusions import corners
 from modelgen.geometry.composites.facets import Facets
 from modelgen.geometry.composites.polyhedra import polyhedron_facets
-from modelgen.scene.types import Shape
+from modelgen.scene.scene_types import Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

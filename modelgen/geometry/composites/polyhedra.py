@@ -9,7 +9,7 @@ import numpy as np
 
 from modelgen.errors import SceneError
 from modelgen.geometry.composites.facets import Facets, facet_features
-from modelgen.scene.types import Composite, Shape
+from modelgen.scene.scene_types import Composite, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import atan2, hypot
 
-from modelgen.geometry.composites.conditions import (
+from modelgen.geometry.composites.feature_conditions import (
     above,
     below,
     beyond_circle,
@@ -19,8 +19,8 @@ from modelgen.geometry.composites.conditions import (
     within_circle,
 )
 from modelgen.rotations import Quaternion
-from modelgen.scene.poses import UPSIDE_DOWN
-from modelgen.scene.types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
+from modelgen.scene.pose_arithmetic import UPSIDE_DOWN
+from modelgen.scene.scene_types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
 TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one
 FACING_Y: Quaternion = (0.5**0.5, 0.5**0.5, 0.0, 0.0)  # x stays, y turns to z, z turns to -y

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Literal
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.complementarity import CoreLibrary
+from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.compiled_solvers import coulomb, relaxation, residual
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral

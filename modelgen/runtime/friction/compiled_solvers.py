@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.arrays import C_REALS, frozen, pointer
-from modelgen.runtime.complementarity import CoreLibrary
+from modelgen.runtime.c_arrays import C_REALS, frozen, pointer
+from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 Law = Literal["coulomb", "relaxed"]

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from modelgen.runtime.complementarity import CoreLibrary
+from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.compiled_solvers import motion, residual
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modelgen.runtime import complementarity
-from modelgen.runtime.complementarity import CoreLibrary, solve_lcp
+from modelgen.runtime import compiled_lcp
+from modelgen.runtime.compiled_lcp import CoreLibrary, solve_lcp
 from modelgen.runtime.friction.compiled_solvers import motion, residual
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 FACETS = 8
 _OUTCOMES = {
-    complementarity.Outcome.SOLVED: Outcome.SOLVED,
-    complementarity.Outcome.NOT_FINITE: Outcome.NOT_FINITE,
+    compiled_lcp.Outcome.SOLVED: Outcome.SOLVED,
+    compiled_lcp.Outcome.NOT_FINITE: Outcome.NOT_FINITE,
 }
 
 

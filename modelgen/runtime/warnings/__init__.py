@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.joints import joint_warnings
+from modelgen.runtime.joint_results import joint_warnings
 from modelgen.runtime.session import Session
 from modelgen.runtime.warnings.impacts import impact_warnings
 from modelgen.runtime.warnings.time_stepping import stepping_warnings

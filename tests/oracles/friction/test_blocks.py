@@ -7,8 +7,8 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body
 from tests.oracles.friction.sphere import PushedBox
 from tests.oracles.friction.stick_slip import BeltOscillator, Motion, PulledToAndFro, thrown_up_incline
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from tests.oracles.friction.impact import Planar, at_once, chained, inverse_mass
 from tests.oracles.friction.painleve import INDETERMINATE, Rod

@@ -6,7 +6,7 @@ import numpy as np
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.tops import TOP_MASS, TOP_RADIUS
 from tests.oracles.pieces import TABLE, ran, rotations
 from tests.running import run

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.impact import Planar
 from tests.oracles.pieces import TABLE, imbalance, ran
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy
-from modelgen.scene import build as make
-from modelgen.scene.types import Body, Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
 from tests.oracles.friction.puck import G, Puck, disc_with_height, rectangle_with_height, uniform_ring
 from tests.oracles.pieces import TABLE, imbalance, ran, times
 from tests.running import run

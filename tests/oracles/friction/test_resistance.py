@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.disc import Disc
 from tests.oracles.friction.extrapolation import Real, reals
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, times

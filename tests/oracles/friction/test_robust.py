@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Outcome
-from modelgen.scene import build as make
-from modelgen.scene.types import Shape
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
 from tests.oracles.pieces import TABLE, G, ran
 from tests.running import library_of, scene_of
 

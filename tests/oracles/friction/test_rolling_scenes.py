@@ -7,7 +7,7 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.disc import rolls_straight_above, spins_upright_above
 from tests.oracles.friction.rolling_ellipsoid import reference
 from tests.oracles.friction.sphere import Turntable

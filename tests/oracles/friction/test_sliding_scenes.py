@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen import Accuracy
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.on_plane import P, T, V, W, rotation_of, slid_out, solid_ellipsoid, start
 from tests.oracles.friction.sphere import SlideToRoll
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, times

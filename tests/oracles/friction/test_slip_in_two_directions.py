@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.gentle_slip import GentleSlip
 from tests.oracles.friction.incline_slip import InclineSlip
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, times

@@ -9,7 +9,7 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
+from modelgen.scene import python_scenes as make
 from tests.oracles.friction.sprung_ball import SprungBall
 from tests.oracles.pieces import TABLE, ball, imbalance, ran
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Body
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, rotations, solid, times
 
 speeds = st.floats(-3, 3)

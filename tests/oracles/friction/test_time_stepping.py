@@ -9,8 +9,8 @@ import pytest
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Outcome, Trajectory
-from modelgen.scene import build as make
-from modelgen.scene.types import Scene
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.oracles.friction.painleve import INCONSISTENT, Rod
 from tests.oracles.friction.sphere import SlideToRoll
 from tests.oracles.pieces import TABLE, G, ball, imbalance, rotations, solid, times

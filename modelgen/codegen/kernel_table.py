@@ -1,0 +1,221 @@
+"""The table of a scene's kernels in C: sizes by kind, and one function a role that dispatches on the kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
+from modelgen.codegen.manifest import FEET
+from modelgen.codegen.manifest_instance import J_SIZE
+from modelgen.codegen.time_dependence import hides
+from modelgen.contact.form_table import eta_layout
+from modelgen.derivation import Derivation, Formula
+from modelgen.geometry.coordinate_domains import dimension_of
+from modelgen.geometry.curves import may_bend
+from modelgen.joint.joint_limits import is_turn
+from modelgen.joint.joint_rows import row_count
+from modelgen.joint.joint_table import FORMS
+from modelgen.model import ContactKind, JointKind, Model
+
+HEAD = """#ifndef MG_HASH
+#define MG_HASH ""
+#endif
+
+MG_API const char *mg_hash(void) { return MG_HASH; }
+"""
+
+
+@dataclass(frozen=True)
+class Dispatcher:
+    """One function of kernels.h: its name and arguments; the first of them are inputs of the kernel."""
+
+    roles: tuple[str, ...]
+    function: str
+    inputs: tuple[str, ...]  # names as the kernels have them, or as ALIASES has them
+    outputs: tuple[str, ...]
+
+
+TURN = 6  # MG_TURN
+KIND_GROUPS = ("body", "contact", "joint", "load", "shape")
+PARAMETRISATIONS = {"none": 0, "point": 1, "chart": 2, "curve": 3, "signed_curve": 4, "sign": 5}  # MG_NONE ..
+
+ALIASES = {"s": "uv", "x": "point", "n": "direction", "tangent": "direction"}  # of the kernels of shapes
+
+DISPATCHERS = (
+    Dispatcher(("pose",), "body_pose", ("q",), ("pose",)),
+    Dispatcher(
+        ("motion",), "body_motion", ("q", "u", "wrench", "gravity", "parameters"), ("qdot", "udot")
+    ),
+    Dispatcher(
+        ("energy",), "body_energy", ("q", "u", "gravity", "parameters"),
+        ("kinetic", "potential", "momentum", "spin"),
+    ),
+    Dispatcher(("path",), "body_path", ("t", "parameters"), ("pose", "twist", "accel")),
+    Dispatcher(
+        ("wrench",), "load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("wrench_a", "wrench_b"),
+    ),
+    Dispatcher(
+        ("rates",), "contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
+        ("d", "J_o", "J_f", "gamma", "eta_dot", "normal", "tangents"),
+    ),
+    Dispatcher(
+        ("place",), "contact_place", ("pose_o", "pose_f", "eta", "parameters"),
+        ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
+    ),
+    Dispatcher(
+        ("rows",), "joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("value", "J", "gamma1", "bias"),
+    ),
+    Dispatcher(
+        ("coordinates",), "joint_coordinates", ("pose_a", "pose_b", "parameters"), ("coordinate",)
+    ),
+    Dispatcher(
+        ("surface", "curve", "point"), "shape_point", ("uv", "parameters"), ("point", "direction")
+    ),
+    Dispatcher(
+        ("aim",), "contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
+    ),
+    Dispatcher(
+        ("seek",), "contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
+        ("d", "slope", "bend", "tangents", "eta"),
+    ),
+)  # fmt: skip
+
+
+def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
+    """The mg_kernels of a scene; `internal` maps a kernel's name to the static function that computes it."""
+    parts = [HEAD, *_tables(derivation)]
+    for dispatcher in DISPATCHERS:
+        formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
+        parts.append(_dispatcher(dispatcher, formulas, internal))
+    fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
+    fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
+    fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
+    parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
+    parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")
+    return "\n".join(parts)
+
+
+def _tables(derivation: Derivation) -> list[str]:
+    model = derivation.model
+    sizes = {
+        (formula.role, formula.kind): int(formula.function.numel_in("parameters"))
+        for formula in derivation.formulas
+        if formula.role in ("motion", "wrench", "rates")
+    }
+    seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
+    bodies = [
+        f"MG_{motion.upper()}, {Q_SIZE[motion]}, {U_SIZE[motion]}, {sizes.get(('motion', index), 12)}"
+        for index, motion in enumerate(kind.motion for kind in model.body_kinds)
+    ]
+    contacts = [
+        _row(
+            *_contact_sizes(kind),
+            sizes["rates", index],
+            *_parametrisations(kind),
+            int(index in seeking),
+            kind.rows,
+        )
+        for index, kind in enumerate(model.contact_kinds)
+    ]
+    contacts += [
+        _row(6, 6, turn, sizes["rates", index], TURN if turn else 0, 0, 0, 1)
+        for index, turn in enumerate(_limit_turns(model), start=len(model.contact_kinds))
+    ]
+    contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
+    shapes = [
+        _row(dimension_of(kind), FEET.get(kind.kind, 0), int(may_bend(kind))) for kind in model.shape_kinds
+    ]
+    joints = [_joint_sizes(kind) for kind in model.joint_kinds]
+    loads = [
+        _row(sizes["wrench", formula.kind], *_hidden(formula.function, model.load_kinds[formula.kind].kind))
+        for formula in derivation.formulas
+        if formula.role == "wrench"
+    ]
+    return [
+        _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
+        _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
+        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0"),
+        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
+    ]
+
+
+def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:
+    """Whether a load may oscillate between samples of a step with time, and with the state of its bodies;
+    springs do not."""
+    given = kind in ("force", "torque")
+    return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
+
+
+def _limit_turns(model: Model) -> list[int]:
+    """Whether each kind of limit bounds an angle, which then is its eta."""
+    return [int(is_turn(kind.kind)) for kind in model.limit_kinds]
+
+
+def _joint_sizes(kind: JointKind) -> str:
+    """Number of rows and of coordinates of a kind of joint, and whether its rows depend on time."""
+    return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None))
+
+
+def _row(*numbers: int) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _contact_sizes(kind: ContactKind) -> tuple[int, int, int]:
+    return J_SIZE[kind.o.motion], J_SIZE[kind.f.motion], eta_size(kind)
+
+
+def _parametrisations(kind: ContactKind) -> tuple[int, int]:
+    layout_o, layout_f = eta_layout(kind)
+    return PARAMETRISATIONS[layout_o], PARAMETRISATIONS[layout_f]
+
+
+def _table(struct: str, rows: list[str], names: list[str], empty: str) -> str:
+    lines = [f"  {{{row}}}, /* {name} */" for row, name in zip(rows, names, strict=True)]
+    body = "\n".join(lines or [f"  {{{empty}}}, /* none */"])
+    return f"static const {struct} {struct}s[] = {{\n{body}\n}};\n"
+
+
+def _dispatcher(dispatcher: Dispatcher, formulas: list[Formula], internal: Mapping[str, str]) -> str:
+    arguments = ["int kind", *(f"const mg_real *{name}" for name in dispatcher.inputs)]
+    arguments += [f"mg_real *{name}" for name in dispatcher.outputs]
+    cases = [line for formula in formulas for line in _case(formula, internal[formula.name])]
+    used = {name for formula in formulas for name in _given(formula) + _wanted(formula)}
+    unused = [name for name in (*dispatcher.inputs, *dispatcher.outputs) if name not in used]
+    lines = [f"static void {dispatcher.function}({', '.join(arguments)}) {{"]
+    lines += [f"  (void){name};" for name in unused]
+    lines += [
+        "  switch (kind) {",
+        *cases,
+        "    default: /* no kind of this scene */",
+        "      break;",
+        "  }",
+    ]
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+def _given(formula: Formula) -> list[str]:
+    function = formula.function
+    return [ALIASES.get(name, name) if function.numel_in(name) else "0" for name in function.name_in()]
+
+
+def _wanted(formula: Formula) -> list[str]:
+    function = formula.function
+    return [ALIASES.get(name, name) if function.numel_out(name) else "0" for name in function.name_out()]
+
+
+def _case(formula: Formula, internal: str) -> list[str]:
+    given, wanted = _given(formula), _wanted(formula)
+    return [
+        f"    case {formula.kind}: {{ /* {formula.name} */",
+        f"      const mg_real *arg[] = {{{', '.join(given)}}};",
+        f"      mg_real *res[] = {{{', '.join(wanted)}}};",
+        f"      {internal}(arg, res, 0, 0, 0);",
+        "      break;",
+        "    }",
+    ]

@@ -1,0 +1,300 @@
+"""The kinds and the instance of a Model as plain values for the manifest."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from math import isfinite
+from typing import Any
+
+from modelgen.assembly import Q_SIZE, U_SIZE
+from modelgen.assembly.masses import pose_numbers
+from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
+from modelgen.contact.form_table import FORMS, eta_layout
+from modelgen.contact.separation import has_separation
+from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.extent import bounding_ball
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import surface_of
+from modelgen.joint.joint_rows import row_count
+from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
+from modelgen.model import (
+    BodyEntry,
+    BodyKind,
+    ContactKind,
+    FeaturePairEntry,
+    JointEntry,
+    JointKind,
+    LimitEntry,
+    LimitKind,
+    LoadKind,
+    Model,
+    PairEntry,
+    ShapeKind,
+    Side,
+)
+from modelgen.notation import ETA_SIZE
+from modelgen.scene.scene_types import Shape
+
+J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
+_INERTIA_NAMES = {
+    "none": (),
+    "isotropic": ("I",),
+    "diagonal": ("Ixx", "Iyy", "Izz"),
+    "full": ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"),
+}
+_SPRING_NAMES = ("stiffness", "damping", "rest")
+_POSE_NAMES = ("p_x", "p_y", "p_z", *(f"R_{i}{j}" for j in "xyz" for i in "xyz"))
+
+
+def kinds_of(model: Model) -> dict[str, Any]:
+    """The set of kinds, each group in the order of its indices."""
+    return {
+        "body": [_body_kind(kind) for kind in model.body_kinds],
+        "contact": [_contact_kind(kind, model) for kind in model.contact_kinds],
+        "load": [_load_kind(kind) for kind in model.load_kinds],
+        "shape": [_shape_kind(kind) for kind in model.shape_kinds],
+        "joint": [_joint_kind(kind) for kind in model.joint_kinds],
+        "limit": [_limit_kind(kind) for kind in model.limit_kinds],
+    }
+
+
+def _body_kind(kind: BodyKind) -> dict[str, Any]:
+    moves = kind.motion in ("point", "free")
+    names = ("mass", *_INERTIA_NAMES[kind.inertia]) if moves else _POSE_NAMES
+    return {
+        "name": kind.name,
+        "motion": kind.motion,
+        "inertia": kind.inertia,
+        "loaded": kind.loaded,
+        "n_q": Q_SIZE[kind.motion],
+        "n_u": U_SIZE[kind.motion],
+        "parameters": [] if kind.folded is not None else list(names),
+        **_folded(kind),
+    }
+
+
+def _folded(kind: BodyKind | ShapeKind) -> dict[str, list[float]]:
+    """Numbers that are constants in the code of the kind."""
+    return {} if kind.folded is None else {"folded": list(kind.folded)}
+
+
+def _contact_kind(kind: ContactKind, model: Model) -> dict[str, Any]:
+    layout = eta_layout(kind)
+    return {
+        "name": kind.name,
+        "form": kind.form,
+        "citation": FORMS[kind.form].citation,
+        "eta": list(layout),
+        "n_eta": sum(ETA_SIZE[parametrisation] for parametrisation in layout),
+        "convex": eta_layout(kind) == ("point", "point") and has_separation(kind.o.shape, kind.f.shape),
+        "n_o": J_SIZE[kind.o.motion],
+        "n_f": J_SIZE[kind.f.motion],
+        "shapes": [model.shape_kinds.index(side.shape) for side in (kind.o, kind.f)],
+        "sides": [_side(kind.o), _side(kind.f)],
+        "parameters": [*_side_parameters(kind.o, "o"), *_side_parameters(kind.f, "f")],
+        **({"rows": kind.rows} if kind.rows > 1 else {}),
+    }
+
+
+def _side(side: Side) -> dict[str, Any]:
+    return {
+        "shape": side.shape.name, "motion": side.motion, "pose": side.pose, "placement": side.placement
+    }  # fmt: skip
+
+
+def _side_parameters(side: Side, name: str) -> list[str]:
+    lengths = [] if side.shape.folded is not None else list(side.shape.parameter_names)
+    placement = _POSE_NAMES if side.placement == "general" else ()
+    return [f"{name}.{each}" for each in (*lengths, *placement)]
+
+
+def _load_kind(kind: LoadKind) -> dict[str, Any]:
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "motions": list(kind.motions),
+        "expressions": list(kind.expressions),
+        "joint": kind.joint,
+        "n_parameters": _load_size(kind),
+    }
+
+
+def _load_size(kind: LoadKind) -> int:
+    if kind.joint:
+        return len(parameters_of_joint(kind))
+    return 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0)
+
+
+def _joint_kind(kind: JointKind) -> dict[str, Any]:
+    form = FORMS_OF_JOINTS[kind.kind]
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "rows": row_count(kind),
+        "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
+        "motion": None if kind.motion is None else kind.motion.text,
+        "parameters": parameters_of_joint(kind),
+    }
+
+
+def _limit_kind(kind: LimitKind) -> dict[str, Any]:
+    named = {key: value for key, value in asdict(kind).items() if key != "coordinate"}
+    further = {"coordinate": kind.coordinate} if kind.coordinate else {}
+    return {**named, **further, "parameters": parameters_of_joint(kind)}
+
+
+def _joint_parameters(kind: str) -> list[str]:
+    placements = (f"{side}.{name}" for side in "ab" for name in _POSE_NAMES)
+    return [*placements, "length", *FORMS_OF_JOINTS[kind].numbers]
+
+
+def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
+    """Names of the parameters of the kernels of a kind of joint, of its limits or of its springs, in
+    order."""
+    if isinstance(kind, LoadKind):
+        return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
+    bound = ["bound"] if isinstance(kind, LimitKind) else []
+    return [*_joint_parameters(kind.kind), *bound]
+
+
+def _shape_kind(kind: ShapeKind) -> dict[str, Any]:
+    return {
+        "name": kind.name,
+        "kind": kind.kind,
+        "parameters": list(kind.parameter_names),
+        **_folded(kind),
+        "cavity": kind.cavity,
+        "periodic": list(_periodic(kind)),
+    }
+
+
+def _periodic(kind: ShapeKind) -> tuple[bool, ...]:
+    """Whether each chart coordinate is periodic: two of a surface, one of a curve, none of a point."""
+    if is_point(kind):
+        return ()
+    return (curve_of(kind).periodic,) if is_curve(kind) else surface_of(kind).periodic
+
+
+def _finite(value: float) -> float | None:
+    """The value, or None in place of infinity, which JSON lacks."""
+    return float(value) if isfinite(value) else None
+
+
+def instance_of(model: Model) -> dict[str, Any]:
+    """The scene as tables that refer to the kinds by number."""
+    scene = model.scene
+    return {
+        "name": scene.name,
+        "source": scene.source,
+        "bodies": [_body(model, entry) for entry in model.bodies],
+        "pairs": [_pair(entry) for entry in model.pairs],
+        "feature_pairs": [_feature_pair(model, entry) for entry in model.feature_pairs],
+        "contacts": [asdict(entry) for entry in model.contacts],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
+        "loads": [
+            {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
+            for load in model.loads
+        ],
+        "joints": [_joint(model, entry) for entry in model.joints],
+        "limits": [_limit(model, entry) for entry in model.limits],
+        "n_q": model.n_q,
+        "n_u": model.n_u,
+        "n_eta": model.n_eta,
+        "scales": asdict(model.scales),
+        "initial_q": list(model.initial_q),
+        "initial_u": list(model.initial_u),
+        "gravity": list(scene.gravity),
+        "observe": list(scene.observe),
+        "left_out": list(model.left_out),
+        "warnings": list(model.warnings),
+        "run": scene.run.said(),
+    }
+
+
+def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "motion": model.body_kinds[entry.kind].motion,
+        "q": entry.q,
+        "u": entry.u,
+        "parameters": list(entry.parameters),
+        "mass_inverse": list(entry.mass_inverse),
+        "centre_of_mass": list(entry.centre_of_mass),
+    }
+
+
+def _joint(model: Model, entry: JointEntry) -> dict[str, Any]:
+    pose = pose_numbers(entry.frames[1], model.bodies[entry.b].centre_of_mass)
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "a": entry.a,
+        "b": entry.b,
+        "row": entry.row,
+        "anchor": list(pose[:3]),  # origin of the frame in b, from its centre of mass
+        "parameters": list(entry.parameters),
+    }
+
+
+def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
+    """The entry of a limit of a joint. Kinds of limits are numbered after those of contacts."""
+    return {
+        "name": entry.name,
+        "kind": len(model.contact_kinds) + entry.kind,
+        "joint": entry.joint,
+        "o": entry.a,
+        "f": entry.b,
+        "eta": entry.eta,
+        "restitution": entry.restitution,
+        "parameters": list(entry.parameters),
+    }
+
+
+def _pair(entry: PairEntry) -> dict[str, Any]:
+    return {
+        "name": entry.name,
+        "feature_pairs": list(entry.feature_pairs),
+        "contacts": list(entry.contacts),
+        "search": entry.search,
+        "restitution": entry.restitution.value,
+        **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
+        "normal": entry.normal and list(entry.normal),
+        "bounding_balls": [
+            {"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.bounding_balls
+        ],
+        **({"friction": [asdict(constraint) for constraint in entry.friction]} if entry.friction else {}),
+    }
+
+
+def _feature_pair(model: Model, entry: FeaturePairEntry) -> dict[str, Any]:
+    kind = model.contact_kinds[entry.kind]
+    return {
+        "name": entry.name,
+        "kind": entry.kind,
+        "pair": entry.pair,
+        "o": entry.o,
+        "f": entry.f,
+        "parameters": list(entry.parameters),
+        "swapped": entry.swapped,
+        "shape_o": _shape(model, entry.o, entry.shapes[0], kind.o),
+        "shape_f": _shape(model, entry.f, entry.shapes[1], kind.f),
+        "face_group": entry.face_group,
+        "conditions": [asdict(condition) for condition in entry.conditions],
+    }
+
+
+def _shape(model: Model, body: int, shape: Shape, side: Side) -> dict[str, Any]:
+    """The shape of one side: its kind, its lengths, its placement in the centre-of-mass axes, its extent."""
+    centre, radius = bounding_ball(shape)
+    return {
+        "name": shape.name,
+        "kind": model.shape_kinds.index(side.shape),
+        "parameters": [value for _, value in shape.parameters],
+        "placement": list(pose_numbers(shape.pose, model.bodies[body].centre_of_mass)),
+        "domain": [[_finite(bound) for bound in interval] for interval in domain_of(shape)],
+        "bounding_radius": _finite(radius),
+        "centre": list(centre),
+    }

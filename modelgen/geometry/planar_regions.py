@@ -1,0 +1,287 @@
+"""The planar regions of a shape: its flat faces, those in one plane together, and what bounds them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.features import features_of
+from modelgen.rotations import rotation_of
+from modelgen.scene.expression import Number
+from modelgen.scene.pose_arithmetic import UPSIDE_DOWN, compose, frame, to_inner, to_outer
+from modelgen.scene.scene_types import Condition, Feature, Pose, Shape
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+LEVEL = (
+    1e-9  # distance from a plane, against the size of the region, and sine of an angle, of what lies in it
+)
+JOINED = 1e-7  # distance of two ends that meet, against the size of the region
+HALF_TURN = (0.0, 0.0, 0.0, 1.0)  # about z
+MIRRORS = {"edge": HALF_TURN, "circle": UPSIDE_DOWN, "ellipse_curve": UPSIDE_DOWN}  # that turn t into -t
+SAMPLES = 16  # of a boundary curve, for its side and the size of the region
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A piece of a boundary: a curve, its pose in the axes of the face, and the range that is run through."""
+
+    curve: Shape
+    ends: tuple[float, float]
+    loop: int
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A planar part of a surface; without arcs it is a whole plane.
+
+    `features` are the faces, edges and vertices that lie in it; `pose`, with z outward, is in the frame of
+    the shape; `radius` is that of a circle about `centre` in its axes, m, that holds it.
+    """
+
+    name: str
+    features: frozenset[str]
+    pose: Pose
+    arcs: tuple[Arc, ...]
+    centre: tuple[float, float] = (0.0, 0.0)
+    radius: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """A boundary curve in the axes of the face with its direction, before it has a place in a loop."""
+
+    curve: Shape
+    ends: tuple[float, float]
+
+    def at(self, t: float) -> Array:
+        return to_outer(self.curve.pose, point_of(self.curve, t))
+
+    @property
+    def turned(self) -> _Run | None:
+        """The other way round; None for a curve without a mirror image in itself."""
+        mirror = MIRRORS.get(self.curve.kind)
+        if mirror is None:
+            return None
+        curve = replace(self.curve, pose=compose(self.curve.pose, Pose(quaternion=mirror)))
+        return _Run(curve, (-self.ends[1], -self.ends[0]))
+
+    def samples(self) -> Array:
+        """Points (SAMPLES + 1, 3) from its start to its end."""
+        return np.array([self.at(t) for t in np.linspace(*self.ends, SAMPLES + 1)])
+
+
+@lru_cache(maxsize=512)
+def regions_of(shape: Shape) -> tuple[Region, ...]:
+    """The planar regions of a shape; flat faces of which the boundary is not known are left out."""
+    flat = [feature for feature in features_of(shape).features if _is_flat(feature)]
+    found = (_region(shape, members) for members in _coplanar(flat))
+    return tuple(region for region in found if region is not None)
+
+
+def point_of(curve: Shape, t: float) -> Array:
+    """The point (3,) of a curve at t in its own axes, m."""
+    if curve.kind == "edge":
+        return np.array([t, 0.0, 0.0])
+    if curve.kind in ("circle", "ellipse_curve"):
+        a, b = curve.parameters[0][1], curve.parameters[-1][1]
+        return np.array([a * np.cos(t), b * np.sin(t), 0.0])
+    return np.asarray(_evaluated(replace(curve, pose=Pose()))(t), dtype=float).ravel()
+
+
+@lru_cache(maxsize=128)
+def _evaluated(curve: Shape) -> ca.Function:
+    t = ca.SX.sym("t")
+    numbers = ca.SX(ca.DM([value for _, value in curve.parameters]))
+    return ca.Function("curve", [t], [curve_of(curve).components(t, numbers)])
+
+
+def _is_flat(feature: Feature) -> bool:
+    chart = feature.shape.chart
+    level = chart is not None and isinstance(chart.components[2].tree, Number)
+    return feature.dimension == 2 and (feature.shape.kind == "plane" or level)
+
+
+def _outward(feature: Feature) -> Pose:
+    """The axes of a flat face, z outward."""
+    pose = feature.shape.pose
+    return compose(pose, Pose(quaternion=UPSIDE_DOWN)) if feature.shape.cavity else pose
+
+
+def _coplanar(flat: Sequence[Feature]) -> list[list[Feature]]:
+    """Flat faces by the plane that they lie in, planes of the catalogue first."""
+    groups: list[list[Feature]] = []
+    for feature in sorted(flat, key=lambda each: each.shape.chart is not None):
+        mates = (group for group in groups if _in_one_plane(group[0], feature))
+        group = next(mates, None)
+        if group is None:
+            groups.append([feature])
+        else:
+            group.append(feature)
+    return groups
+
+
+def _in_one_plane(a: Feature, b: Feature) -> bool:
+    turned = b.shape.chart is not None  # a chart's normal depends on the order of u and v
+    return in_one_plane(_outward(a), _outward(b), turned)
+
+
+def in_one_plane(a: Pose, b: Pose, turned: bool = False) -> bool:
+    """Whether frames have their first two axes in one plane and, unless they may be turned, z on one side."""
+    level, across = to_inner(a, b.position), rotation_of(a.quaternion).T @ rotation_of(b.quaternion)[:, 2]
+    aligned = (turned or across[2] > 0) and np.hypot(*across[:2]) < LEVEL
+    return bool(aligned and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2])))
+
+
+def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:
+    first = members[0]
+    if first.shape.kind != "plane":
+        return None
+    pose = _outward(first)
+    if not any(feature.conditions for feature in members):
+        return Region(first.name, frozenset({first.name}), pose, ())
+    edges = {each.name: each for each in features_of(shape).features if each.dimension == 1}
+    runs: list[_Run] = []
+    for member in members:
+        found = _boundary(member, pose, edges, frozenset(each.name for each in members))
+        if found is None:
+            return None
+        runs += found
+    loops = _loops(runs)
+    if loops is None:
+        return None
+    arcs = tuple(Arc(run.curve, run.ends, k) for k, loop in enumerate(loops) for run in loop)
+    points = np.vstack([run.samples()[:, :2] for run in runs])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(points - centre, axis=1).max())
+    inside = frozenset(_in_plane(shape, pose, radius)) | {each.name for each in members}
+    name = min((each.name for each in members), key=len)  # "bottom" of "bottom" and "bottom_core"
+    return Region(name, inside, pose, arcs, (float(centre[0]), float(centre[1])), radius)
+
+
+def _boundary(
+    face: Feature, pose: Pose, edges: dict[str, Feature], members: frozenset[str]
+) -> list[_Run] | None:
+    """The boundary curves of a face that are not joins with other members; None where one is not known."""
+    mine = to_axes(pose, face.shape.pose)
+    if all(_is_linear(condition) for condition in face.conditions):
+        return _polygon(face.conditions, mine, members)
+    runs = []
+    for condition in face.conditions:
+        if condition.next in members:
+            continue
+        edge = edges.get(condition.next or "")
+        if edge is None:
+            return None
+        curve = replace(edge.shape, pose=to_axes(pose, edge.shape.pose))
+        runs.append(_Run(curve, _range(edge)))
+    return runs
+
+
+def to_axes(outer: Pose, inner: Pose) -> Pose:
+    """The pose of `inner` in the axes of `outer`, both given in one frame."""
+    w, x, y, z = outer.quaternion
+    back = Pose(quaternion=(w, -x, -y, -z))
+    return compose(replace(back, position=_vector(to_outer(back, [-c for c in outer.position]))), inner)
+
+
+def _vector(x: Array) -> tuple[float, float, float]:
+    return float(x[0]), float(x[1]), float(x[2])
+
+
+def _range(edge: Feature) -> tuple[float, float]:
+    """Curve parameters at which an edge begins and ends."""
+    low, high = domain_of(edge.shape)[0]
+    for condition in edge.conditions:
+        if condition.kind == "parameter":
+            _, sign, bound = condition.numbers
+            low, high = (max(low, bound), high) if sign > 0 else (low, min(high, bound))
+    return low, high
+
+
+def _is_linear(condition: Condition) -> bool:
+    return condition.kind == "quadric" and not any(condition.numbers[4:])
+
+
+def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str]) -> list[_Run] | None:
+    """The sides of a convex polygon, given by its half-planes, but for those to other members."""
+    conditions = _in_turn(conditions)
+    lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in conditions]
+    corners = []
+    for k, (normal, offset) in enumerate(lines):
+        before, start = lines[k - 1]
+        A = np.array([before, normal])
+        if abs(np.linalg.det(A)) < LEVEL:
+            return None
+        corners.append(to_outer(pose, (*np.linalg.solve(A, [-start, -offset]), 0.0)))
+    sides = zip(corners, [*corners[1:], corners[0]], conditions, strict=True)
+    return [_side(a, b) for a, b, condition in sides if condition.next not in members]
+
+
+def _in_turn(conditions: Sequence[Condition]) -> list[Condition]:
+    """Half-planes by the direction of their normals, from the first on."""
+    angles = [float(np.arctan2(each.numbers[2], each.numbers[1])) for each in conditions]
+    order = sorted(range(len(angles)), key=lambda k: (angles[k] - angles[0]) % (2 * np.pi))
+    return [conditions[k] for k in order]
+
+
+def _side(a: Array, b: Array) -> _Run:
+    length = float(np.linalg.norm(b - a))
+    curve = Shape(
+        "edge", (("length", length),), pose=frame((a + b) / 2, (b - a) / length, np.array([0.0, 0.0, 1.0]))
+    )
+    return _Run(replace(curve, name="edge"), (-length / 2, length / 2))
+
+
+def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
+    """The curves end to start; None where they do not close."""
+    size = max((float(np.abs(run.samples()).max()) for run in runs), default=0.0)
+    left, loops = list(runs), []
+    while left:
+        loop = [left.pop(0)]
+        start = loop[0].at(loop[0].ends[0])
+        while not _meet(loop[-1].at(loop[-1].ends[1]), start, size):
+            end = loop[-1].at(loop[-1].ends[1])
+            after = next((k for k, run in enumerate(left) if _touches(run, end, size)), None)
+            if after is None:
+                return None
+            run = left.pop(after)
+            on = run if _meet(run.at(run.ends[0]), end, size) else run.turned
+            if on is None:
+                return None
+            loop.append(on)
+        loops.append(loop)
+    return loops
+
+
+def _touches(run: _Run, x: Array, size: float) -> bool:
+    return any(_meet(run.at(end), x, size) for end in run.ends)
+
+
+def _meet(a: Array, b: Array, size: float) -> bool:
+    return bool(np.linalg.norm(a - b) <= JOINED * size)
+
+
+def _in_plane(shape: Shape, pose: Pose, radius: float) -> list[str]:
+    """The names of the edges and vertices that lie in the plane z = 0 of a frame."""
+    return [
+        feature.name
+        for feature in features_of(shape).features
+        if feature.dimension < 2
+        and all(abs(to_inner(pose, x)[2]) <= LEVEL * radius for x in _places(feature))
+    ]
+
+
+def _places(feature: Feature) -> list[Array]:
+    """Points of an edge or vertex."""
+    if not is_curve(feature.shape):
+        return [to_outer(feature.shape.pose, [value for _, value in feature.shape.parameters])]
+    run = _Run(feature.shape, _range(feature))
+    return list(run.samples())

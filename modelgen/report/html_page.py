@@ -1,0 +1,222 @@
+"""One HTML page: formulas, shapes, singularities and errata; no network, no scripts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from modelgen.report import mathml
+from modelgen.report.formula_text import status_text, tree
+from modelgen.report.png_raster import colour, data_uri
+
+GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
+STYLE = """
+body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
+color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
+h2{margin-top:3rem;border-bottom:2px solid #345}h3{margin-top:2.2rem;overflow-wrap:anywhere}
+table{border-collapse:collapse;margin:1rem 0;font-size:.88rem}
+td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical-align:top;
+overflow-wrap:break-word}th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}
+pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
+math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
+mfrac>*{math-style:normal}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.3em .2em}
+.eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
+overflow-x:auto;overflow-y:hidden;padding:.2rem 0}
+.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
+font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}
+.proved{background:#2f7d4a}.failed{background:#c0262d}.open{background:#777}
+details{margin:.15rem 0 .15rem 1.1rem;border-left:2px solid #dde3ea;padding-left:.7rem}
+summary{cursor:pointer}.v{color:#566;font-size:.85rem}div.leaf{margin:.15rem 0 .15rem 2.2rem}
+figure{margin:1rem 0}
+""".strip()
+
+
+def page(source: str, facts: Mapping[str, Any]) -> str:
+    """The whole document."""
+    sections = [
+        ("formulas", "Formulas", "".join(map(_formula, facts["formulas"]))),
+        ("shapes", "Shapes", "".join(map(_shape, facts["shapes"]))),
+        ("singularities", "Singular configurations", "".join(map(_singularity, facts["singularities"]))),
+        ("errata", "Errata of the paper", _errata(facts["errata"])),
+    ]
+    filled = [section for section in sections if section[2]]
+    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in filled)
+    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in filled)
+    head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
+    text = f"<body>{_opening(source)}<p>{contents}</p>{body}</body>"
+    return f'<!DOCTYPE html><html lang="en"><head>{head}</head>{text}</html>\n'
+
+
+def _opening(source: str) -> str:
+    return (
+        f"<h1>{escape(source)}</h1><p>A companion to Anitescu, Cremer and Potra, <em>Formulating 3D Contact "
+        "Dynamics Problems</em>. Every formula stands as it is compiled, from its definitions to what is "
+        "exported, with the numbers of one configuration. <em>Proved</em>: an identity that SymPy decided. "
+        "<em>Tested</em>: equal to an independent derivation on random configurations, computed for this "
+        "page.</p>"
+    )
+
+
+def _badge(status: str) -> str:
+    known = status if status in ("tested", "proved", "failed") else "open"
+    return f'<span class="{known}">{escape(status)}</span>'
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[int] = ()) -> str:
+    """Cells are HTML already."""
+    top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    lines = "".join(
+        "<tr>"
+        + "".join(f"<td{' class=n' if k in numeric else ''}>{cell}</td>" for k, cell in enumerate(row))
+        + "</tr>"
+        for row in rows
+    )
+    return f"<table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table>"
+
+
+def _formula(facts: Mapping[str, Any]) -> str:
+    name = facts["name"] + (f": {facts['quantity']}" if facts["quantity"] else "")
+    statement = f"<pre>{escape(facts['statement'])}</pre>" if facts["statement"] else ""
+    count = f"{escape(facts['citation'])}; {facts['instructions']} instructions."
+    text = (
+        f"{_badge(facts['status'])} {escape(status_text(facts).removeprefix(facts['status']).lstrip('; '))}"
+    )
+    return (
+        f"<h3>{escape(name)}</h3><p>{count}</p>{statement}<p>{text}</p>{_findings(facts['findings'])}"
+        f"{_ports(facts)}<p>From what is exported down to its definitions:</p>{_tree(facts['definition'])}"
+    )
+
+
+def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
+    rows = [
+        (
+            named(f["quantity"]),
+            _badge(f["status"]),
+            worded(f["route"]),
+            str(f["n"] or ""),
+            _error(f["worst"]) if f["n"] else "",
+        )
+        for f in findings
+    ]
+    return _table(("quantity", "status", "against", "N", "worst error"), rows, (3, 4)) if rows else ""
+
+
+def _ports(facts: Mapping[str, Any]) -> str:
+    rows = [
+        (kind, named(port["name"]), "×".join(map(str, port.get("shape", ()))), indexed(port["unit"]),
+         escape(port["frame"]), worded("; ".join(filter(None, (port["meaning"], port["equation"])))))
+        for group, kind in (("inputs", "in"), ("outputs", "out"), ("steps", "step"))
+        for port in facts[group]
+        if port.get("shape") != [0]
+    ]  # fmt: skip
+    return _table(("", "name", "shape", "unit", "frame", "meaning"), rows)
+
+
+def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
+    """Nested by <details>, which need no script; the exported quantities are open."""
+    zeros = [line["key"] for line in definition if _is_zero(line)]
+    nodes = list(tree([line for line in definition if not _is_zero(line)]))
+    parts: list[str] = []
+    depths: list[int] = []
+    for (depth, line, above), (following, _, after) in zip(nodes, [*nodes[1:], (0, {}, False)], strict=True):
+        while depths and depths[-1] >= depth:
+            depths.pop()
+            parts.append("</details>")
+        number = f' <span class="v">= {line["number"] + 0.0:.6g}</span>' if line["uses"] else ""
+        label = f'<span class="eq">{line["value"]}</span>{number}'
+        if above:
+            more = ", " if after and following == depth else " above"
+            parts.append(f'<span class="leaf v">{named(line["key"])}{more}</span>')
+        elif following > depth:
+            parts.append(f"<details{' open' if depth == 0 else ''}><summary>{label}</summary>")
+            depths.append(depth)
+        else:
+            parts.append(f'<div class="leaf">{label}</div>')
+    rest = f'<div class="leaf">{", ".join(map(named, zeros))} = 0</div>' if zeros else ""
+    return "".join(parts) + "</details>" * len(depths) + rest
+
+
+def _is_zero(line: Mapping[str, Any]) -> bool:
+    """Whether a line only says that an output is zero, whatever the inputs are."""
+    return not line["uses"] and line["number"] == 0
+
+
+def _shape(facts: Mapping[str, Any]) -> str:
+    rows = []
+    for entry in facts["quantities"]:
+        check = entry["check"]
+        text = ""
+        if check is not None:
+            text = f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
+        lines = "".join(f'<div><span class="eq">{line}</span></div>' for line in entry["mathml"])
+        rows.append(f"<p>{worded(entry['meaning'])} {text}</p>{lines}")
+    none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
+    return f"<h3>{escape(facts['name'])}</h3>{''.join(rows)}{none}"
+
+
+def _singularity(facts: Mapping[str, Any]) -> str:
+    (x0, x1), (y0, y1) = facts["ranges"]
+    names = [indexed(axis) for axis in facts["axes"]]
+    scale = "".join(
+        f'<rect x="480" y="{320 - 3 * k}" width="16" height="3" fill="rgb{colour(k / 50 - 1)}"/>'
+        for k in range(101)
+    )
+    labels = [
+        (60, 345, f"{x0:.3g}"), (425, 345, f"{x1:.3g}"), (18, 320, f"{y0:.3g}"), (18, 32, f"{y1:.3g}"),
+        (502, 325, "−1"), (502, 175, "0"), (502, 28, "1"),
+    ]  # fmt: skip
+    style = 'font-size="13" font-family="sans-serif"'
+    texts = "".join(f'<text x="{x}" y="{y}" {style}>{text}</text>' for x, y, text in labels)
+    place = 'x="60" y="20" width="400" height="300" preserveAspectRatio="none"'
+    image = f'<image {place} href="{data_uri(facts["mu"])}"/>'
+    return (
+        f"<h3>{escape(facts['kind'])}</h3><p>Singular where {indexed(facts['condition'])}.</p><figure>"
+        f'<svg width="540" height="360" viewBox="0 0 540 360" role="img">{image}{scale}{texts}</svg>'
+        f"<figcaption>Margin μ, from {facts['least']:.3g} to {facts['largest']:.3g}, over {names[0]} (to the "
+        f"right) and {names[1]} (upwards); black: singular, red: no minimum of the distance. Held: "
+        f"{escape(facts['held'])}.</figcaption></figure>"
+    )
+
+
+def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
+    cells = [
+        (escape(r["equation"]), indexed(r["printed"]), indexed(r["corrected"]), escape(r["kind"]),
+         indexed(r["measure"]), str(r["n"]),
+         _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
+         str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
+        for r in rows
+    ]  # fmt: skip
+    head = [
+        *("equation", "as printed", "corrected", "kind", "error in"),
+        *("N", "printed", "agree", "corrected", "agree", ""),
+    ]
+    intro = (
+        "<p>Both statements of each row, evaluated for this page on random contacts, against the motion "
+        "itself or the Jacobian of the extremality system: the largest error, and how many agree.</p>"
+    )
+    return intro + _table(head, cells, (5, 6, 7, 8, 9))
+
+
+def indexed(text: str) -> str:
+    """`_x` as an index, `^x` as an exponent, in escaped text."""
+    below = re.sub(r"_(\w+)", lambda found: f"<sub>{found[1].replace('_', ',')}</sub>", escape(text))
+    return re.sub(r"\^(\w+)", r"<sup>\1</sup>", below)
+
+
+def named(name: str) -> str:
+    """A quantity by its symbol, as the formulas write it."""
+    return mathml.block(mathml.symbol(name))
+
+
+def worded(text: str) -> str:
+    """Words with `x_dot` as a letter with its dot, `x_f` with its index, and Greek letters."""
+    text = re.sub(r"\b(sigma|mu|eta|gamma1|gamma|Gamma)(?=\b|_)", lambda found: GREEK[found[1]], text)
+    marks = {"_dot": "\u0307", "_ddot": "\u0308"}
+    dotted = re.sub(r"(?<!\w)(\w)(_d?dot)\b", lambda found: found[1] + marks[found[2]], text)
+    return indexed(dotted.replace("->", "→"))
+
+
+def _error(value: float | None) -> str:
+    return "0" if value == 0 else "not finite" if value is None else f"{value:.1e}"

@@ -1,0 +1,194 @@
+"""The companion of a run: a finer run from a start that differs by a few roundings, which gives the error
+estimate.
+
+Where steps decide, its error is by far the smaller one; where rounding does, it is another one. So how far it
+goes from the run is the error of the run, whatever caused it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.accuracy import TENTH, Accuracy
+from modelgen.runtime.error_statement import Estimate
+from modelgen.runtime.run_distance import (
+    angle_between,
+    distance_between,
+    events_between,
+    forces_between,
+    gaps_between,
+)
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables.ctypes_structures import Array
+from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.warnings.impact_order import undecided_impacts
+
+SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
+ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
+ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
+DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
+UNBALANCED = (
+    1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
+)
+BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
+NUDGE = 2.0  # roundings by which each number of the start differs, at most
+
+
+def nudge(session: Session) -> None:
+    """Changes each number of the start that is not 0 by a few roundings."""
+    epsilon = float(np.finfo(session.tables.dtype).eps)
+    n = session.instance["n_q"] + session.instance["n_u"]
+    session.x[:n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
+
+
+def estimate_of(
+    path: Trajectory,
+    twin: Trajectory | None,
+    accuracy: Accuracy,
+    instance: Mapping[str, Any],
+    missing: str = "",
+) -> Estimate:
+    """The error of `path` from its companion's run `twin` at the same times.
+
+    Args:
+        path, accuracy: the run, and its record.
+        twin: None where there is none; `missing` says why.
+        instance: of the manifest.
+    """
+    length, last = instance["scales"]["length"], len(path.t)
+    position, rotation = np.full(last, np.inf), np.full(last, np.inf)
+    n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
+    if twin is not None:
+        position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, instance))
+    predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
+    slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
+    other = _other(path, twin, predicted, slow, safe)
+    reasons = [*_reasons(path, twin, accuracy, instance, missing)]
+    if other["events_unmatched"]:
+        reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
+    if twin is not None:
+        reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), instance)
+    return Estimate(
+        position=position,
+        rotation=rotation,
+        **other,
+        predicted=predicted,
+        horizon=float(path.t[predicted - 1]) if predicted < n else None,
+        uncertified=tuple(reasons),
+        rhs_evals=0 if twin is None else twin.rhs_evals,
+        interrupted=twin is not None and twin.interrupted,
+    )
+
+
+def _common(path: Trajectory, twin: Trajectory) -> int:
+    """The number of common samples; the last sample of a run that ended early is left out."""
+    n = min(len(path.t), len(twin.t))
+    return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
+
+
+def _steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
+    return accuracy.method == "time-stepping" or any(event.kind == "fallback-start" for event in path.events)
+
+
+def _safe(path: Trajectory, accuracy: Accuracy) -> float:
+    """The factor from the difference of two runs to the error; the companion's error is TENTH**order of the
+    run's."""
+    order = ORDERS.get("time-stepping" if _steps_in_time(path, accuracy) else accuracy.method)
+    return SAFE if order is None else SAFE / (1 - TENTH**order)
+
+
+def _errors(
+    path: Trajectory, twin: Trajectory, n: int, instance: Mapping[str, Any]
+) -> tuple[tuple[Array, float], tuple[Array, float]]:
+    """(n,) m and rad: the largest differences up to each sample, with a bound of rounding."""
+    bodies = list(enumerate(instance["bodies"]))
+    moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
+    turning = [k for k, body in bodies if body["motion"] == "free"]
+    tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
+    size = max(instance["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
+    apart = distance_between(path, twin, moving)[:n]
+    turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
+    return (
+        (np.maximum.accumulate(apart), tiny * size),
+        (np.maximum.accumulate(turned), tiny if turning else 0.0),
+    )
+
+
+def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
+    """The number of leading samples whose estimated error is below `prediction_error_max`."""
+    lost = np.flatnonzero(~(np.maximum(position, rotation)[:n] <= predictable))
+    return max(int(lost[0]) if lost.size else n, 1)
+
+
+def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float, safe: float) -> dict[str, Any]:
+    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s."""
+    if twin is None:
+        return {"gap": None, "force": None, "events": None, "events_unmatched": None}
+    end = float(path.t[n - 1])
+    gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
+    told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
+    times = events_between(told[0], told[1], end)
+    return {
+        "gap": None if gap is None else safe * gap,
+        "force": None if force is None else safe * force,
+        "events": None if times["events"] is None else safe * times["events"],
+        "events_unmatched": times["events_unmatched"],
+    }
+
+
+def _reasons(
+    path: Trajectory,
+    twin: Trajectory | None,
+    accuracy: Accuracy,
+    instance: Mapping[str, Any],
+    missing: str,
+) -> Iterator[str]:
+    """Reasons why the estimate may miss errors that both runs share, or why there is no estimate."""
+    if twin is None:
+        yield missing
+    elif twin.outcome is Outcome.INTERRUPTED:
+        yield f"the companion run was interrupted at {twin.t_end:.6g} s"
+    elif twin.t_end < path.t_end:
+        yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
+    if not accuracy.use_gamma and instance["pairs"]:
+        yield "Gamma2 is left out, and so the motion is another"
+    if _is_unbalanced(path, instance):
+        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
+    if _steps_in_time(path, accuracy):
+        yield "time-stepping locates no events"
+    if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
+        yield "fixed steps lose their order where slip dies"
+    if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
+        yield "contact forces with friction were not unique: which contact slips first is not decided by them"
+    sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
+    if sampled:
+        yield f"closest points are sought by sampling: {', '.join(sampled)}"
+
+
+def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
+    scales, bodies = instance["scales"], instance["bodies"]
+    mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
+    kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
+    least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
+
+
+def _order(
+    path: Trajectory, twin: Trajectory, error: float, end: float, instance: Mapping[str, Any]
+) -> Iterator[str]:
+    found = undecided_impacts(path.events, twin.events, instance, SAFE, error, end)
+    if found is not None:
+        names = f"{found[0].contact} and {found[1].contact}"
+        yield f"which of the impacts at {names} (t = {found[1].t:.6g} s) comes first is within the error"
+
+
+def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
+    """Whether contacts of the pair are found by sampling, so that one may be missed."""
+    if pair["search"] == "never":
+        return False
+    contacts = instance["contacts"][slice(*pair["contacts"])]
+    own = all(contact["feature_pair"] >= 0 for contact in contacts)
+    return not (own and all(contact["room"] == 0 for contact in contacts))
