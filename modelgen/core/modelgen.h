@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 10 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 11 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -389,6 +389,7 @@ typedef struct {
   long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
   long singular_passages;   /* places passed at which a closed contact is singular */
   long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
+  long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
 
   mg_real t_event;             /* time of the last transition, s */
   mg_real t_roundoff;          /* rounding error of t so far, s: the exact time is t + t_roundoff */
@@ -412,6 +413,7 @@ typedef struct {
   mg_real impact_gain_t;       /* time of impact_gain_max, s */
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
+  mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -426,6 +428,7 @@ typedef struct {
   int fallback_cause;       /* outcome that the first fallback avoided */
   int fallback_doublings;   /* how often the length of the last fallback was doubled */
   int passage_contact;      /* contact of the first singular passage, or -1 */
+  int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 

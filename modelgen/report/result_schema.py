@@ -174,6 +174,11 @@ _PROPERTIES = {
         "most force-carrying contacts beyond the rank of their rows; their forces are those of minimum norm, "
         "each weighted by the square root of its diagonal entry of J M^-1 J^T",
     ),
+    "unfollowed_minima": entry(
+        "integer",
+        "how often a search found closest points of a pair within reach that no contact of it was free to "
+        "follow; above 0 the pair may penetrate there, see `points` of [[contact]]",
+    ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
     "contacts": entry(
         "object",

@@ -163,6 +163,8 @@ def _reasons(
         yield "fixed steps lose their order where slip dies"
     if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
         yield "contact forces with friction were not unique: which contact slips first is not decided by them"
+    if path.unfollowed_minima:
+        yield "closest points were found that no contact was free to follow"
     sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
     if sampled:
         yield f"closest points are sought by sampling: {', '.join(sampled)}"

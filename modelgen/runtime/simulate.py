@@ -191,6 +191,7 @@ def _trajectory(
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
+        unfollowed_minima=int(run.unfollowed_minima),
         kinds=tuple(kinds),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,

@@ -148,6 +148,9 @@ class Trajectory:
     complementarity_max: float
     margin_min: float
     redundant_max: int  # most active contacts beyond the rank of their rows; their forces have minimum norm
+    unfollowed_minima: (
+        int  # how often a search found closest points within reach that no contact could follow
+    )
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
@@ -205,6 +208,7 @@ class Trajectory:
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
+            "unfollowed_minima": self.unfollowed_minima,
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
                 for e in self.events

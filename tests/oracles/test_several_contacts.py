@@ -181,3 +181,26 @@ def test_the_head_of_a_long_arm_strikes_what_it_swings_into(spin: float, bead: b
     strikes = [event.t for event in path.events if event.kind == "impact"]
     assert not apart.all()
     assert strikes[0] == pytest.approx(touches, abs=4e-4 / spin)
+
+
+@pytest.mark.parametrize("points", [1, 2])
+def test_closest_points_that_no_contact_can_follow_are_told(points: int) -> None:
+    """A bar falls across a ring, which it touches twice; with one contact it sinks in, and that is told."""
+    ring = make.fixed("ring", make.torus(0.3, 0.05))
+    lying = {"axis": [0, 1, 0], "angle": 1.6}
+    bar = make.dynamic(
+        "bar",
+        make.capsule(0.03, 1.0),
+        mass=1.0,
+        inertia=[0.1, 0.1, 0.01],
+        position=[0, 0, 0.15],
+        axis_angle=lying,
+    )
+    scene = make.scene("bar", [ring, bar], contact=[{"between": ["ring", "bar"], "points": points}])
+    path = simulate(library_of(scene), until=0.4)
+    told = [warning for warning in path.warnings if "more closest points within reach" in warning]
+    assert (path.unfollowed_minima > 0) == (points == 1)
+    assert len(told) == (points == 1)
+    reasons = path.estimate.uncertified if path.estimate else ()
+    assert any("no contact was free" in reason for reason in reasons) == (points == 1)
+    assert all("points = 2" in warning for warning in told)

@@ -82,7 +82,10 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
    condition of the feature pair. */
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found);
 
-/* Inserts a minimum in order of |d|, unless it is known. */
+/* Counts a minimum that no contact can follow, if it is within search_gap, in the report of the run. */
+MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found);
+
+/* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
 
 /* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the

@@ -73,9 +73,20 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   return fabs(found->d) <= MG_MAX;
 }
 
+MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found) {
+  if (found->d > c->settings->search_gap * c->system->length) return;
+  if (c->run->unfollowed_minima++) return;
+  c->run->unfollowed_t = c->run->t;
+  c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
+}
+
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_is_same_minimum(c, kept->list + i, found)) return;
+  if (kept->count == MG_MINIMA) {
+    const mg_minimum *last = kept->list + MG_MINIMA - 1;
+    mg_report_unfollowed_minimum(c, fabs(last->d) > fabs(found->d) ? last : found);
+  }
   int at = kept->count < MG_MINIMA ? kept->count++ : MG_MINIMA;
   for (; at > 0 && fabs(kept->list[at - 1].d) > fabs(found->d); at--)
     if (at < MG_MINIMA) kept->list[at] = kept->list[at - 1];
@@ -171,6 +182,8 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
     k++;
   }
+  for (; k < found.count; k++)
+    if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
   return MG_DONE;
 }
 

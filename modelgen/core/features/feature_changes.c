@@ -213,6 +213,14 @@ MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const
   return slot;
 }
 
+/* True if no contact of the pair will follow the minimum later: its own contact is in use, or all are closed. */
+static int mg_is_without_contact(const mg_context *c, int pair) {
+  if (mg_has_own_feature_pairs(c, pair)) return 1;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (!c->run->closed[i]) return 0;
+  return 1;
+}
+
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
@@ -272,8 +280,12 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each)) continue;
-    const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
-    if (slot < 0) continue;
+    if (mg_is_minimum_tracked(c, pair, -1, each)) continue;
+    const int slot = mg_find_contact_for_minimum(c, pair, each);
+    if (slot < 0) {
+      if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
+      continue;
+    }
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
     c->rows.d[slot] = each->d;
     if (!mg_is_feature_pair_unreported(c, each->feature_pair, each->d))

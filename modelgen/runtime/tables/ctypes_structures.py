@@ -153,18 +153,19 @@ RUN_COUNTS = (
     ),
     "singular_passages",
     "redundant_max",
+    "unfollowed_minima",
 )
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
-    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t"),
+    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
     *("dead_centres", "dead_centre", "impact_gain_contact", "chain_impact_contact", "painleve_contact"),
-    *("fallback_cause", "fallback_doublings", "passage_contact", "forces_redundant"),
+    *("fallback_cause", "fallback_doublings", "passage_contact", "unfollowed_pair", "forces_redundant"),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),

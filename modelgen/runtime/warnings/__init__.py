@@ -13,6 +13,8 @@ from modelgen.runtime.session import Session
 from modelgen.runtime.warnings.impacts import impact_warnings
 from modelgen.runtime.warnings.time_stepping import stepping_warnings
 
+POINTS_MAX = 64  # contacts that a pair can have
+
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
     """Advice for a scene without contacts and joints, and for one in which no body can move."""
@@ -51,6 +53,8 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
+    if session.run.unfollowed_minima:
+        found.append(_unfollowed(session))
     found += _far(session, accuracy)
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
@@ -66,6 +70,19 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
     return (
         f"contact forces are not unique: {redundant} more contacts carried force than have independent "
         "rows; the motion is unique, the forces given are those of minimum norm"
+    )
+
+
+def _unfollowed(session: Session) -> str:
+    """Warns that a pair has more closest points within reach than contacts."""
+    pair = session.instance["pairs"][session.run.unfollowed_pair]
+    first, end = pair["contacts"]
+    count = end - first
+    is_shared = session.instance["contacts"][first]["feature_pair"] < 0
+    remedy = f"; points = {min(2 * count, POINTS_MAX)} in its [[contact]] follows more" if is_shared else ""
+    return (
+        f"{pair['name']} has more closest points within reach than its contacts can follow ({count}), "
+        f"first at t = {float(session.run.unfollowed_t):.6g} s: it may penetrate there{remedy}"
     )
 
 
