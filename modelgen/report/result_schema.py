@@ -150,6 +150,11 @@ _PROPERTIES = {
         "description": "what the user should know of the run, such as a margin that fell low",
     },
     "estimate": _ESTIMATE,
+    "doubts": {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "reasons why the run cannot be trusted; empty if it can",
+    },
     "steps": entry("integer", "accepted integration steps", minimum=0),
     "rejected": entry("integer", "steps repeated with a smaller size", minimum=0),
     "rhs_evals": entry("integer", "evaluations of the right-hand side", minimum=0),

@@ -47,6 +47,14 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     for key in ("out", "plot"):
         if summary[key] is not None:
             print_written(summary[key], console)
+    _print_trust(summary, console)
+
+
+def _print_trust(summary: dict[str, Any], console: Console) -> None:
+    """The last line: whether the run can be trusted, and why not."""
+    doubts, unknown = summary["doubts"], "" if summary["estimate"] else "; its error was not estimated"
+    line = f"not trusted: {'; '.join(doubts)}" if doubts else "trusted"
+    console.print(line + unknown, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_written(file: object, console: Console) -> None:

@@ -133,6 +133,8 @@ class Accuracy:
         time_resolution: changes of loads, given motions and paths within this times T may be missed.
         step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
+        gap_error_max: a run is not trusted if the gap of a closed contact exceeded this times L.
+        energy_error_max: a run is not trusted if its energy drift exceeds this.
     """
 
     name: str = "balanced"
@@ -187,6 +189,8 @@ class Accuracy:
     time_resolution: float = 0.05
     step_fraction: float = 1.0
     prediction_error_max: float = 1e-2
+    gap_error_max: float = 1e-9
+    energy_error_max: float = 1e-6
 
     def __post_init__(self) -> None:
         check_name("method", self.method, get_args(Method))
@@ -205,6 +209,8 @@ class Accuracy:
             slip_speed=1e-5,
             rest_acceleration=1e-7,
             event_tolerance=1e-9,
+            gap_error_max=1e-6,
+            energy_error_max=1e-3,
         )
 
     @classmethod

@@ -24,15 +24,12 @@ from modelgen.runtime.run_distance import (
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trust import steps_in_time, uncertified
 from modelgen.runtime.warnings.impact_order import undecided_impacts
 
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
-DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
-UNBALANCED = (
-    1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
-)
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
@@ -89,14 +86,10 @@ def _common(path: Trajectory, twin: Trajectory) -> int:
     return n - 1 if n and twin.t[n - 1] != path.t[n - 1] else n
 
 
-def _steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
-    return accuracy.method == "time-stepping" or any(event.kind == "fallback-start" for event in path.events)
-
-
 def _safe(path: Trajectory, accuracy: Accuracy) -> float:
     """The factor from the difference of two runs to the error; the companion's error is TENTH**order of the
     run's."""
-    order = ORDERS.get("time-stepping" if _steps_in_time(path, accuracy) else accuracy.method)
+    order = ORDERS.get("time-stepping" if steps_in_time(path, accuracy) else accuracy.method)
     return SAFE if order is None else SAFE / (1 - TENTH**order)
 
 
@@ -153,29 +146,7 @@ def _reasons(
         yield f"the companion run was interrupted at {twin.t_end:.6g} s"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
-    if not accuracy.use_gamma and instance["pairs"]:
-        yield "Gamma2 is left out, and so the motion is another"
-    if _is_unbalanced(path, instance):
-        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
-    if _steps_in_time(path, accuracy):
-        yield "time-stepping locates no events"
-    if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
-        yield "fixed steps lose their order where slip dies"
-    if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
-        yield "contact forces with friction were not unique: which contact slips first is not decided by them"
-    if path.unfollowed_minima:
-        yield "closest points were found that no contact was free to follow"
-    sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
-    if sampled:
-        yield f"closest points are sought by sampling: {', '.join(sampled)}"
-
-
-def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
-    scales, bodies = instance["scales"], instance["bodies"]
-    mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
-    kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
-    least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
-    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
+    yield from uncertified(path, accuracy, instance)
 
 
 def _order(
@@ -185,12 +156,3 @@ def _order(
     if found is not None:
         names = f"{found[0].contact} and {found[1].contact}"
         yield f"which of the impacts at {names} (t = {found[1].t:.6g} s) comes first is within the error"
-
-
-def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
-    """Whether contacts of the pair are found by sampling, so that one may be missed."""
-    if pair["search"] == "never":
-        return False
-    contacts = instance["contacts"][slice(*pair["contacts"])]
-    own = all(contact["feature_pair"] >= 0 for contact in contacts)
-    return not (own and all(contact["room"] == 0 for contact in contacts))

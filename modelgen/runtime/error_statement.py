@@ -21,7 +21,8 @@ class Estimate:
         gap, force, events: m; root mean square, relative; s, with `events_unmatched`, those without their
             like: up to the last sample that is predicted. None where the run has none.
         predicted: how many samples are predicted, at least one.
-        horizon: s, the last of them, if there are others: later errors exceed `Accuracy.predictable`.
+        horizon: s, the last of them, if there are others: later errors exceed
+            `Accuracy.prediction_error_max`.
         uncertified: what the companion cannot show: reasons, each in words.
         rhs_evals: evaluations of the right-hand side that the companion took.
         interrupted: whether Ctrl-C fell into the companion run.

@@ -22,6 +22,7 @@ from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
+from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 
@@ -69,9 +70,9 @@ def simulate(
     doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
     path = _path(Session(library, chosen), end, np.linspace(0.0, end, intervals + 1), half)
-    if not doubled or not len(path.t):
-        return path
-    return replace(path, estimate=_estimate(library, chosen, path, _part(on_progress, 0.5, 1.0)))
+    if doubled and len(path.t):
+        path = replace(path, estimate=_estimate(library, chosen, path, _part(on_progress, 0.5, 1.0)))
+    return replace(path, doubts=doubts(path, chosen, instance))
 
 
 def _part(report: Report, start: float, end: float) -> Report:

@@ -157,6 +157,7 @@ class Trajectory:
     warnings: tuple[str, ...] = ()
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
+    doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
 
     @property
@@ -168,6 +169,11 @@ class Trajectory:
     def rotation_error(self) -> Array:
         """(n,) rad, the estimated error of a body's rotation up to each sample; infinite where unknown."""
         return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether nothing speaks against the run: see `doubts`."""
+        return not self.doubts
 
     @property
     def interrupted(self) -> bool:
@@ -198,6 +204,7 @@ class Trajectory:
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
             "estimate": self.estimate and self.estimate.as_json(),
+            "doubts": list(self.doubts),
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,

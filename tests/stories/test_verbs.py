@@ -151,10 +151,23 @@ def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen,
 def test_simulate_says_what_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None:
     npz, picture = tmp_path / "run.npz", tmp_path / "run.png"
     text = modelgen("simulate", BALL, "--until", 0.1, "--out", npz, "--plot", picture).out
-    assert text.endswith(f"written: {npz}\nwritten: {picture}\n")
+    assert f"written: {npz}\nwritten: {picture}\n" in text
     assert "written" not in modelgen("simulate", BALL, "--until", 0.1).out
     nothing = modelgen("simulate", BALL, "--until", 0.1, "--json").json
     assert (nothing["out"], nothing["plot"]) == (None, None)
+
+
+def test_the_last_line_says_whether_the_run_is_trusted(modelgen: Modelgen) -> None:
+    """A certified run is; one that is coarse, unbalanced or ends early is not, and says why."""
+    last = modelgen("simulate", EGG, "--until", 0.2).out.splitlines()[-1]
+    assert last == "trusted"
+    alone = modelgen("simulate", EGG, "--until", 0.2, "--no-estimate").out.splitlines()[-1]
+    assert alone == "trusted; its error was not estimated"
+    coarse = modelgen("simulate", EGG, "--until", 0.2, "--method", "rk4", "--step", 0.02, "--json").json
+    assert any("energy drift" in doubt for doubt in coarse["doubts"])
+    stepped = modelgen("simulate", EGG, "--until", 0.2, "--method", "time-stepping", "--step", 0.01).out
+    assert stepped.splitlines()[-1].startswith("not trusted: ")
+    assert "uncertified" in stepped.splitlines()[-1]
 
 
 def test_numbers_of_options_are_those_of_scenes(modelgen: Modelgen) -> None:

@@ -1,0 +1,88 @@
+"""Whether a run can be trusted, and if not, why: its end, gaps, energy, estimate, and what certifies it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.trajectory import Outcome, Trajectory
+
+DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
+UNBALANCED = (
+    1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
+)
+
+
+def doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> tuple[str, ...]:
+    """Reasons why a run cannot be trusted; none if it can.
+
+    Args:
+        path: the run, with its estimate if there is one.
+        accuracy: its record; `gap_error_max` and `energy_error_max` are the thresholds of the ledger.
+        instance: of the manifest.
+
+    Returns:
+        The reasons in words: the run ended early; a closed contact is open or penetrates; energy is out of
+        balance; the error is not predicted up to the end; the run is uncertified.
+    """
+    return tuple(_doubts(path, accuracy, instance))
+
+
+def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Iterator[str]:
+    if path.outcome is not Outcome.DONE:
+        yield f"it ended early: {path.outcome.name.lower()}"
+    gap_limit = accuracy.gap_error_max * instance["scales"]["length"]
+    if not path.gap_max <= gap_limit:
+        yield f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap_limit:.2g} m"
+    if not path.energy_drift <= accuracy.energy_error_max:
+        yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
+    estimate = path.estimate
+    if estimate is not None and estimate.horizon is not None:
+        yield f"nothing is predicted beyond {estimate.horizon:.6g} s"
+    reasons = tuple(uncertified(path, accuracy, instance)) if estimate is None else estimate.uncertified
+    if reasons:
+        yield (f"uncertified: {'; '.join(reasons)}" if estimate is None else "uncertified (see the estimate)")
+
+
+def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Iterator[str]:
+    """Reasons why a run may have an error that its companion would share."""
+    if not accuracy.use_gamma and instance["pairs"]:
+        yield "Gamma2 is left out, and so the motion is another"
+    if _is_unbalanced(path, instance):
+        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
+    if steps_in_time(path, accuracy):
+        yield "time-stepping locates no events"
+    if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
+        yield "fixed steps lose their order where slip dies"
+    if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
+        yield "contact forces with friction were not unique: which contact slips first is not decided by them"
+    if path.unfollowed_minima:
+        yield "closest points were found that no contact was free to follow"
+    sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
+    if sampled:
+        yield f"closest points are sought by sampling: {', '.join(sampled)}"
+
+
+def steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
+    """Whether a run, or a part of it, was one of time-stepping."""
+    return accuracy.method == "time-stepping" or any(event.kind == "fallback-start" for event in path.events)
+
+
+def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
+    scales, bodies = instance["scales"], instance["bodies"]
+    mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
+    kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
+    least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
+    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
+
+
+def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
+    """Whether contacts of the pair are found by sampling, so that one may be missed."""
+    if pair["search"] == "never":
+        return False
+    contacts = instance["contacts"][slice(*pair["contacts"])]
+    own = all(contact["feature_pair"] >= 0 for contact in contacts)
+    return not (own and all(contact["room"] == 0 for contact in contacts))

@@ -1,0 +1,79 @@
+"""A run is trusted if nothing speaks against it, and each thing that does is named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+
+from modelgen import simulate
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trust import doubts
+from modelgen.scene import python_scenes as make
+from tests.running import library_of
+
+BALL = make.dynamic("ball", make.sphere(0.1), density=1000.0, position=[0, 0, 0.3])
+SCENE = make.scene(
+    "ball", [make.fixed("table", make.plane()), BALL], contact=[{"between": ["ball", "table"]}]
+)
+
+
+@cache
+def path() -> Trajectory:
+    return simulate(library_of(SCENE), until=0.3, accuracy="balanced")
+
+
+@cache
+def instance() -> Any:
+    return library_of(SCENE).manifest.instance
+
+
+def doubted(run: Trajectory, accuracy: Accuracy | None = None) -> tuple[str, ...]:
+    return doubts(run, accuracy or Accuracy.balanced(), instance())
+
+
+def test_a_certified_run_is_trusted_with_and_without_its_estimate() -> None:
+    assert path().is_trusted
+    assert not doubted(path())
+    assert not doubted(replace(path(), estimate=None))
+
+
+@pytest.mark.parametrize("estimated", [True, False])
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"outcome": Outcome.STEP_TOO_SMALL}, "it ended early: step_too_small"),
+        ({"gap_max": 1.01e-9}, "gap"),
+        ({"gap_max": float("nan")}, "gap"),
+        ({"energy_drift": 1.01e-6}, "energy drift"),
+        ({"energy_drift": float("nan")}, "energy drift"),
+    ],
+)
+def test_each_figure_beyond_its_threshold_is_named(
+    changes: dict[str, Any], word: str, estimated: bool
+) -> None:
+    if "gap_max" in changes:
+        changes = {"gap_max": changes["gap_max"] * instance()["scales"]["length"]}
+    run = replace(path(), **changes)
+    (reason,) = doubted(run if estimated else replace(run, estimate=None))
+    assert word in reason
+
+
+def test_figures_at_their_thresholds_are_trusted() -> None:
+    length = instance()["scales"]["length"]
+    assert not doubted(replace(path(), gap_max=0.99e-9 * length, energy_drift=1e-6))
+    assert not doubted(replace(path(), gap_max=0.99e-6 * length, energy_drift=1e-3), Accuracy.fast())
+
+
+def test_an_uncertified_run_is_doubted_by_the_estimate_or_by_its_own_reasons() -> None:
+    told = doubted(replace(path(), estimate=None, unfollowed_minima=1))
+    assert told == ("uncertified: closest points were found that no contact was free to follow",)
+    estimate = path().estimate
+    assert estimate is not None
+    horizon = replace(path(), estimate=replace(estimate, horizon=0.2))
+    assert doubted(horizon) == ("nothing is predicted beyond 0.2 s",)
+    shared = replace(path(), estimate=replace(estimate, uncertified=("something",)))
+    assert doubted(shared) == ("uncertified (see the estimate)",)
