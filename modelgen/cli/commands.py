@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
 import modelgen
-from modelgen.cli.manual import manual
+from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.options import (
     AsJson,
@@ -238,8 +239,29 @@ def inspect(
 
 @app.command()
 @guarded
-def schema(as_json: AsJson = False) -> None:
-    """Print the JSON Schema of scene files; `$defs` has those of what the verbs print with --json."""
+def schema(
+    name: Annotated[
+        str | None, typer.Argument(metavar="KEY", help="a key, a table, or a kind of shape or joint")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print the JSON Schema of scene files, or what it says of one KEY in words.
+
+    `$defs` of the whole has the schemas of what the verbs print with --json.
+    """
+    if name is None:
+        typer.echo(json.dumps(_all_schemas(), indent=None if as_json else 2, allow_nan=False))
+        return
+    from modelgen.report.keys_page import page_of, sections_of
+
+    if as_json:
+        typer.echo(json.dumps([asdict(section) for section in sections_of(name)]))
+    else:
+        print_page(page_of(name))
+
+
+def _all_schemas() -> dict[str, Any]:
+    """The JSON Schema of scene files, with those of results under `$defs`."""
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
@@ -249,4 +271,4 @@ def schema(as_json: AsJson = False) -> None:
     results = {"result": result_schema(), "linearised": linearised_schema()}
     results |= {"measured": measured_schema(), "surveyed": surveyed_schema(), "tuned": tuned_schema()}
     document["$defs"] = {**document.get("$defs", {}), **results}
-    typer.echo(json.dumps(document, indent=None if as_json else 2, allow_nan=False))
+    return document

@@ -31,7 +31,11 @@ def manual(topic: Topic = None) -> None:
             typer.echo(f"{name:{width}}  {summary_of(page(name))}")
         typer.echo("\nmodelgen manual TOPIC prints a page.")
         return
-    text = page(topic)
+    print_page(page(topic))
+
+
+def print_page(text: str) -> None:
+    """Print a page of Markdown: laid out on a terminal, as it is elsewhere."""
     console = Console()
     if console.is_terminal:
         from rich.markdown import Markdown

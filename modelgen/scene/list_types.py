@@ -52,7 +52,9 @@ class Table:
 
     def read(self, value: object, place: Place) -> dict[str, Any]:
         if not isinstance(value, Mapping):
-            raise place.error(describe(value), "a table is allowed")
+            keys = [field.key for field in self.fields if field.required] or [self.fields[0].key]
+            pairs = ", ".join(f"{key} = ..." for key in keys)
+            raise place.error(describe(value), "a table is allowed", f"write {{ {pairs} }}")
         self._check_keys(value, place)
         return {
             field.key: field.type.read(value[field.key], place.key(field.key))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 from modelgen.cli import manual
 from modelgen.cli.commands import app
 from modelgen.cli.manual import FOLDER, TOPICS, page
-from modelgen.report.keys_page import keys_page
+from modelgen.report.keys_page import keys_page, page_of, sections, sections_of
 from modelgen.scene.joint_format import JOINT
 from modelgen.scene.scene_format import SHAPE_KINDS
 from tests.docs.pages import PAGES, README, anchors, links, text_of
@@ -69,6 +70,35 @@ def test_the_page_of_keys_is_that_of_the_schema() -> None:
 @pytest.mark.parametrize("names", [SHAPE_KINDS, JOINT.tables, ("[[contact]]", "[[spring]]", "[run]")])
 def test_the_page_of_keys_has_every_table(names: Iterable[str]) -> None:
     assert not [name for name in names if f"`{name}`" not in keys_page()]
+
+
+@pytest.mark.parametrize("key", [*SHAPE_KINDS, *JOINT.tables, "run", "contact", "body", "static"])
+def test_every_table_kind_and_key_has_a_page_of_its_own(key: str) -> None:
+    result = CliRunner().invoke(app, ["schema", key])
+    assert result.exit_code == 0
+    assert result.stdout == page_of(key) + ("" if page_of(key).endswith("\n") else "\n")
+    assert key in result.stdout
+    listed = json.loads(CliRunner().invoke(app, ["schema", key, "--json"]).stdout)
+    assert listed
+    assert {row["key"] for section in listed for row in section["rows"]} <= {
+        row.key for section in sections() for row in section.rows
+    }
+
+
+def test_the_page_of_a_key_has_its_row_in_every_table_that_has_the_key() -> None:
+    rows = [row for section in sections_of("restitution") for row in section.rows]
+    everywhere = [row for section in sections() for row in section.rows]
+    assert rows == [row for row in everywhere if "restitution" in row.key.split(".")]
+    assert len(rows) > 2
+
+
+@pytest.mark.parametrize(
+    ("wrong", "nearest"), [("frictoin", "friction"), ("tourus", "torus"), ("mu", "friction")]
+)
+def test_an_unknown_key_names_the_nearest(wrong: str, nearest: str) -> None:
+    result = CliRunner().invoke(app, ["schema", wrong])
+    assert result.exit_code == 2
+    assert f"did you mean {nearest!r}?" in result.stderr
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)

@@ -56,6 +56,11 @@ MEANING: list[Case] = [
         ["body[1].quaternion", "length zero", "[1, 0, 0, 0]"],
     ),
     (
+        "axis and angle in a list",
+        egg("axis_angle = [0, 0, 1, 0.5]"),
+        ["axis_angle", "a list of 4", "a table is allowed", "write { axis = ..., angle = ... }"],
+    ),
+    (
         "zero axis",
         egg("axis_angle = { axis = [0, 0, 0], angle = 1 }"),
         ["axis_angle.axis", "length zero", "direction"],
