@@ -66,7 +66,6 @@ from modelgen.cli.pipeline import (
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

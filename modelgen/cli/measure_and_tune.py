@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 import modelgen
 from modelgen.cli import INTERRUPTED
 from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
 from modelgen.cli.output import FAILED, check_file, check_outputs, guarded, print_facts
 from modelgen.cli.pipeline import check_folder, folder_of
+from modelgen.cli.progress import activity
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def measure(
     check_outputs(None, plot)
     what = modelgen.read(scene)
     check_folder(folder_of(what, None))
-    with _told() as report:
+    with activity("reference") as report:
         found = measured(
             what,
             until=read_option("until", until),
@@ -128,7 +128,7 @@ def _survey(
     if scene is not None:
         raise ModelgenError("--extremes", f"with the scene {scene}", "no scene", "leave one of them out")
     _refuse(given, "with --extremes", "--only and --json go with it")
-    with _told() as report:
+    with activity("reference") as report:
         found = survey(_names("only", only), on_progress=report)
     print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
     if found.interrupted:
@@ -159,7 +159,7 @@ def tune(
     what = modelgen.read(scene)
     check_folder(folder_of(what, None))
     text = scene.read_text(encoding="utf-8")
-    with _told() as report, _resumable():
+    with activity("reference") as report, _resumable():
         found = tuned(
             what,
             error=_error(error),
@@ -255,13 +255,3 @@ def _resumable() -> Iterator[None]:
     except KeyboardInterrupt:
         typer.echo(resumable(STOPPED), err=True)
         raise typer.Exit(INTERRUPTED) from None
-
-
-@contextmanager
-def _told() -> Iterator[Callable[[str], None]]:
-    """Print a line on standard error that says what is being measured, and the time limit."""
-    console = Console(stderr=True)
-    columns: tuple[Any, ...] = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("reference", total=None)
-        yield lambda text: bar.update(task, description=text)

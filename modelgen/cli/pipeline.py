@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import Progress
-
 import modelgen
 from modelgen.cli.options import read_option
+from modelgen.cli.progress import progress
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
@@ -122,12 +120,3 @@ def run_settings(
             key: read_option(key, value) if isinstance(value, str) else value for key, value in others.items()
         },
     }
-
-
-@contextmanager
-def progress(label: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on standard error. It is indeterminate until it receives the completed share."""
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda share: bar.update(task, total=1.0, completed=share)
