@@ -26,7 +26,10 @@ _EIGENVALUE_SLACK = 1e-12  # per row: eigenvalues of the scaled matrix down to -
 
 
 class Outcome(Enum):
-    """How a complementarity problem ended; the value says what to do. Order: mg_lcp_outcome in core/lcp.h."""
+    """How a complementarity problem ended; the value says what to do.
+
+    In the order of mg_lcp_outcome in core/solve/lcp/lcp.h.
+    """
 
     SOLVED = "the answer satisfies the conditions to its residual"
     INFEASIBLE = "no solution exists: the contacts demand what no force can give; check b and the constraints"
@@ -78,7 +81,7 @@ def solve_qp(
     Raises:
         SimulationError: shapes that do not fit.
 
-    Source: core/qp.c, the QP of Gauss's principle for (2.6), (2.7).
+    Source: core/solve/lcp/qp.c, the QP of Gauss's principle for (2.6), (2.7).
     """
     return _call("mg_qp", _Problem.of(A, b, library), iterations, _start(active, np.size(b)))
 

@@ -16,7 +16,7 @@ FRICTION = (0.0, 0.1, 0.3, 0.5, 1.0, 2.0)
 
 
 def natural_map(problem: FrictionProblem, forces: NDArray[Any], relaxed: bool = False) -> float:
-    """The certificate of core/friction.h, written again from its definition, in long double."""
+    """The certificate of friction problems, written again from its definition, in long double."""
     A, b, z = (x.astype(np.longdouble) for x in (problem.A, problem.b, forces))
     w, errors, sizes = A @ z + b, [np.longdouble(0)], [np.longdouble(0)]
     for contact, row in enumerate(problem.first):

@@ -1,4 +1,4 @@
-"""The solvers of the compiled core (core/friction.h), and the certificate that all solvers share."""
+"""The solvers of the compiled core (core/solve/friction/friction.h), and the certificate that all share."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
 
 Law = Literal["coulomb", "relaxed"]
-LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/friction.h
+LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/solve/friction/friction.h
 _COUNTS = ("outcome", "sweeps", "newton", "starts", "rank", "active", "unique")
 _UNDECIDED = -1
 
@@ -65,7 +65,7 @@ def relaxation(
 
 
 def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: Law = "coulomb") -> float:
-    """The scaled natural map of any z (mg_friction_residual in core/friction.h): 0 for a solution of `law`.
+    """The scaled natural map of any z: 0 for a solution of `law` (mg_friction_residual of the core).
 
     Dimensionless, and the same in all units and for all choices of t1, t2.
     """
