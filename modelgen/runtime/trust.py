@@ -74,7 +74,8 @@ def steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
 def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
     scales, bodies = instance["scales"], instance["bodies"]
     mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
-    kinetic = float((mass / 2 * (path.v.astype(float) ** 2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
+    v = path.v[np.isfinite(path.v).all(axis=(1, 2))].astype(float)
+    kinetic = float((mass / 2 * (v**2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
     least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
     return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
 
