@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
+from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.manifest import FEET
 from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.time_dependence import hides
@@ -88,12 +89,13 @@ DISPATCHERS = (
 
 def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """The mg_kernels of a scene; `internal` maps a kernel's name to the static function that computes it."""
-    parts = [HEAD, *_tables(derivation)]
+    parts = [HEAD, *_tables(derivation), programs_text(derivation.model.shape_kinds, _searched(derivation))]
     for dispatcher in DISPATCHERS:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
     fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
+    fields.append("  .shape_bounds = mg_shape_bounds,")
     fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
     parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
     parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")
@@ -143,6 +145,20 @@ def _tables(derivation: Derivation) -> list[str]:
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
     ]
+
+
+def _searched(derivation: Derivation) -> list[bool]:
+    """Whether closest points of each kind of shape are searched by cells: in a kind of contact that has
+    parameters and no separation function."""
+    model = derivation.model
+    convex = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
+    shapes = {
+        side.shape
+        for index, kind in enumerate(model.contact_kinds)
+        if index not in convex and eta_size(kind)
+        for side in (kind.o, kind.f)
+    }
+    return [kind in shapes for kind in model.shape_kinds]
 
 
 def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:

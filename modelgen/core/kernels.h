@@ -12,6 +12,7 @@
 #ifndef MG_KERNELS_H
 #define MG_KERNELS_H
 
+#include "base/taylor_models.h"
 #include "base/real.h"
 
 /* Motion of a body. The order matters: bodies from MG_POINT on are moved by forces. */
@@ -82,6 +83,12 @@ typedef struct {
   const mg_joint_kind *joint_kinds;     /* by number of the kind */
   const mg_load_kind *load_kinds;       /* by number of the kind */
   const mg_shape_kind *shape_kinds;     /* by number of the kind */
+
+  /* By number of the kind of shape: functions of chart coordinates or of the curve parameter, in the axes of the shape,
+     that a search bounds over cells. Of a surface 12 numbers: x, m; exterior unit normal n; the symmetric matrix W with
+     dn = W dx (xx, yy, zz, xy, xz, yz), 1/m. Of a curve 9: x, m; unit tangent; curvature vector, 1/m. Empty where no
+     search needs it. */
+  const mg_bounds_program *shape_bounds;
 
   /* Pose of a free body from q. */
   void (*body_pose)(int kind, const mg_real *q, mg_real *pose);

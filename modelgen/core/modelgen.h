@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 11 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 12 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -105,7 +105,8 @@ typedef struct {
   int n_joint_row;           /* rows (scalar equations) of all joints */
   int n_patch;               /* patches; each has three feature pairs, the last 3 n_patch of all */
   int n_patch_slot;          /* slots; each has three contacts, the last 3 n_patch_slot of all */
-  int n_sample_table;        /* tables of samples of features that are kept between searches */
+  int n_cell_tree;           /* trees of cells of features, by which closest points are searched */
+  int n_cell;                /* room for the cells of all trees */
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
 
@@ -134,8 +135,8 @@ typedef struct {
   const int *feature_shape;      /* [2 n_feature_pair] features o, f: shape kind of the library */
   const int *feature_parameters; /* [2 n_feature_pair] features o, f: offset into parameters */
   const int *feature_numbers; /* [2 n_feature_pair] features o, f: offset into numbers, see MG_FEATURE_PLACEMENT .. */
-  const int *feature_table;   /* [2 n_feature_pair] features o, f: table that keeps its samples, or -1 */
-  const int *sample_table_first; /* [n_sample_table + 1] range of samples */
+  const int
+      *feature_tree; /* [2 n_feature_pair] features o, f: tree of its cells, or -1: none; equal features share one */
 
   const int *condition_kind;         /* [all conditions] MG_CONDITION_QUADRIC .. */
   const int *condition_feature;      /* [all conditions] feature whose point, coordinates, N it is about: 0 o, 1 f */
@@ -390,6 +391,7 @@ typedef struct {
   long singular_passages;   /* places passed at which a closed contact is singular */
   long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
+  long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
 
   mg_real t_event;             /* time of the last transition, s */
   mg_real t_roundoff;          /* rounding error of t so far, s: the exact time is t + t_roundoff */
@@ -414,6 +416,7 @@ typedef struct {
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
+  mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -429,6 +432,7 @@ typedef struct {
   int fallback_doublings;   /* how often the length of the last fallback was doubled */
   int passage_contact;      /* contact of the first singular passage, or -1 */
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
+  int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 

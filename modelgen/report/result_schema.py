@@ -68,7 +68,7 @@ _ESTIMATE = record(
         "uncertified": {
             "type": "array",
             "items": {"type": "string"},
-            "description": "reasons, such as closest points that are sought by sampling",
+            "description": "reasons, such as closest points that no contact could follow",
         },
         "rhs_evals": entry("integer", "evaluations of the right-hand side that it took", minimum=0),
     },
@@ -183,6 +183,11 @@ _PROPERTIES = {
         "integer",
         "how often a search found closest points of a pair within reach that no contact of it was free to "
         "follow; above 0 the pair may penetrate there, see `points` of [[contact]]",
+    ),
+    "incomplete_searches": entry(
+        "integer",
+        "searches for the closest points of two features that were given up before all were found, as where "
+        "surfaces conform; above 0 a contact may be missed",
     ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
     "contacts": entry(

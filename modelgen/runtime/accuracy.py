@@ -166,7 +166,7 @@ class Accuracy:
     step_min: float = 1e-13
     margin_warn: float = 1e-3
     margin_refuse: float = 1e-5
-    appear_margin: float = 1e-4
+    appear_margin: float = 2e-5
     appear_tilt_sine: float = 0.5
     slip_stop_speed_ratio: float = 100.0
     separation_speed_factor: float = 1e3

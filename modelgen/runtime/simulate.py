@@ -193,6 +193,7 @@ def _trajectory(
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
         unfollowed_minima=int(run.unfollowed_minima),
+        incomplete_searches=int(run.incomplete_searches),
         kinds=tuple(kinds),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         accuracy=accuracy.name,

@@ -151,6 +151,7 @@ class Trajectory:
     unfollowed_minima: (
         int  # how often a search found closest points within reach that no contact could follow
     )
+    incomplete_searches: int  # searches of a pair of features given up before all closest points were found
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
@@ -216,6 +217,7 @@ class Trajectory:
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
             "unfollowed_minima": self.unfollowed_minima,
+            "incomplete_searches": self.incomplete_searches,
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
                 for e in self.events

@@ -61,9 +61,8 @@ def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any
         yield "contact forces with friction were not unique: which contact slips first is not decided by them"
     if path.unfollowed_minima:
         yield "closest points were found that no contact was free to follow"
-    sampled = [pair["name"] for pair in instance["pairs"] if _is_sampled(pair, instance)]
-    if sampled:
-        yield f"closest points are sought by sampling: {', '.join(sampled)}"
+    if path.incomplete_searches:
+        yield "a search for closest points was given up before all were found"
 
 
 def steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
@@ -78,12 +77,3 @@ def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
     kinetic = float((mass / 2 * (v**2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
     least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
     return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
-
-
-def _is_sampled(pair: Mapping[str, Any], instance: Mapping[str, Any]) -> bool:
-    """Whether contacts of the pair are found by sampling, so that one may be missed."""
-    if pair["search"] == "never":
-        return False
-    contacts = instance["contacts"][slice(*pair["contacts"])]
-    own = all(contact["feature_pair"] >= 0 for contact in contacts)
-    return not (own and all(contact["room"] == 0 for contact in contacts))

@@ -101,8 +101,7 @@ def test_a_billiard_is_said_to_be_beyond_its_horizon_and_honest_before_it() -> N
 def test_what_a_second_run_cannot_show_is_said() -> None:
     rings = simulate(scene_of("linked_rings"), until=0.1)
     assert rings.estimate is not None
-    assert rings.estimate.uncertified == ("closest points are sought by sampling: hook-ring",)
-    assert rings.estimate.status == "uncertified"
+    assert rings.estimate.uncertified == ()
     egg = simulate(
         scene_of("ellipsoid_on_plane"), until=0.1, accuracy=replace(Accuracy.fast(), use_gamma=False)
     )

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "base/taylor_models.h"
 #include "base/real.h"
 
 /* MG_LCP_TIKHONOV  regularisation: added to the unit diagonal of S while the active set is sought.
@@ -74,6 +75,16 @@ MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *wor
 
 /* out = a x b; out must not be a or b. */
 MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out);
+
+/* taylor_models.c */
+
+/* Bounds of the outputs of a program over a box u0..u1, v0..v1 of coordinates, at given parameters. memory:
+   program->n_memory. */
+MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
+                                   mg_taylor_model *memory, mg_taylor_model *out);
+
+/* Bound of the change of an affine form over its box from its value at the middle. */
+MG_INTERNAL mg_real mg_taylor_change(const mg_taylor_model *a);
 
 /* memory.c */
 

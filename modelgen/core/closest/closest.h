@@ -23,6 +23,9 @@ MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goa
    holds the placement at eta. */
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed);
 
+/* True if the placement of a contact evaluated last solves the extremality equations. */
+MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact);
+
 /* True if the distance is a minimum, and not only stationary: the margin is positive. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
 
@@ -53,14 +56,66 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
    body. */
 MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 
-/* newton_starts.c */
+/* cells.c */
+
+/* Forgets all cells. */
+MG_INTERNAL void mg_forget_cells(mg_context *c);
+
+/* First cell of a feature: its domain, cut where it is unbounded so that it contains all that can be near the other
+   feature. Returns 0 if there is no room. */
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side);
+
+/* Number of the first of the two halves of a cell; 0 if there is no room. */
+MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
+
+/* cell_pairs.c */
+
+/* What a pair of cells may hold. */
+enum {
+  MG_CELLS_APART = 0,   /* no minimum of the distance within the limits */
+  MG_CELLS_REGULAR = 1, /* one at most, and about where */
+  MG_CELLS_SINGLE = 3,  /* one at most */
+  MG_CELLS_OPEN = 2     /* not known */
+};
+
+/* What a view shows. */
+enum { MG_VIEW_SURFACE, MG_VIEW_CURVE, MG_VIEW_PLANE, MG_VIEW_POINT };
+
+/* A cell, a plane, a vertex, or a sphere as its centre, in the axes of one of the two shapes. */
+typedef struct {
+  int kind;                /* MG_VIEW_SURFACE .. */
+  const mg_cell *cell;     /* the cell; 0: a plane or a point */
+  const mg_real *rotation; /* from the axes of the cell, 9 numbers by columns; 0: they are the same */
+  mg_real centre[3];       /* m */
+  mg_real radius;          /* m */
+  mg_real direction[3];    /* normal or tangent */
+  mg_real spread;          /* bound of |n - direction| */
+  mg_real slope[2][3];     /* as in mg_cell, m */
+  mg_real rest;            /* as in mg_cell, m */
+  mg_real sphere_radius;   /* of a sphere, m; negative: a cavity */
+} mg_cell_view;
+
+/* Gaps d that a search asks for: -depth <= d <= gap, m. */
+typedef struct {
+  mg_real gap, depth;
+} mg_search_limits;
+
+/* All gaps. */
+static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX};
+
+/* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */
+MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
+
+/* critical_points.c */
 
 /* Eta for a sample of each feature. */
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
                               mg_real *eta);
 
-/* Finds starts on a feature pair from n by n samples of each feature, with `zooms` refinements around the best. */
-MG_INTERNAL void mg_find_newton_starts(mg_context *c, int feature_pair, int n, int zooms, mg_newton_starts *kept);
+/* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. Returns 0 if
+   there may be more. */
+MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                          mg_real least, mg_minima *kept);
 
 /* minima_search.c */
 
@@ -92,9 +147,16 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 
-/* Adds the minima of a feature pair with d >= least to those kept; n samples per side of a chart, `zooms`
-   refinements of the grid. */
-MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
+/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may be
+   accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
+MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found);
+
+/* Gaps at which a contact may appear during a run. */
+MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c);
+
+/* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. A search that had
+   to be given up is reported. */
+MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                         mg_minima *kept);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */

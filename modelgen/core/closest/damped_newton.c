@@ -84,6 +84,12 @@ static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
   return shape_pair;
 }
 
+MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact) {
+  const mg_shape_pair p = mg_shape_pair_of(c, contact);
+  const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, 0};
+  return mg_is_residual_small(&p, &goal, c->search.placement);
+}
+
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
   const mg_shape_pair p = mg_shape_pair_of(c, mg_use_spare_contact(c, feature_pair));
   mg_real reach[MG_MAX_ETA];

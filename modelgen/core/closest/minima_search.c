@@ -80,6 +80,12 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
   c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
 }
 
+static void mg_report_incomplete_search(const mg_context *c, int feature_pair) {
+  if (c->run->incomplete_searches++) return;
+  c->run->incomplete_t = c->run->t;
+  c->run->incomplete_pair = c->system->feature_pair_owner[feature_pair];
+}
+
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {
   for (int i = 0; i < kept->count; i++)
     if (mg_is_same_minimum(c, kept->list + i, found)) return;
@@ -100,18 +106,16 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++) {
     const int group = s->feature_pair_group[feature_pair];
     if (group < 0 || group >= MG_SAMPLES) continue;
-    while (groups <= group) c->search.merit[groups++] = MG_MAX;
+    while (groups <= group) c->search.face_gap[groups++] = MG_MAX;
     mg_place_contact(c, mg_use_spare_contact(c, feature_pair), eta, next);
-    if (c->search.placement[0] < c->search.merit[group]) c->search.merit[group] = c->search.placement[0];
+    if (c->search.placement[0] < c->search.face_gap[group]) c->search.face_gap[group] = c->search.placement[0];
   }
   for (int k = 0; k < groups; k++)
-    if (c->search.merit[k] < MG_MAX && c->search.merit[k] > separation) separation = c->search.merit[k];
+    if (c->search.face_gap[k] < MG_MAX && c->search.face_gap[k] > separation) separation = c->search.face_gap[k];
   return separation;
 }
 
-/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may
-   be accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
-static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
+MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
     if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
@@ -121,28 +125,42 @@ static int mg_was_abandoned(mg_context *c, const mg_minimum *found) {
   return 0;
 }
 
-MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, int n, int zooms, mg_real least,
+MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
+  const mg_search_limits limits = {c->settings->search_gap * c->system->length,
+                                   c->settings->appear_depth * c->system->length};
+  return limits;
+}
+
+MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                         mg_minima *kept) {
-  const int n_eta = c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].n_eta;
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
   const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
-  const int known = n_eta == 0 || turn || mg_parametrisation(c, feature_pair, 0) == MG_SIGN ||
-                    c->kernels->contact_kinds[c->system->feature_pair_kind[feature_pair]].is_convex;
-  mg_newton_starts *starts = &c->search.starts;
-  mg_minimum found;
-  starts->count = 1;
-  for (int k = 0; k < 6; k++) starts->eta[0][k] = k == 0 && !turn;
-  if (!known) mg_find_newton_starts(c, feature_pair, n, zooms, starts);
-  for (int i = 0; i < starts->count; i++) {
-    if (mg_converge_from_any_start(c, feature_pair, starts->eta[i]) < 0) continue;
-    if (!mg_accept_minimum(c, feature_pair, starts->eta[i], &found) || found.d < least || mg_was_abandoned(c, &found))
-      continue;
-    mg_insert_minimum(c, kept, &found);
+  if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN) {
+    if (!mg_search_critical_points(c, feature_pair, limits, least, kept)) mg_report_incomplete_search(c, feature_pair);
+    return;
   }
+  mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
+  mg_minimum found;
+  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
+  if (mg_accept_minimum(c, feature_pair, eta, &found) && found.d >= least && !mg_was_minimum_abandoned(c, &found))
+    mg_insert_minimum(c, kept, &found);
 }
 
 /* True if the gap is not below -start_gap. */
 static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
   return d >= -c->settings->start_gap * c->system->length;
+}
+
+/* Finds the minima of some feature pairs at the start: all within search_gap, and the nearest one. The gaps that count
+   grow until one is found. */
+static void mg_search_nearest(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
+  mg_search_limits limits = {c->settings->search_gap * c->system->length, c->settings->search_gap * c->system->length};
+  for (;;) {
+    for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
+    if (found->count || !(limits.gap < MG_MAX)) return;
+    limits.gap = limits.depth =
+        limits.gap < 1000 * c->system->length ? fmax(8 * limits.gap, c->system->length / 8) : MG_MAX;
+  }
 }
 
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
@@ -151,7 +169,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_feature_pair(c, feature_pair, MG_GRID, 2, -MG_MAX, &found);
+    mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return MG_NO_EXTREMUM;
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -167,8 +185,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
-    mg_search_feature_pair(c, each, MG_GRID, 2, least, &found);
+  mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
@@ -188,6 +205,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
 }
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
+  for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = 0; pair < c->system->n_pair; pair++) {
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);

@@ -1,8 +1,9 @@
-/* Samples of a feature over its domain, in the axes of its body; those of bounded features are kept between
-   searches. Writes c->search. */
+/* Samples of a feature over a part of its domain. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
+
+#define MG_SAMPLE_SIZE 9 /* numbers of a sample: point in shape and body axes, direction in body axes */
 
 MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side) {
   return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].dimension;
@@ -64,33 +65,19 @@ MG_INTERNAL void mg_sample_window(mg_context *c, int feature_pair, int side, mg_
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
 }
 
-/* Memory of the samples of a whole feature; *is_unfilled: they must still be computed. 0 if none are kept for this
-   window and count. */
-static mg_real *mg_kept_samples(mg_context *c, int feature_pair, int side, const mg_real *window, int count,
-                                int *is_unfilled) {
-  const mg_system *s = c->system;
-  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
-  const int table = s->n_sample_table ? s->feature_table[2 * feature_pair + side] : -1;
-  if (table < 0 || s->sample_table_first[table + 1] - s->sample_table_first[table] != count) return 0;
-  for (int k = 0; k < 4; k++)
-    if (window[k] != domain[k]) return 0;
-  *is_unfilled = !c->search.table_filled[table], c->search.table_filled[table] = 1;
-  return c->search.table + (long)MG_SAMPLE_SIZE * s->sample_table_first[table];
-}
-
 MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, const mg_real *window, int n,
                                   mg_sample *out) {
   const int dimension = mg_feature_dimension(c, feature_pair, side), along = dimension == 2 ? n : dimension ? n * n : 1;
   const int across = dimension == 2 ? n : 1;
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
-  int count = 0, is_unfilled = 1;
-  mg_real single[MG_SAMPLE_SIZE], *kept = mg_kept_samples(c, feature_pair, side, window, along * across, &is_unfilled);
+  int count = 0;
+  mg_real in[MG_SAMPLE_SIZE];
   for (int i = 0; i < along; i++)
     for (int j = 0; j < across; j++) {
-      const mg_real p = along > 1 ? (mg_real)i / (along - 1) : 0, q = across > 1 ? (mg_real)j / (across - 1) : 0;
+      const mg_real p = along > 1 ? (mg_real)i / (mg_real)(along - 1) : 0,
+                    q = across > 1 ? (mg_real)j / (mg_real)(across - 1) : 0;
       const mg_real uv[2] = {window[0] + p * (window[1] - window[0]), window[2] + q * (window[3] - window[2])};
-      mg_real *in = kept ? kept + MG_SAMPLE_SIZE * count : single;
-      if (is_unfilled) mg_sample_in_body(c, feature_pair, side, uv, in);
+      mg_sample_in_body(c, feature_pair, side, uv, in);
       mg_sample_to_world(pose, uv, in, out + count++);
     }
   return count;

@@ -93,7 +93,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
   if (!kept.count || fabs(kept.list[0].d) > touching)
     mg_search_near_contact_point(c, contact, eta, c->settings->margin_refuse, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching)
-    mg_search_feature_pair(c, feature_pair, MG_COARSE, 1, -MG_MAX, &kept);
+    mg_search_feature_pair(c, feature_pair, &mg_all_gaps, -MG_MAX, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
   for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];
   mg_place_contact(c, contact, eta, next);

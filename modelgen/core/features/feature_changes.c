@@ -271,12 +271,13 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
+  const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : mg_appearance_limits(c);
   mg_minima found;
   int count = found.count = 0;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
         !mg_is_out_of_reach(c, feature_pair))
-      mg_search_feature_pair(c, feature_pair, MG_COARSE, 1, least, &found);
+      mg_search_feature_pair(c, feature_pair, &limits, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each)) continue;

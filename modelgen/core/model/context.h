@@ -16,11 +16,9 @@
 #include "modelgen.h"
 #include "region/region.h"
 
-#define MG_GRID 17             /* samples along each side of a chart in a search at the start */
-#define MG_COARSE 9            /* samples along each side of a chart in a search during a run */
-#define MG_SAMPLES 289         /* most samples of a feature: MG_GRID squared */
-#define MG_SAMPLE_SIZE 9       /* numbers of a stored sample: point in shape and body axes, direction in body axes */
-#define MG_STARTS 8            /* most starts of Newton's method in one search of a feature pair */
+#define MG_SAMPLES 289         /* most samples of a feature */
+#define MG_CELL_PAIRS 512      /* room for pairs of cells that a search has still to treat */
+#define MG_CRITICAL 64         /* most critical points that a search of a feature pair keeps in mind */
 #define MG_MINIMA 24           /* most minima of the distance of one pair */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
 #define MG_RADAU_STAGES 7      /* stages of Radau collocation */
@@ -51,12 +49,23 @@ typedef struct {
   mg_real direction[3]; /* exterior normal of a surface or unit tangent of a curve, world axes */
 } mg_sample;
 
-/* Starts of Newton's method on one feature pair. */
+/* A cell of a feature: a box of its coordinates, with bounds of what lies in it. Axes of the shape. */
 typedef struct {
-  int count;                 /* starts */
-  mg_real merit[MG_STARTS];  /* their merit, m, ascending: the smaller the likelier */
-  mg_real eta[MG_STARTS][6]; /* eta of each */
-} mg_newton_starts;
+  mg_real box[4];         /* least and greatest u, least and greatest v */
+  mg_real centre[3];      /* point at the middle of the box, m */
+  mg_real radius;         /* bound of the distance of points of the cell from the centre, m */
+  mg_real slope[2][3];    /* the cell is centre + r slope[0] + s slope[1] + e, -1 <= r, s <= 1, */
+  mg_real extent[3];      /* bound of |point - centre| along each axis, m */
+  mg_real rest;           /* with |e| <= rest, m */
+  mg_real direction[3];   /* normal of a surface or unit tangent of a curve at the middle */
+  mg_real spread;         /* bound of |n - direction| over the cell; 2: no bound */
+  mg_real bend[6];        /* at the middle: W of a surface (xx, yy, zz, xy, xz, yz), curvature vector of a curve, 1/m */
+  mg_real bend_change[6]; /* bound of the change of each entry of bend over the cell, 1/m */
+  mg_real bend_size;      /* norm of bend, 1/m */
+  mg_real bend_error;     /* norm of bend_change, 1/m */
+  int halves;             /* first of the two cells into which this one is divided; 0: not divided yet */
+  int direction_to_divide; /* coordinate at which it is divided: 0 u, 1 v */
+} mg_cell;
 
 /* Bounds of an event margin: of what is left before an event function is zero; MG_MAX: nothing is watched. */
 typedef struct {
@@ -200,13 +209,15 @@ typedef struct {
 
 /* Search for closest points. */
 typedef struct {
-  mg_sample *samples;      /* [2 MG_SAMPLES] samples of the two features of a pair */
-  mg_real *merit;          /* [MG_SAMPLES] merit of a sample of the first feature with its partner, m */
-  int *partner;            /* [MG_SAMPLES] partner of a sample of the first feature among those of the second */
-  mg_real *table;          /* [MG_SAMPLE_SIZE per sample] samples kept between searches */
-  int *table_filled;       /* [per table] 1: filled */
-  mg_newton_starts starts; /* starts of Newton's method */
-  mg_minima abandoned;     /* minima that contacts have left in this step */
+  mg_sample *samples;             /* [MG_SAMPLES] samples of a feature */
+  mg_real *face_gap;              /* [MG_SAMPLES] least gap of a flat face of one solid to the features of another, m */
+  mg_cell *cells;                 /* [system->n_cell] cells of all trees; cell 0 is not used */
+  int n_cells;                    /* cells in use, cell 0 included */
+  int *tree_root;                 /* [per cell tree] its first cell, or 0 */
+  mg_real *tree_bound;            /* [per cell tree] where a coordinate has no bound: that of its first cell */
+  mg_taylor_model *bounds_memory; /* memory of bounds programs */
+  int *cell_pairs;                /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
+  mg_minima abandoned;            /* minima that contacts have left in this step */
   mg_real *placement; /* outputs of contact_place: d, residual (2), margin (2), N (3), points of o and f (3, 3); from
                          32 on eta_next */
 } mg_search_workspace;

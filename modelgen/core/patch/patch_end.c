@@ -13,10 +13,11 @@
    for faces that lie flat. */
 static void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, mg_minima *found) {
   const mg_system *s = c->system;
+  const mg_search_limits limits = mg_appearance_limits(c);
   found->count = 0;
   for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1]; k++)
     if (flat || !mg_is_feature_pair_of_flat_faces(c, s->covered_feature_pair[k]))
-      mg_search_feature_pair(c, s->covered_feature_pair[k], MG_COARSE, 1, -c->settings->start_gap * s->length, found);
+      mg_search_feature_pair(c, s->covered_feature_pair[k], &limits, -c->settings->start_gap * s->length, found);
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
     const int pair = s->feature_pair_owner[each->feature_pair];

@@ -6,6 +6,7 @@
 #include "solve/friction/solvers.h"
 #include "region/region.h"
 #include "model/model.h"
+#include "closest/closest.h"
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
@@ -61,14 +62,25 @@ static long mg_hull_memory_max(const mg_system *s) {
   return most;
 }
 
-/* Memory of the samples of two features and their merits, in mg_real. */
-static long mg_sample_memory_size(void) {
-  return 2L * MG_SAMPLES * (long)(sizeof(mg_sample) / sizeof(mg_real)) + MG_SAMPLES;
+/* Most Taylor models that the bounds of a shape need as memory. */
+static long mg_bounds_memory_max(const mg_system *s) {
+  int most = 0;
+  for (int k = 0; s->n_cell_tree && k < 2 * s->n_feature_pair; k++) {
+    const int size = s->kernels->shape_bounds[s->feature_shape[k]].n_memory;
+    if (s->feature_tree[k] >= 0 && size > most) most = size;
+  }
+  return most;
 }
 
-/* Memory of the samples kept between searches, in mg_real. */
-static long mg_table_memory_size(const mg_system *s) {
-  return s->n_sample_table ? (long)MG_SAMPLE_SIZE * s->sample_table_first[s->n_sample_table] : 0;
+/* Memory of searches for closest points, in mg_real. */
+static long mg_search_memory_size(const mg_system *s) {
+  return mg_count_reals(MG_SAMPLES, sizeof(mg_sample)) + mg_count_reals(s->n_cell, sizeof(mg_cell)) +
+         mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + MG_SAMPLES + s->n_cell_tree;
+}
+
+/* The same, in int. */
+static long mg_search_int_memory_size(const mg_system *s) {
+  return s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0;
 }
 
 MG_API long mg_work_size(const mg_system *s) {
@@ -76,13 +88,13 @@ MG_API long mg_work_size(const mg_system *s) {
              x = mg_state_count(s);
   return 42 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
          mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
-         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_sample_memory_size() + mg_event_margin_size(s) +
-         mg_table_memory_size(s) + m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
+         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) +
+         m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
-  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * s->n_joint_row + 4 + s->n_sample_table + MG_SAMPLES + 2 * k +
+  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * s->n_joint_row + 4 + mg_search_int_memory_size(s) + 2 * k +
          mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_friction_int_memory_size(s);
 }
 
@@ -158,13 +170,14 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->joints.previous_MJ = mg_take_reals(&work, 12L * s->n_joint_row);
   c->joints.independence = mg_take_reals(&work, s->n_joint_row),
   c->joints.best_independence = mg_take_reals(&work, s->n_joint), c->events.gap_before = mg_take_reals(&work, 2 * m);
-  c->search.samples = (mg_sample *)(void *)mg_take_reals(&work, mg_sample_memory_size() - MG_SAMPLES),
-  c->search.merit = mg_take_reals(&work, MG_SAMPLES);
-  c->search.table = mg_take_reals(&work, mg_table_memory_size(s)),
-  c->search.table_filled = mg_take_ints(&iwork, s->n_sample_table);
+  c->search.samples = mg_take_memory(&work, MG_SAMPLES, sizeof(mg_sample)),
+  c->search.cells = mg_take_memory(&work, s->n_cell, sizeof(mg_cell)),
+  c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
+  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.tree_bound = mg_take_reals(&work, s->n_cell_tree),
+  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree),
+  c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
-  c->search.partner = mg_take_ints(&iwork, MG_SAMPLES), c->events.broken_condition = mg_take_ints(&iwork, m),
-  c->events.within_border = mg_take_ints(&iwork, m);
+  c->events.broken_condition = mg_take_ints(&iwork, m), c->events.within_border = mg_take_ints(&iwork, m);
   c->contacts.n_eta = mg_take_ints(&iwork, m);
   c->contacts.kind = mg_take_ints(&iwork, r), c->contacts.parameters = mg_take_ints(&iwork, m + 1);
   c->contacts.o = mg_take_ints(&iwork, r), c->contacts.f = mg_take_ints(&iwork, r);
@@ -229,7 +242,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int i = 0; i < system->n_contact; i++)
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
-  for (int table = 0; table < system->n_sample_table; table++) c->search.table_filled[table] = 0;
+  mg_forget_cells(c);
   mg_init_joint_rows(c);
   mg_set_incidence(c);
   mg_set_constant_poses(c);

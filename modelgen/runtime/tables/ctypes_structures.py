@@ -10,7 +10,7 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED
-from modelgen.runtime.tables.features import FeatureTables, append
+from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
 from modelgen.runtime.tables.planar_contacts import (
@@ -26,7 +26,7 @@ KERNELS = "kernels"  # the table of the scene's library, first field of what the
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
-    *("n_patch", "n_patch_slot", "n_sample_table", "n_friction", "n_friction_row"),
+    *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -41,7 +41,7 @@ SYSTEM_INDICES = (
         "feature_pair_group",
         "feature_pair_condition",
     ),
-    *("feature_shape", "feature_parameters", "feature_numbers", "feature_table", "sample_table_first"),
+    *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree"),
     *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
@@ -154,18 +154,26 @@ RUN_COUNTS = (
     "singular_passages",
     "redundant_max",
     "unfollowed_minima",
+    "incomplete_searches",
 )
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
-    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t"),
+    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t", "incomplete_t"),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
     *("dead_centres", "dead_centre", "impact_gain_contact", "chain_impact_contact", "painleve_contact"),
-    *("fallback_cause", "fallback_doublings", "passage_contact", "unfollowed_pair", "forces_redundant"),
+    *(
+        "fallback_cause",
+        "fallback_doublings",
+        "passage_contact",
+        "unfollowed_pair",
+        "incomplete_pair",
+        "forces_redundant",
+    ),
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
@@ -269,7 +277,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     states = (instance["n_q"], instance["n_u"], instance["n_eta"])
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
     patches = len(instance["patches"]), slot_count(instance)
-    counts = *rows, *patches, len(integers["sample_table_first"]) - 1, constraints.count, constraints.rows
+    trees = max(integers["feature_tree"], default=-1) + 1
+    counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from math import hypot, pi
 from typing import Any
 
-from modelgen.codegen.manifest import FEET, Manifest
+from modelgen.codegen.manifest import Manifest
 
-COARSE, GRID = 9, 17  # MG_COARSE, MG_GRID
+CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 1024, 8192, 131072
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
 
 
@@ -33,7 +33,7 @@ class FeatureTables:
                 append(self.numbers, _side_numbers(side, endless, spans(side, kinds, length)))
                 for side in sides
             ],
-            **_kept(feature_pairs, manifest.kinds),
+            "feature_tree": _trees(feature_pairs, manifest.kinds),
             "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
             "condition_feature": [each["side"] for each in conditions],
             "condition_feature_pair": [each["next"] for each in conditions],
@@ -41,32 +41,27 @@ class FeatureTables:
         }
 
 
-def _kept(
+def _trees(
     feature_pairs: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
-) -> dict[str, list[int]]:
-    """The features that keep samples: bounded ones, of pairs searched by samples; equal ones share them."""
-    tables: dict[tuple[Any, ...], int] = {}
-    feature_table, sample_table_first = [], [0]
+) -> list[int]:
+    """The number of the tree of cells of each side, or -1: of a point, and of pairs that are not searched by
+    cells. Features that differ in their placement alone share one."""
+    trees: dict[tuple[Any, ...], int] = {}
+    numbers = []
     for feature_pair in feature_pairs:
-        for side, other in (("o", "f"), ("f", "o")):
-            shape, mate = feature_pair[f"shape_{side}"], feature_pair[f"shape_{other}"]
-            count = _samples(shape, kinds["shape"][mate["kind"]]["kind"])
-            if kinds["contact"][feature_pair["kind"]]["convex"] or count == 0:
-                feature_table.append(-1)
+        for shape in (feature_pair["shape_o"], feature_pair["shape_f"]):
+            kind = kinds["contact"][feature_pair["kind"]]
+            if kind["convex"] or not kind["n_eta"] or not shape["domain"]:
+                numbers.append(-1)
                 continue
-            key = (feature_pair[side], shape["kind"], *(tuple(shape[k]) for k in ("parameters", "placement")))
-            key = (*key, *(tuple(ends) for ends in shape["domain"]), count)
-            if key not in tables:
-                sample_table_first.append(sample_table_first[-1] + count)
-            feature_table.append(tables.setdefault(key, len(tables)))
-    return {"feature_table": feature_table, "sample_table_first": sample_table_first}
+            key = (shape["kind"], tuple(shape["parameters"]), *(tuple(ends) for ends in shape["domain"]))
+            numbers.append(trees.setdefault(key, len(trees)))
+    return numbers
 
 
-def _samples(shape: Mapping[str, Any], mate: str) -> int:
-    """The number of samples of a whole feature in a search during a run; 0 if it is unbounded."""
-    if not shape["domain"] or any(None in ends for ends in shape["domain"]):
-        return 0
-    return (GRID if mate in FEET else COARSE) ** 2
+def cell_capacity(trees: int) -> int:
+    """Room for the cells of this many trees."""
+    return min(max(CELLS_PER_TREE * trees, CELLS_MIN), CELLS_MAX) if trees else 1
 
 
 def append(pool: list[float], values: Sequence[float]) -> int:

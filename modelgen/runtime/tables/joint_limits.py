@@ -32,4 +32,4 @@ def add_limits(
             integers[name].append(value)
         for name in ("feature_shape", "feature_parameters", "feature_numbers"):
             integers[name] += [0, 0]
-        integers["feature_table"] += [-1, -1]
+        integers["feature_tree"] += [-1, -1]

@@ -94,7 +94,7 @@ def _add_feature_pair(
         integers[name].append(value)
     for name in ("feature_shape", "feature_parameters", "feature_numbers"):
         integers[name] += [0, 0]
-    integers["feature_table"] += [-1, -1]
+    integers["feature_tree"] += [-1, -1]
 
 
 def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:

@@ -55,6 +55,8 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
     if session.run.unfollowed_minima:
         found.append(_unfollowed(session))
+    if session.run.incomplete_searches:
+        found.append(_incomplete(session))
     found += _far(session, accuracy)
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
@@ -83,6 +85,16 @@ def _unfollowed(session: Session) -> str:
     return (
         f"{pair['name']} has more closest points within reach than its contacts can follow ({count}), "
         f"first at t = {float(session.run.unfollowed_t):.6g} s: it may penetrate there{remedy}"
+    )
+
+
+def _incomplete(session: Session) -> str:
+    """Warns that a search for closest points was given up."""
+    pair = session.instance["pairs"][session.run.incomplete_pair]
+    return (
+        f"{pair['name']}: a search for closest points was given up before all were found, first at "
+        f"t = {float(session.run.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a contact "
+        "may be missed there; a small change of the shapes or the start removes a perfect fit"
     )
 
 

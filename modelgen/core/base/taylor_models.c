@@ -1,0 +1,307 @@
+/* Taylor models of second order. A function of one variable is replaced by its Taylor polynomial at the middle, with a
+   bound of its third derivative for the rest; where it is not smooth over the range, by its range. Rounding counts as
+   rest. */
+#include "base/base.h"
+
+#define MG_PI ((mg_real)3.14159265358979323846264338327950288)
+
+static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
+
+/* Bounds of the linear and of the quadratic part. */
+static mg_real mg_slope_size(const mg_taylor_model *a) { return fabs(a->slope[0]) + fabs(a->slope[1]); }
+
+static mg_real mg_bend_size(const mg_taylor_model *a) { return fabs(a->bend[0]) + fabs(a->bend[1]) + fabs(a->bend[2]); }
+
+MG_INTERNAL mg_real mg_taylor_change(const mg_taylor_model *a) {
+  return a->rest < MG_MAX / 8 ? mg_slope_size(a) + mg_bend_size(a) + a->rest : MG_MAX;
+}
+
+/* A model with its rounding error added; without bounds if it is not finite. */
+static mg_taylor_model mg_rounded(mg_taylor_model a) {
+  const mg_real size = fabs(a.middle) + mg_slope_size(&a) + mg_bend_size(&a) + a.rest;
+  a.rest += 4 * MG_EPS * size;
+  return size < MG_MAX / 8 ? a : mg_no_bound;
+}
+
+/* A number between low and high of which nothing else is known. */
+static mg_taylor_model mg_taylor_range(mg_real middle, mg_real low, mg_real high) {
+  const mg_taylor_model range = {middle, {0, 0}, {0, 0, 0}, fmax(high - middle, middle - low)};
+  return range.rest >= 0 ? mg_rounded(range) : mg_no_bound;
+}
+
+/* x a + y b, exactly but for rounding. */
+static mg_taylor_model mg_taylor_sum(mg_real x, const mg_taylor_model *a, mg_real y, const mg_taylor_model *b) {
+  mg_taylor_model sum;
+  sum.middle = x * a->middle + y * b->middle;
+  for (int k = 0; k < 2; k++) sum.slope[k] = x * a->slope[k] + y * b->slope[k];
+  for (int k = 0; k < 3; k++) sum.bend[k] = x * a->bend[k] + y * b->bend[k];
+  sum.rest = fabs(x) * a->rest + fabs(y) * b->rest;
+  return mg_rounded(sum);
+}
+
+static mg_taylor_model mg_taylor_product(const mg_taylor_model *a, const mg_taylor_model *b) {
+  const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
+  if ((a->middle == 0 && of_a == 0) || (b->middle == 0 && of_b == 0)) return mg_taylor_range(0, 0, 0);
+  if (of_a >= MG_MAX || of_b >= MG_MAX) return mg_no_bound;
+  const mg_real slope_a = mg_slope_size(a), slope_b = mg_slope_size(b), rest_a = mg_bend_size(a) + a->rest,
+                rest_b = mg_bend_size(b) + b->rest;
+  mg_taylor_model product = mg_taylor_sum(a->middle, b, b->middle, a);
+  product.middle = a->middle * b->middle;
+  product.bend[0] += a->slope[0] * b->slope[0], product.bend[2] += a->slope[1] * b->slope[1];
+  product.bend[1] += a->slope[0] * b->slope[1] + a->slope[1] * b->slope[0];
+  product.rest += slope_a * rest_b + rest_a * slope_b + rest_a * rest_b;
+  return mg_rounded(product);
+}
+
+/* A function with its value and derivatives at the middle and a bound of its third derivative over the range. */
+static mg_taylor_model mg_taylor_of(const mg_taylor_model *a, mg_real value, mg_real first, mg_real second,
+                                    mg_real third) {
+  const mg_real change = mg_taylor_change(a), slope = mg_slope_size(a), rest = mg_bend_size(a) + a->rest,
+                half = second / 2;
+  if (!(fabs(third) < MG_MAX) || !(fabs(second) < MG_MAX) || !(fabs(first) < MG_MAX) || change >= MG_MAX)
+    return mg_no_bound;
+  mg_taylor_model out;
+  out.middle = value;
+  for (int k = 0; k < 2; k++) out.slope[k] = first * a->slope[k];
+  for (int k = 0; k < 3; k++) out.bend[k] = first * a->bend[k];
+  out.bend[0] += half * a->slope[0] * a->slope[0], out.bend[2] += half * a->slope[1] * a->slope[1];
+  out.bend[1] += second * a->slope[0] * a->slope[1];
+  out.rest = fabs(first) * a->rest + fabs(half) * (2 * slope * rest + rest * rest) +
+             fabs(third) * change * change * change / 6;
+  return mg_rounded(out);
+}
+
+static mg_taylor_model mg_taylor_inverse(const mg_taylor_model *a) {
+  const mg_real least = fabs(a->middle) - mg_taylor_change(a), x = a->middle;
+  if (!(least > 0)) return mg_no_bound;
+  return mg_taylor_of(a, 1 / x, -1 / (x * x), 2 / (x * x * x), 6 / (least * least * least * least));
+}
+
+static mg_taylor_model mg_taylor_sqrt(const mg_taylor_model *a) {
+  const mg_real change = mg_taylor_change(a), least = a->middle - change;
+  if (least > 0) {
+    const mg_real root = sqrt(a->middle);
+    return mg_taylor_of(a, root, 1 / (2 * root), -1 / (4 * a->middle * root), 3 / (8 * least * least * sqrt(least)));
+  }
+  return a->middle + change >= 0 ? mg_taylor_range(sqrt(fmax(a->middle, (mg_real)0)), 0, sqrt(a->middle + change))
+                                 : mg_no_bound;
+}
+
+/* x^n for a whole number n. */
+static mg_taylor_model mg_taylor_integer_power(const mg_taylor_model *x, mg_real n) {
+  const mg_real change = mg_taylor_change(x), least = fabs(x->middle) - change, most = fabs(x->middle) + change;
+  if (n == 0) return mg_taylor_range(1, 1, 1);
+  if (n < 0 && !(least > 0)) return mg_no_bound;
+  const mg_real m = x->middle, second = n == 1 ? 0 : n * (n - 1) * pow(m, n - 2);
+  const mg_real third = n == 1 || n == 2 ? 0 : n * (n - 1) * (n - 2) * pow(n < 3 ? least : most, n - 3);
+  return mg_taylor_of(x, pow(m, n), n * pow(m, n - 1), second, third);
+}
+
+/* x^y; a base below zero is cut off, because no point of a shape lies there. */
+static mg_taylor_model mg_taylor_power(const mg_taylor_model *x, const mg_taylor_model *y) {
+  const mg_real change = mg_taylor_change(x), low = fmax(x->middle - change, (mg_real)0), high = x->middle + change,
+                n = y->middle, of_y = mg_taylor_change(y);
+  if (of_y == 0 && floor(n) == n && fabs(n) < 1000) return mg_taylor_integer_power(x, n);
+  if (!(high >= 0) || !(of_y <= 1e-6) || !(change < MG_MAX)) return mg_no_bound;
+  const mg_real middle = fmax(x->middle, (mg_real)0), at_low = pow(low, n), at_high = pow(high, n);
+  const mg_real third = fabs(n * (n - 1) * (n - 2)) * fmax(pow(low, n - 3), pow(high, n - 3));
+  mg_taylor_model power =
+      low > 0 || (n >= 3 && x->middle >= 0)
+          ? mg_taylor_of(x, pow(middle, n), n * pow(middle, n - 1), n * (n - 1) * pow(middle, n - 2), third)
+          : mg_no_bound;
+  if (power.rest >= MG_MAX / 8) power = mg_taylor_range(pow(middle, n), fmin(at_low, at_high), fmax(at_low, at_high));
+  if (of_y > 0) power.rest += of_y * 2 * fmax(at_low, at_high) * (fabs(low > 0 ? log(low) : 0) + fabs(log(high)) + 1);
+  return mg_rounded(power);
+}
+
+static mg_taylor_model mg_taylor_sine(const mg_taylor_model *a, mg_real phase) {
+  const mg_real change = mg_taylor_change(a);
+  if (!(change < 2)) return mg_taylor_range(change < MG_MAX ? sin(a->middle + phase) : 0, -1, 1);
+  const mg_real x = a->middle + phase;
+  mg_taylor_model sine = mg_taylor_of(a, sin(x), cos(x), -sin(x), 1);
+  sine.rest += 2 * MG_EPS * fabs(x);
+  return sine;
+}
+
+static mg_taylor_model mg_taylor_tan(const mg_taylor_model *a) {
+  const mg_real change = mg_taylor_change(a), turns = a->middle / MG_PI,
+                to_pole = ((mg_real)0.5 - fabs(turns - floor(turns + (mg_real)0.5))) * MG_PI;
+  if (!(change < to_pole)) return mg_no_bound;
+  const mg_real value = tan(a->middle), most = tan(MG_PI / 2 - (to_pole - change));
+  return mg_taylor_of(a, value, 1 + value * value, 2 * value * (1 + value * value),
+                      2 * (1 + most * most) * (1 + 3 * most * most));
+}
+
+/* asin, or acos with sign -1. */
+static mg_taylor_model mg_taylor_arc(const mg_taylor_model *a, mg_real sign) {
+  const mg_real most = fabs(a->middle) + mg_taylor_change(a), room = 1 - most * most,
+                value = sign > 0 ? asin(fmin(fmax(a->middle, (mg_real)-1), (mg_real)1))
+                                 : acos(fmin(fmax(a->middle, (mg_real)-1), (mg_real)1));
+  if (!(room > 0)) return sign > 0 ? mg_taylor_range(value, -MG_PI / 2, MG_PI / 2) : mg_taylor_range(value, 0, MG_PI);
+  const mg_real here = 1 - a->middle * a->middle;
+  return mg_taylor_of(a, value, sign / sqrt(here), sign * a->middle / (here * sqrt(here)),
+                      (1 + 2 * most * most) / (room * room * sqrt(room)));
+}
+
+static mg_taylor_model mg_taylor_atan2(const mg_taylor_model *y, const mg_taylor_model *x) {
+  const mg_real of_x = mg_taylor_change(x), of_y = mg_taylor_change(y);
+  const mg_real near_x = fmax(fabs(x->middle) - of_x, (mg_real)0), near_y = fmax(fabs(y->middle) - of_y, (mg_real)0);
+  const mg_real least = near_x * near_x + near_y * near_y, square = x->middle * x->middle + y->middle * y->middle;
+  if (!(least > 0) || (near_y == 0 && x->middle < 0))
+    return of_x < MG_MAX && of_y < MG_MAX ? mg_taylor_range(atan2(y->middle, x->middle), -MG_PI, MG_PI) : mg_no_bound;
+  const mg_real by_y = x->middle / square, by_x = -y->middle / square;
+  mg_taylor_model angle = mg_taylor_sum(by_y, y, by_x, x);
+  angle.middle = atan2(y->middle, x->middle), angle.rest += (of_x * of_x + of_y * of_y) / (2 * least);
+  return mg_rounded(angle);
+}
+
+/* sinh, cosh or tanh. */
+static mg_taylor_model mg_taylor_hyperbolic(int operation, const mg_taylor_model *a) {
+  const mg_real most = fabs(a->middle) + mg_taylor_change(a), s = sinh(a->middle), c = cosh(a->middle);
+  if (operation == MG_OP_SINH) return mg_taylor_of(a, s, c, s, cosh(most));
+  if (operation == MG_OP_COSH) return mg_taylor_of(a, c, s, c, sinh(most));
+  return mg_taylor_of(a, s / c, 1 / (c * c), -2 * s / (c * c * c), 2);
+}
+
+static mg_taylor_model mg_taylor_absolute(const mg_taylor_model *a) {
+  const mg_real change = mg_taylor_change(a);
+  if (fabs(a->middle) >= change) return mg_taylor_of(a, fabs(a->middle), a->middle < 0 ? -1 : 1, 0, 0);
+  return mg_taylor_range(fabs(a->middle), 0, fabs(a->middle) + change);
+}
+
+/* min (sign 1) or max (sign -1). */
+static mg_taylor_model mg_taylor_least(const mg_taylor_model *a, const mg_taylor_model *b, mg_real sign) {
+  const mg_taylor_model difference = mg_taylor_sum(1, a, -1, b);
+  const mg_real change = mg_taylor_change(&difference), middle = sign * difference.middle;
+  if (middle + change <= 0) return *a;
+  if (middle - change >= 0) return *b;
+  const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
+  if (!(of_a < MG_MAX) || !(of_b < MG_MAX)) return mg_no_bound;
+  return mg_taylor_range(middle < 0 ? a->middle : b->middle, fmin(a->middle - of_a, b->middle - of_b),
+                         fmax(a->middle + of_a, b->middle + of_b));
+}
+
+/* The truth value of a condition: at the middle, and whether it is the same over the box. */
+static mg_taylor_model mg_truth(int at_middle, int is_decided) {
+  const mg_taylor_model truth = {(mg_real)at_middle, {0, 0}, {0, 0, 0}, is_decided ? 0 : 1};
+  return truth;
+}
+
+static mg_taylor_model mg_taylor_comparison(int operation, const mg_taylor_model *a, const mg_taylor_model *b) {
+  const mg_taylor_model difference = mg_taylor_sum(1, a, -1, b);
+  const mg_real x = difference.middle, change = mg_taylor_change(&difference);
+  const int is_decided = fabs(x) > change || (x == 0 && change == 0);
+  switch (operation) {
+    case MG_OP_LESS:
+      return mg_truth(x < 0, is_decided);
+    case MG_OP_LESS_EQUAL:
+      return mg_truth(x <= 0, is_decided);
+    case MG_OP_EQUAL:
+      return mg_truth(x == 0, is_decided);
+    default:
+      return mg_truth(x != 0, is_decided);
+  }
+}
+
+static mg_taylor_model mg_taylor_if_else_zero(const mg_taylor_model *condition, const mg_taylor_model *b) {
+  if (condition->rest == 0) return condition->middle != 0 ? *b : mg_taylor_range(0, 0, 0);
+  const mg_real change = mg_taylor_change(b);
+  if (!(change < MG_MAX)) return mg_no_bound;
+  return mg_taylor_range(condition->middle != 0 ? b->middle : 0, fmin(b->middle - change, (mg_real)0),
+                         fmax(b->middle + change, (mg_real)0));
+}
+
+static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model *a, const mg_taylor_model *b) {
+  const mg_real change = mg_taylor_change(a);
+  mg_taylor_model inverse;
+  switch (operation) {
+    case MG_OP_COPY:
+      return *a;
+    case MG_OP_ADD:
+      return mg_taylor_sum(1, a, 1, b);
+    case MG_OP_SUBTRACT:
+      return mg_taylor_sum(1, a, -1, b);
+    case MG_OP_MULTIPLY:
+      return mg_taylor_product(a, b);
+    case MG_OP_DIVIDE:
+      inverse = mg_taylor_inverse(b);
+      return mg_taylor_product(a, &inverse);
+    case MG_OP_NEGATE:
+      return mg_taylor_sum(-1, a, 0, a);
+    case MG_OP_SQUARE:
+      return mg_taylor_of(a, a->middle * a->middle, 2 * a->middle, 2, 0);
+    case MG_OP_TWICE:
+      return mg_taylor_sum(2, a, 0, a);
+    case MG_OP_INVERT:
+      return mg_taylor_inverse(a);
+    case MG_OP_SQRT:
+      return mg_taylor_sqrt(a);
+    case MG_OP_POWER:
+      return mg_taylor_power(a, b);
+    case MG_OP_EXP:
+      return mg_taylor_of(a, exp(a->middle), exp(a->middle), exp(a->middle), exp(a->middle + change));
+    case MG_OP_LOG:
+      if (!(a->middle > change)) return mg_no_bound;
+      return mg_taylor_of(a, log(a->middle), 1 / a->middle, -1 / (a->middle * a->middle),
+                          2 / pow(a->middle - change, (mg_real)3));
+    case MG_OP_SIN:
+      return mg_taylor_sine(a, 0);
+    case MG_OP_COS:
+      return mg_taylor_sine(a, MG_PI / 2);
+    case MG_OP_TAN:
+      return mg_taylor_tan(a);
+    case MG_OP_ASIN:
+      return mg_taylor_arc(a, 1);
+    case MG_OP_ACOS:
+      return mg_taylor_arc(a, -1);
+    case MG_OP_ATAN:
+      return mg_taylor_of(a, atan(a->middle), 1 / (1 + a->middle * a->middle),
+                          -2 * a->middle / pow(1 + a->middle * a->middle, (mg_real)2), 2);
+    case MG_OP_ATAN2:
+      return mg_taylor_atan2(a, b);
+    case MG_OP_SINH:
+    case MG_OP_COSH:
+    case MG_OP_TANH:
+      return mg_taylor_hyperbolic(operation, a);
+    case MG_OP_FABS:
+      return mg_taylor_absolute(a);
+    case MG_OP_SIGN:
+      if (fabs(a->middle) > change)
+        return mg_taylor_range(a->middle < 0 ? -1 : 1, a->middle < 0 ? -1 : 1, a->middle < 0 ? -1 : 1);
+      return mg_taylor_range(a->middle < 0 ? -1 : a->middle > 0 ? 1 : 0, -1, 1);
+    case MG_OP_FMIN:
+      return mg_taylor_least(a, b, 1);
+    case MG_OP_FMAX:
+      return mg_taylor_least(a, b, -1);
+    case MG_OP_NOT:
+      return mg_truth(a->middle == 0, a->rest == 0);
+    case MG_OP_AND:
+      return mg_truth(a->middle != 0 && b->middle != 0, a->rest == 0 && b->rest == 0);
+    case MG_OP_OR:
+      return mg_truth(a->middle != 0 || b->middle != 0, a->rest == 0 && b->rest == 0);
+    case MG_OP_IF_ELSE_ZERO:
+      return mg_taylor_if_else_zero(a, b);
+    case MG_OP_SHARE:
+      if (a->rest + b->rest >= 1) return mg_taylor_range(a->middle / b->middle, 0, 1);
+      return mg_taylor_range(a->middle / b->middle, a->middle / b->middle, a->middle / b->middle);
+    default:
+      return mg_taylor_comparison(operation, a, b);
+  }
+}
+
+MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
+                                   mg_taylor_model *memory, mg_taylor_model *out) {
+  for (int k = 0; k < program->n_instruction; k++) {
+    const mg_instruction *at = program->instructions + k;
+    if (at->operation == MG_OP_OUTPUT) out[at->result] = memory[at->a];
+    else if (at->operation == MG_OP_INPUT && at->a == 0) {
+      const mg_real low = box[2 * at->b], half = (box[2 * at->b + 1] - low) / 2;
+      const mg_taylor_model coordinate = {low + half, {at->b == 0 ? half : 0, at->b == 1 ? half : 0}, {0, 0, 0}, 0};
+      memory[at->result] = mg_rounded(coordinate);
+    } else if (at->operation == MG_OP_INPUT || at->operation == MG_OP_CONSTANT) {
+      const mg_taylor_model number = {
+          at->operation == MG_OP_INPUT ? parameters[at->b] : program->constants[at->a], {0, 0}, {0, 0, 0}, 0};
+      memory[at->result] = number;
+    } else memory[at->result] = mg_taylor_operation(at->operation, memory + at->a, memory + at->b);
+  }
+}

@@ -1,0 +1,114 @@
+/* Trees of cells of features: boxes of chart coordinates with bounds of points, normals or tangents, and curvature,
+   by Taylor models. Cells are divided when a search asks for it, and are kept for
+   the searches that follow, in the axes of the shape. Writes c->search. */
+#include "closest/closest.h"
+#include "base/base.h"
+#include "model/model.h"
+
+#define MG_BOUNDS_SIZE 12 /* outputs of the bounds of a surface; 9 of a curve */
+
+/* Norm of n numbers, `otherwise` where it is not finite. */
+static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
+  mg_real sum = 0;
+  for (int k = 0; k < n; k++) sum += x[k] * x[k];
+  return sum < MG_MAX ? sqrt(sum) : otherwise;
+}
+
+/* The same of a symmetric matrix given by its entries xx, yy, zz, xy, xz, yz. */
+static mg_real mg_symmetric_norm(const mg_real *a) {
+  mg_real sum = 0;
+  for (int k = 0; k < 6; k++) sum += (k < 3 ? 1 : 2) * a[k] * a[k];
+  return sum < MG_MAX ? sqrt(sum) : MG_MAX;
+}
+
+/* Adds to `along` how much a vector changes with each coordinate over a cell, over `unit`. What is not linear counts
+   for both coordinates by the given parts. */
+static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real *part, mg_real *along) {
+  mg_real square[2] = {0, 0}, rest = 0;
+  for (int k = 0; k < 3; k++) {
+    for (int a = 0; a < 2; a++) square[a] += x[k].slope[a] * x[k].slope[a];
+    rest = fmax(rest, x[k].rest);
+  }
+  for (int a = 0; a < 2; a++) along[a] += (rest < MG_MAX / 8 ? sqrt(square[a]) + rest * part[a] : part[a]) / unit;
+}
+
+/* True if a cell of a surface is wider along v, by its points, against the characteristic length, and by its normals.
+ */
+static int mg_is_second_wider(const mg_context *c, int feature_pair, int side, const mg_real *box,
+                              const mg_taylor_model *out) {
+  const mg_real *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
+  const mg_real along_u = (box[1] - box[0]) / scale[0], along_v = (box[3] - box[2]) / scale[1];
+  const mg_real part[2] = {along_u / (along_u + along_v), along_v / (along_u + along_v)};
+  mg_real along[2] = {0, 0};
+  mg_add_change(out, c->system->length, part, along), mg_add_change(out + 3, 1, part, along);
+  return along[1] > along[0];
+}
+
+/* Bounds of what lies in a cell, from its box. */
+static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
+  const mg_system *s = c->system;
+  const int kind = s->feature_shape[2 * feature_pair + side], is_curve = c->kernels->shape_kinds[kind].dimension == 1;
+  mg_taylor_model out[MG_BOUNDS_SIZE] = {{0}};
+  mg_real change[MG_BOUNDS_SIZE] = {0}, rest[3];
+  mg_bound_over_box(c->kernels->shape_bounds + kind, cell->box,
+                    s->parameters + s->feature_parameters[2 * feature_pair + side], c->search.bounds_memory, out);
+  for (int k = 0; k < MG_BOUNDS_SIZE; k++) change[k] = mg_taylor_change(out + k);
+  for (int k = 0; k < 3; k++) {
+    const mg_taylor_model *x = out + k;
+    cell->centre[k] = x->middle, cell->direction[k] = out[3 + k].middle, cell->extent[k] = change[k];
+    cell->slope[0][k] = x->slope[0], cell->slope[1][k] = x->slope[1];
+    rest[k] = fabs(x->bend[0]) + fabs(x->bend[1]) + fabs(x->bend[2]) + x->rest;
+  }
+  for (int k = 0; k < 6; k++) cell->bend[k] = out[6 + k].middle, cell->bend_change[k] = change[6 + k];
+  cell->radius = mg_norm_or(3, change, MG_MAX), cell->spread = fmin(mg_norm_or(3, change + 3, 2), (mg_real)2);
+  cell->rest = mg_norm_or(3, rest, MG_MAX);
+  if (is_curve) cell->radius /= fmax(1 - cell->spread * cell->spread / 2, 1 / MG_MAX);
+  if (!(cell->radius <= MG_MAX)) cell->radius = MG_MAX;
+  if (!(cell->rest <= MG_MAX)) cell->rest = MG_MAX;
+  cell->bend_size = is_curve ? mg_norm_or(3, cell->bend, MG_MAX) : mg_symmetric_norm(cell->bend);
+  cell->bend_error = is_curve ? mg_norm_or(3, cell->bend_change, MG_MAX) : mg_symmetric_norm(cell->bend_change);
+  cell->direction_to_divide = !is_curve && mg_is_second_wider(c, feature_pair, side, cell->box, out);
+}
+
+/* A new cell; 0 if there is no room. */
+static int mg_new_cell(mg_context *c, int feature_pair, int side, const mg_real *box) {
+  if (c->search.n_cells >= c->system->n_cell) return 0;
+  mg_cell *cell = c->search.cells + c->search.n_cells;
+  for (int k = 0; k < 4; k++) cell->box[k] = box[k];
+  cell->halves = 0;
+  mg_bound_cell(c, feature_pair, side, cell);
+  return c->search.n_cells++;
+}
+
+MG_INTERNAL void mg_forget_cells(mg_context *c) {
+  c->search.n_cells = 1;
+  for (int tree = 0; tree < c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
+}
+
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side) {
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
+  const int tree = c->system->feature_tree[2 * feature_pair + side];
+  mg_real window[4], bound = 0;
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
+  for (int k = 0; k < 4; k++)
+    if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
+  if (c->search.tree_root[tree] && bound <= c->search.tree_bound[tree]) return c->search.tree_root[tree];
+  for (int k = 0; k < 4; k++)
+    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? 2 * bound : -2 * bound;
+  c->search.tree_bound[tree] = 2 * bound;
+  return c->search.tree_root[tree] = mg_new_cell(c, feature_pair, side, window);
+}
+
+MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
+  if (c->search.cells[cell].halves) return c->search.cells[cell].halves;
+  if (c->search.n_cells + 2 > c->system->n_cell) return 0;
+  const int along = c->search.cells[cell].direction_to_divide;
+  mg_real box[4];
+  for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
+  const mg_real low = box[2 * along], high = box[2 * along + 1], middle = low + (high - low) / 2;
+  box[2 * along + 1] = middle;
+  const int first = mg_new_cell(c, feature_pair, side, box);
+  box[2 * along] = middle, box[2 * along + 1] = high;
+  mg_new_cell(c, feature_pair, side, box);
+  return c->search.cells[cell].halves = first;
+}

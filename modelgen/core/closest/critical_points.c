@@ -1,0 +1,303 @@
+/* Critical points of the distance of a feature pair: the trees of cells of both features are walked together; pairs of
+   cells that cannot hold one are dropped, pairs that hold at most one start Newton's method, all others are divided.
+   Where cells can be divided no further, or too many are open, the search is incomplete, and says so. A plane, a
+   sphere and a vertex need no cells. Writes c->search. */
+#include "closest/closest.h"
+#include "base/base.h"
+#include "model/model.h"
+
+#define MG_CELL_PAIRS_MAX 100000 /* most pairs of cells looked at in one search of a feature pair */
+
+/* Coordinates u, v that are in a box and in a disc about 0. */
+typedef struct {
+  mg_real box[4];
+  mg_real disc;
+} mg_coordinate_limits;
+
+/* A search of one feature pair. Side `first` has cells; views are in the axes of its shape. */
+typedef struct {
+  mg_context *c;
+  int feature_pair;
+  int first;                       /* side whose cells are A: 0 or 1 */
+  int has_cells;                   /* 1: the other side has cells too */
+  mg_search_limits limits;         /* gaps of interest */
+  mg_real smallest;                /* m: cells with smaller radii are not divided */
+  mg_real rotation[9];             /* from the axes of the other shape to those of the first */
+  mg_real origin[3];               /* origin of the other shape, axes of the first, m */
+  mg_cell_view other;              /* the other side, if it has no cells */
+  int curves;                      /* bit 0: the first feature is a curve, bit 1: the other */
+  mg_coordinate_limits allowed[2]; /* coordinates of the first and of the other side */
+  int n_known;                     /* critical points known */
+  mg_real known[MG_CRITICAL][6];   /* their points on the first and the other feature, axes of the first shape, m */
+  mg_real least;                   /* m: minima with smaller gaps are dropped */
+  mg_minima *kept;
+} mg_critical_search;
+
+/* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
+static int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
+  const int parametrisation = mg_parametrisation(c, feature_pair, side);
+  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
+  return kind->dimension == 0 || (kind->nearest_point && (parametrisation == MG_NONE || parametrisation == MG_LOCAL));
+}
+
+MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
+                              mg_real *eta) {
+  for (int side = 0; side < 2; side++) {
+    const mg_sample *at = side ? f : o;
+    switch (mg_parametrisation(c, feature_pair, side)) {
+      case MG_LOCAL:
+        for (int k = 0; k < 3; k++) *eta++ = at->local[k];
+        break;
+      case MG_CHART:
+        *eta++ = at->uv[0], *eta++ = at->uv[1];
+        break;
+      case MG_CURVE:
+        *eta++ = at->uv[0];
+        break;
+      case MG_SIGNED_CURVE:
+        *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1;
+        break;
+      case MG_SIGN:
+        *eta++ = 1;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+/* Rotation of a feature's shape in world axes, 9 numbers by columns. */
+static void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R) {
+  const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT,
+                *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
+  for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, R + 3 * k);
+}
+
+/* Sets the view of a side without cells: a plane, a sphere as its centre, or a vertex. */
+static void mg_set_closed_view(mg_critical_search *s) {
+  mg_context *c = s->c;
+  const int side = 1 - s->first;
+  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * s->feature_pair + side];
+  const mg_real zero[2] = {0, 0};
+  mg_sample base;
+  mg_sample_at(c, s->feature_pair, side, zero, &base);
+  mg_cell_view *view = &s->other;
+  view->cell = 0, view->rotation = 0, view->radius = view->spread = view->sphere_radius = view->rest = 0;
+  for (int k = 0; k < 3; k++) view->slope[0][k] = view->slope[1][k] = 0;
+  view->kind = kind->nearest_point == MG_NEAREST_PLANE ? MG_VIEW_PLANE : MG_VIEW_POINT;
+  mg_real shape_axes[9];
+  mg_shape_rotation(c, s->feature_pair, s->first, shape_axes);
+  mg_rotate_back(shape_axes, base.direction, view->direction);
+  mg_point_in_shape_axes(c, s->feature_pair, s->first, base.point, view->centre);
+  if (kind->nearest_point != MG_NEAREST_SPHERE) return;
+  const mg_real span[3] = {view->centre[0] - s->origin[0], view->centre[1] - s->origin[1],
+                           view->centre[2] - s->origin[2]};
+  const mg_real radius = sqrt(mg_dot3(span, span));
+  view->sphere_radius = mg_dot3(span, view->direction) < 0 ? -radius : radius;
+  for (int k = 0; k < 3; k++) view->centre[k] = s->origin[k];
+}
+
+/* Views of cells: of the first side, and of the other in the axes of the first. */
+static void mg_view_first(const mg_critical_search *s, int cell, mg_cell_view *view) {
+  const mg_cell *at = s->c->search.cells + cell;
+  view->kind = s->curves & 1 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = 0;
+  view->radius = at->radius, view->spread = at->spread, view->sphere_radius = 0;
+  view->rest = at->rest;
+  for (int k = 0; k < 3; k++) {
+    view->centre[k] = at->centre[k], view->direction[k] = at->direction[k];
+    view->slope[0][k] = at->slope[0][k], view->slope[1][k] = at->slope[1][k];
+  }
+}
+
+static void mg_view_other(const mg_critical_search *s, int cell, mg_cell_view *view) {
+  if (!s->has_cells) {
+    *view = s->other;
+    return;
+  }
+  const mg_cell *at = s->c->search.cells + cell;
+  const mg_real *R = s->rotation;
+  view->kind = s->curves & 2 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = R;
+  view->radius = at->radius, view->spread = at->spread, view->sphere_radius = 0;
+  view->rest = at->rest;
+  for (int k = 0; k < 3; k++) {
+    const mg_real x = R[k], y = R[3 + k], z = R[6 + k];
+    view->centre[k] = s->origin[k] + x * at->centre[0] + y * at->centre[1] + z * at->centre[2];
+    view->direction[k] = x * at->direction[0] + y * at->direction[1] + z * at->direction[2];
+    for (int a = 0; a < 2; a++) view->slope[a][k] = x * at->slope[a][0] + y * at->slope[a][1] + z * at->slope[a][2];
+  }
+}
+
+/* Squared distance of two points. */
+static mg_real mg_square_distance(const mg_real *a, const mg_real *b) {
+  const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  return mg_dot3(span, span);
+}
+
+/* True if a known critical point lies in both cells. */
+static int mg_is_critical_point_known(const mg_critical_search *s, const mg_cell_view *a, const mg_cell_view *b) {
+  for (int i = 0; i < s->n_known; i++) {
+    if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius) continue;
+    if (b->kind == MG_VIEW_PLANE || b->kind == MG_VIEW_POINT) return 1;
+    if (mg_square_distance(s->known[i] + 3, b->centre) <= b->radius * b->radius) return 1;
+  }
+  return 0;
+}
+
+/* Keeps the points of the placement evaluated last as known. */
+static void mg_add_known_point(mg_critical_search *s) {
+  if (s->n_known == MG_CRITICAL) return;
+  const mg_real *placed = s->c->search.placement;
+  mg_real *known = s->known[s->n_known++];
+  mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 11 : 8), known);
+  mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 8 : 11), known + 3);
+}
+
+/* Sample of a side in the middle of a cell; of a side without cells the point nearest to that of the first. */
+static void mg_sample_cell(const mg_critical_search *s, int side, int cell, const mg_sample *nearby, mg_sample *at) {
+  mg_context *c = s->c;
+  if (side == s->first || s->has_cells) {
+    const mg_real *box = c->search.cells[cell].box;
+    const mg_real uv[2] = {box[0] + (box[1] - box[0]) / 2, box[2] + (box[3] - box[2]) / 2};
+    mg_sample_at(c, s->feature_pair, side, uv, at);
+    return;
+  }
+  mg_point_in_shape_axes(c, s->feature_pair, side, nearby->point, at->local);
+  if (s->other.kind == MG_VIEW_PLANE) {
+    at->local[2] = 0;
+    return;
+  }
+  const mg_real size = sqrt(mg_dot3(at->local, at->local));
+  for (int k = 0; k < 3 && size > 0; k++) at->local[k] *= fabs(s->other.sphere_radius) / size;
+}
+
+/* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
+static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
+  mg_context *c = s->c;
+  mg_sample at[2];
+  mg_minimum found;
+  mg_real eta[6] = {0};
+  mg_sample_cell(s, s->first, a, 0, at + s->first);
+  mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
+  mg_start_eta(c, s->feature_pair, at, at + 1, eta);
+  if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
+  mg_add_known_point(s);
+  if (mg_accept_minimum(c, s->feature_pair, eta, &found) && found.d >= s->least && !mg_was_minimum_abandoned(c, &found))
+    mg_insert_minimum(c, s->kept, &found);
+  return 1;
+}
+
+/* The points of contacts that are on the feature pair already. */
+static void mg_add_followed_points(mg_critical_search *s) {
+  mg_context *c = s->c;
+  const int pair = c->system->feature_pair_owner[s->feature_pair];
+  mg_real next[6];
+  for (int k = mg_pair_first_contact(c, pair); k < mg_pair_first_contact(c, pair + 1); k++) {
+    if (!mg_is_on_feature_pair(c, k) || c->run->feature_pair[k] != s->feature_pair) continue;
+    mg_place_contact(c, k, mg_contact_eta(c, c->run->x, k), next);
+    if (mg_is_placement_critical(c, k)) mg_add_known_point(s);
+  }
+}
+
+/* True if the first of two cells is to be divided: it contributes more to what keeps the pair open. */
+static int mg_is_first_wider(const mg_critical_search *s, const mg_cell_view *a, const mg_cell_view *b) {
+  if (!s->has_cells) return 1;
+  if (!(a->radius < MG_MAX / 4) || !(b->radius < MG_MAX / 4)) return a->radius >= b->radius;
+  if (a->radius > 4 * b->radius || b->radius > 4 * a->radius) return a->radius > b->radius;
+  const mg_real size = a->radius + b->radius, spread = a->spread + b->spread;
+  return (a->radius - b->radius) / (size > 0 ? size : 1) + (a->spread - b->spread) / (spread > 0 ? spread : 1) >= 0;
+}
+
+/* Divides one of two cells and puts both pairs on the list. Returns the length of the list; unchanged if there is no
+   room. */
+static int mg_divide_pair(mg_critical_search *s, int a, int b, int is_first_wider, int count) {
+  mg_context *c = s->c;
+  const int side = is_first_wider ? s->first : 1 - s->first;
+  const int half = mg_divide_cell(c, s->feature_pair, side, is_first_wider ? a : b);
+  if (!half || count + 2 > MG_CELL_PAIRS) return count;
+  for (int k = 0; k < 2; k++) {
+    int *pair = c->search.cell_pairs + 2 * (count + k);
+    pair[0] = is_first_wider ? half + k : a, pair[1] = is_first_wider ? b : half + k;
+  }
+  return count + 2;
+}
+
+/* Coordinates to which the conditions of a feature pair limit one side, so that no contact lies beyond. */
+static void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits) {
+  const mg_system *s = c->system;
+  const mg_real slack = 8 * c->settings->feature_border,
+                *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
+  limits->box[0] = limits->box[2] = -MG_MAX, limits->box[1] = limits->box[3] = limits->disc = MG_MAX;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const mg_real *a = s->numbers + s->condition_numbers[k];
+    if (s->condition_feature[k] != side || s->condition_feature_pair[k] == MG_BEYOND_WATCHED) continue;
+    if (s->condition_kind[k] == MG_CONDITION_DISC) limits->disc = fmin(limits->disc, a[0] * (1 + slack));
+    if (s->condition_kind[k] != MG_CONDITION_PARAMETER) continue;
+    mg_real *ends = limits->box + 2 * (int)a[0];
+    if (a[1] > 0) ends[0] = fmax(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
+    if (a[1] < 0) ends[1] = fmin(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
+  }
+}
+
+/* True if all coordinates of a cell lie beyond the limits. */
+static int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits) {
+  const mg_real *box = c->search.cells[cell].box, *inside = limits->box;
+  if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
+  if (!(limits->disc < MG_MAX)) return 0;
+  const mg_real u = fmax(fmax(box[0], -box[1]), (mg_real)0), v = fmax(fmax(box[2], -box[3]), (mg_real)0);
+  return u * u + v * v > limits->disc * limits->disc;
+}
+
+/* Treats one pair of cells; returns the length of the list of open pairs. */
+static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
+  mg_cell_view A, B;
+  if (mg_is_cell_beyond(s->c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(s->c, b, s->allowed + 1)))
+    return count;
+  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
+  const int verdict = mg_judge_cells(&A, &B, &s->limits);
+  if (verdict == MG_CELLS_APART) return count;
+  const int is_small = A.radius + B.radius <= s->smallest;
+  if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, &A, &B)) return count;
+  if (verdict == MG_CELLS_REGULAR || is_small) {
+    if (mg_is_critical_point_known(s, &A, &B) || mg_converge_from_cells(s, a, b)) return count;
+    if (is_small) return count;
+  }
+  const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);
+  if (longer == count) {
+    *is_complete = 0;
+    if (!mg_is_critical_point_known(s, &A, &B)) mg_converge_from_cells(s, a, b);
+  }
+  return longer;
+}
+
+MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                          mg_real least, mg_minima *kept) {
+  mg_critical_search s = {.c = c, .feature_pair = feature_pair, .limits = *limits, .least = least, .kept = kept};
+  int is_complete = 1, count = 1, root[2] = {0, 0};
+  s.first = mg_has_nearest_point(c, feature_pair, 0);
+  s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
+  mg_limit_coordinates(c, feature_pair, s.first, s.allowed);
+  mg_limit_coordinates(c, feature_pair, 1 - s.first, s.allowed + 1);
+  s.smallest = c->settings->search_merge_distance * c->system->length / 4;
+  s.curves = (mg_feature_dimension(c, feature_pair, s.first) == 1) |
+             (mg_feature_dimension(c, feature_pair, 1 - s.first) == 1) << 1;
+  mg_real own[9], others[9];
+  mg_shape_rotation(c, feature_pair, s.first, own), mg_shape_rotation(c, feature_pair, 1 - s.first, others);
+  for (int k = 0; k < 3; k++) mg_rotate_back(own, others + 3 * k, s.rotation + 3 * k);
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1 - s.first);
+  mg_real origin[3];
+  mg_to_world(pose, mg_feature_numbers(c, feature_pair, 1 - s.first) + MG_FEATURE_PLACEMENT, 1, origin);
+  mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
+  if (!s.has_cells) mg_set_closed_view(&s);
+  if (c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
+  root[0] = mg_root_cell(c, feature_pair, s.first);
+  if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
+  if (!root[0] || (s.has_cells && !root[1])) return 0;
+  mg_add_followed_points(&s);
+  c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
+  for (long looked = 0; count > 0; looked++) {
+    const int *pair = c->search.cell_pairs + 2 * --count;
+    if (looked < MG_CELL_PAIRS_MAX) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
+    else is_complete = 0, mg_converge_from_cells(&s, pair[0], pair[1]);
+  }
+  return is_complete;
+}

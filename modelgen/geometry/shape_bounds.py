@@ -1,0 +1,76 @@
+"""What bounds of a part of a shape are made of: position, derivatives, normal or tangent, and curvature.
+
+The core evaluates these expressions in Taylor models over cells of the coordinates (core/closest/cells.c).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+
+from modelgen.geometry.charts import Jet
+from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.frames import cross, dot
+from modelgen.geometry.points import is_point
+from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
+from modelgen.geometry.surface_kernel import shape_parameters
+from modelgen.model import ShapeKind
+
+
+@cache
+def shape_bounds(kind: ShapeKind) -> ca.Function | None:
+    """The function of (coordinates, parameters) that the core bounds over cells; None for a point.
+
+    Of a surface (12 numbers): x (m), unit exterior normal n, and W (1/m) with dn = W dx, as xx, yy, zz, xy,
+    xz, yz.
+    Of a curve (9 numbers): x (m), unit tangent, curvature vector (1/m). Axes of the shape.
+    """
+    if is_point(kind):
+        return None
+    argument, parameters = shape_parameters(kind)
+    if is_curve(kind):
+        coordinates = ca.SX.sym("t")
+        bounded = _of_curve(kind, coordinates, parameters)
+    else:
+        coordinates = ca.SX.sym("uv", 2)
+        bounded = _of_surface(kind, coordinates, parameters)
+    outputs = ca.cse([ca.densify(ca.simplify(bounded))])
+    return ca.Function(f"mg_{kind.name}_bounds", [coordinates, argument], outputs)
+
+
+def _of_curve(kind: ShapeKind, t: ca.SX, parameters: ca.SX) -> ca.SX:
+    jet = curve_of(kind).jet(t, parameters)
+    speed = ca.sqrt(dot(jet.first, jet.first))
+    tangent = jet.first / speed
+    bend = jet.second / (speed * speed)
+    return ca.vertcat(jet.x, tangent, bend - tangent * dot(tangent, bend))
+
+
+def _of_surface(kind: ShapeKind, uv: ca.SX, parameters: ca.SX) -> ca.SX:
+    surface = surface_of(kind)
+    jet = surface.jet(uv, parameters)
+    if surface.implicit is None:
+        normal, bend = _curvature_of_chart(jet)
+    else:
+        equation = surface.implicit(jet.x, parameters)
+        size = ca.sqrt(dot(equation.gradient, equation.gradient))
+        normal = equation.gradient / size
+        across = ca.SX.eye(3) - ca.mtimes(normal, normal.T)
+        hessian = equation.isotropic * ca.SX.eye(3) + equation.matrix
+        bend = ca.mtimes([across, hessian, across]) / size
+    sign = exterior_sign(kind)
+    entries = [bend[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return ca.vertcat(jet.x, sign * normal, sign * ca.vertcat(*entries))
+
+
+def _curvature_of_chart(jet: Jet) -> tuple[ca.SX, ca.SX]:
+    """Unit normal and W of a chart: W = -D' II D, with the rows of D dual to c_u and c_v."""
+    c_u, c_v = jet.first[:, 0], jet.first[:, 1]
+    area = cross(c_u, c_v)
+    size = ca.sqrt(dot(area, area))
+    normal = area / size
+    dual = ca.horzcat(cross(c_v, normal), cross(normal, c_u)).T / size
+    bends = [dot(normal, jet.second[:, k]) for k in range(3)]
+    second = ca.vertcat(ca.horzcat(bends[0], bends[1]), ca.horzcat(bends[1], bends[2]))
+    return normal, -ca.mtimes([dual.T, second, dual])

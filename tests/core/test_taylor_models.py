@@ -1,0 +1,96 @@
+"""Bounds of functions over boxes contain the functions, and are tight to third order (base/taylor_models.c)."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from tests.core.compiling import CORE, compile_core, compiler
+
+from modelgen.codegen.bounds_programs import bounds_program
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+HEADER = (CORE / "base" / "taylor_models.h").read_text()
+CODES = {name: code for code, name in enumerate(re.findall(r"^  MG_OP_(\w+)", HEADER, re.MULTILINE))}
+INPUTS: dict[str, Callable[[ca.SX, ca.SX], ca.SX]] = {
+    "sum": lambda u, v: 2 * u - v + 0.5,
+    "product": lambda u, v: u * v * (u - 3 * v),
+    "quotient": lambda u, v: (u - v) / (2 + u * v),
+    "inverse": lambda u, v: 1 / (1.5 + u),
+    "square": lambda u, v: (u + v) ** 2,
+    "cube": lambda u, v: (u - v) ** 3,
+    "negative power": lambda u, v: (2 + u + v / 2) ** -2,
+    "power": lambda u, v: (1.5 + u * v) ** 2.7,
+    "root": lambda u, v: ca.sqrt(1.3 + u),
+    "exponential": lambda u, v: ca.exp(u - v),
+    "logarithm": lambda u, v: ca.log(2.2 + u + v),
+    "sine": lambda u, v: ca.sin(3 * u + v),
+    "cosine": lambda u, v: ca.cos(u - 5 * v),
+    "tangent": lambda u, v: ca.tan(u / 2 + v / 3),
+    "arcs": lambda u, v: ca.asin(u / 2) + ca.acos(v / 2) + ca.atan(u * v),
+    "angle": lambda u, v: ca.atan2(1.2 + u, v - 0.3),
+    "hyperbolic": lambda u, v: ca.sinh(u) + ca.cosh(v) - ca.tanh(u - v),
+    "absolute": lambda u, v: ca.fabs(u - v / 3),
+    "sign": lambda u, v: ca.sign(u) * v,
+    "least": lambda u, v: ca.fmin(u, v) + ca.fmax(u * u, 0.2),
+    "cubic with a knot": lambda u, v: ca.jacobian(ca.fmax(u - 0.2, 0) ** 3, u) + v,
+    "choice": lambda u, v: ca.if_else(u < v, u * u, v),
+    "cap": lambda u, v: ca.sqrt(4 - u * u - v * v) * ca.cos(u * v),
+}  # fmt: skip
+
+
+class Model(ctypes.Structure):
+    _fields_ = (("middle", ctypes.c_double), ("slope", ctypes.c_double * 2), ("bend", ctypes.c_double * 3),
+                ("rest", ctypes.c_double))  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def core(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    text = (Path(__file__).parent / "taylor_driver.c").read_text()
+    flags = ("-O2", "-shared", "-fPIC")
+    return ctypes.CDLL(str(compile_core(tmp_path_factory.mktemp("taylor"), text, *flags)))
+
+
+def bounds(core: ctypes.CDLL, function: ca.Function, box: np.ndarray) -> list[Model]:
+    instructions, constants = bounds_program(function)
+    rows = np.array([(CODES[code], *places) for code, *places in instructions], dtype=np.uint16)
+    numbers = np.array(constants or [0.0])
+    out = (Model * function.numel_out(0))()
+    memory = (Model * (function.sz_w() + 1))()
+    core.bound_over_box(
+        rows.ctypes.data_as(ctypes.c_void_p), len(rows), numbers.ctypes.data_as(ctypes.c_void_p),
+        box.ctypes.data_as(ctypes.c_void_p), None, memory, function.sz_w() + 1, out,
+    )  # fmt: skip
+    return list(out)
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_a_model_contains_the_function_and_its_rest_falls_with_the_cube_of_the_box(
+    core: ctypes.CDLL, name: str
+) -> None:
+    uv = ca.SX.sym("uv", 2)
+    function = ca.Function("f", [uv, ca.SX(0, 1)], [ca.densify(INPUTS[name](uv[0], uv[1]))])
+    rng = np.random.default_rng(7)
+    for _ in range(40):
+        middle = rng.uniform(-0.9, 0.9, 2)
+        rests = []
+        for half in (0.1, 0.01, 0.001):
+            box = np.array([middle[0] - half, middle[0] + half, middle[1] - half, middle[1] + half])
+            (model,) = bounds(core, function, box)
+            places = np.vstack([rng.uniform(-1, 1, (200, 2)), [(a, b) for a in (-1, 1) for b in (-1, 1)]])
+            exact = np.asarray(function((middle + half * places).T, ca.DM(0, len(places)))).ravel()
+            r, s = places.T
+            polynomial = model.middle + model.slope[0] * r + model.slope[1] * s
+            polynomial += model.bend[0] * r * r + model.bend[1] * r * s + model.bend[2] * s * s
+            assert np.all(np.abs(exact - polynomial) <= model.rest)
+            rests.append(model.rest)
+        smooth = rests[2] < 1e-2 * rests[1]
+        assert (
+            smooth or name in ("absolute", "sign", "least", "cubic with a knot", "choice") or rests[1] < 1e-12
+        )
