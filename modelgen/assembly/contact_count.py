@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modelgen.geometry.curvature_bounds import touches_once
+from modelgen.geometry.curvature_bounds import is_hollow, touches_once
 from modelgen.geometry.features import features_of, is_composite
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
 from modelgen.scene.scene_types import ContactPair, Shape
@@ -31,11 +31,11 @@ def following(
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down
-    next, so that steps are kept short. Two convex shapes, one of them round, touch once; others in several
-    points, searched for as the bodies move, or after every step where there are edges, which come down on
-    faces all along.
+    next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow may
+    be near to several of its sides, though it touches one at a time. Others touch in several points, searched
+    for as the bodies move, or after every step where there are edges, which come down on faces all along.
     """
-    once = touches_once(a, b)
+    once = touches_once(a, b) and (explicit or not (is_hollow(a) or is_hollow(b)))
     leading = any(
         condition.next >= 0 for feature_pair in feature_pairs for condition in feature_pair.conditions
     )

@@ -26,8 +26,8 @@ def bounds_program(function: ca.Function) -> tuple[list[tuple[str, int, int, int
     """Instructions (operation, result, first and second operand) and constants of a function of SX.
 
     Operands and results are places in the function's memory; of CONSTANT the operand is the number of the
-    constant, of INPUT the number of the argument and of its element; the result of OUTPUT is the element of the
-    output.
+    constant, of INPUT the number of the argument and of its element; the result of OUTPUT is the element of
+    the output.
     """
     instructions: list[tuple[str, int, int, int]] = []
     constants: list[float] = []
@@ -57,8 +57,10 @@ def bounds_program(function: ca.Function) -> tuple[list[tuple[str, int, int, int
 
 
 def _conditions_added(operation: str, a: int, b: int) -> int:
-    """The number of conditions whose sum an operation gives, 0 for another result; CasADi's derivatives of min
-    and max divide a condition by such a sum."""
+    """The number of conditions whose sum an operation gives, 0 for another result.
+
+    CasADi's derivatives of min and max divide a condition by such a sum.
+    """
     if operation in CONDITIONS:
         return 1
     return a + b if operation == "ADD" and a and b else 0

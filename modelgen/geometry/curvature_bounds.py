@@ -43,8 +43,11 @@ def is_hollow(shape: Shape) -> bool:
 
 
 def touches_once(a: Shape, b: Shape) -> bool:
-    """Whether the distance of two shapes has one local minimum at most: convex bodies apart, or one that is
-    everywhere more curved than the hollow in which it lies (Blaschke's rolling theorem)."""
+    """Whether two shapes touch in one point at a time.
+
+    Convex bodies do, and one that is everywhere more curved than the hollow in which it lies (Blaschke's
+    rolling theorem). In a hollow the distance may have several minima.
+    """
     if all(is_convex(shape) or shape.kind in STRAIGHT for shape in (a, b)):
         return True
     return any(

@@ -1,4 +1,4 @@
-"""Bounds of functions over boxes contain the functions, and are tight to third order (base/taylor_models.c)."""
+"""Bounds of functions over boxes contain the functions and are tight to third order (taylor_models.c)."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
-from tests.core.compiling import CORE, compile_core, compiler
 
 from modelgen.codegen.bounds_programs import bounds_program
+from tests.core.compiling import CORE, compile_core, compiler
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 

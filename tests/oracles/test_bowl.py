@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,6 +33,16 @@ def length() -> float:
     return float(forced("ellipsoids_in_bowl", "implicit").manifest.instance["scales"]["length"])
 
 
+def pair_of(contact: str) -> str:
+    """The pair of bodies of a contact, which may follow one of several closest points."""
+    return contact.split("#")[0]
+
+
+def force_of(path: Trajectory, pair: str) -> np.ndarray[Any, Any]:
+    """Normal force on a pair, over all of its contacts."""
+    return path.force[:, [pair_of(name) == pair for name in path.contact_names]].sum(axis=1)
+
+
 def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:
     together = path_of("implicit")
     scene = read(SCENES / "ellipsoids_in_bowl.toml")
@@ -45,12 +56,17 @@ def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:
         )
         one = replace(scene, name="one_in_bowl", bodies=(bowl, stone), contacts=contacts)
         alone = simulate(library_of(one), accuracy=Accuracy.tight(), until=UNTIL, samples=150, estimate=False)
-        (landing,) = [event for event in alone.events if event.t < BEFORE]
-        same = next(event for event in together.events if event.contact == landing.contact)
+        (landing,) = [event for event in alone.events if event.t < BEFORE and event.kind == "touch-down"]
+        same = next(
+            event
+            for event in together.events
+            if event.kind == "touch-down" and pair_of(event.contact) == pair_of(landing.contact)
+        )
         assert landing.t == pytest.approx(same.t, abs=1e-11)
         assert np.abs(alone.p[early, 1] - together.p[early, index]).max() < 1e-11
         assert np.abs(alone.w[early, 1] - together.w[early, index]).max() < 1e-9
-        assert alone.force[early, 0] == pytest.approx(together.force[early, index - 1], abs=1e-8)
+        pair = pair_of(landing.contact)
+        assert force_of(alone, pair)[early] == pytest.approx(force_of(together, pair)[early], abs=1e-8)
 
 
 @pytest.mark.slow
@@ -72,9 +88,9 @@ def test_the_laws_hold_through_collisions(form: str) -> None:
     assert np.diff(path.work).max() < 1e-9 * most
     assert path.energy_drift < 1e-9
     assert np.abs(path.energy - path.energy[0] - path.work).max() < 1e-9 * most
-    assert path.gap.min() > -1e-10 * length()
+    assert np.nanmin(path.gap) > -1e-10 * length()
     assert path.force.min() >= 0
-    assert np.minimum(path.gap / length(), path.force).max() < 1e-10
+    assert np.nanmax(np.minimum(path.gap / length(), path.force)) < 1e-10
 
 
 def test_a_coarse_run_ends_too() -> None:

@@ -18,18 +18,21 @@ typedef struct {
 typedef struct {
   mg_context *c;
   int feature_pair;
-  int first;                       /* side whose cells are A: 0 or 1 */
-  int has_cells;                   /* 1: the other side has cells too */
-  mg_search_limits limits;         /* gaps of interest */
-  mg_real smallest;                /* m: cells with smaller radii are not divided */
-  mg_real rotation[9];             /* from the axes of the other shape to those of the first */
-  mg_real origin[3];               /* origin of the other shape, axes of the first, m */
-  mg_cell_view other;              /* the other side, if it has no cells */
-  int curves;                      /* bit 0: the first feature is a curve, bit 1: the other */
-  mg_coordinate_limits allowed[2]; /* coordinates of the first and of the other side */
-  int n_known;                     /* critical points known */
-  mg_real known[MG_CRITICAL][6];   /* their points on the first and the other feature, axes of the first shape, m */
-  mg_real least;                   /* m: minima with smaller gaps are dropped */
+  int first;                        /* side whose cells are A: 0 or 1 */
+  int has_cells;                    /* 1: the other side has cells too */
+  mg_search_limits limits;          /* gaps of interest */
+  mg_real smallest;                 /* m: cells with smaller radii are not divided */
+  mg_real rotation[9];              /* from the axes of the other shape to those of the first */
+  mg_real origin[3];                /* origin of the other shape, axes of the first, m */
+  mg_cell_view other;               /* the other side, if it has no cells */
+  int curves;                       /* bit 0: the first feature is a curve, bit 1: the other */
+  mg_coordinate_limits allowed[2];  /* coordinates of the first and of the other side */
+  int n_known;                      /* critical points known */
+  mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
+  mg_real known_uv[MG_CRITICAL][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
+  mg_real best_merit; /* m: distance of the middles of the likeliest pair of cells, and mismatch of directions */
+  int best[2];        /* its cells */
+  mg_real least;      /* m: minima with smaller gaps are dropped */
   mg_minima *kept;
 } mg_critical_search;
 
@@ -133,20 +136,50 @@ static mg_real mg_square_distance(const mg_real *a, const mg_real *b) {
   return mg_dot3(span, span);
 }
 
+/* True if a cell contains coordinates. Where a feature covers a place twice, its coordinates tell which. Coordinates
+   far beyond the domain, as after a whole turn, tell nothing. */
+static int mg_contains_coordinates(const mg_critical_search *s, int side, const mg_cell *cell, const mg_real *uv) {
+  const mg_real *domain = mg_feature_numbers(s->c, s->feature_pair, side) + MG_FEATURE_DOMAIN;
+  for (int k = 0; k < 2; k++) {
+    const mg_real low = domain[2 * k], high = domain[2 * k + 1], far = high / 4 - low / 4;
+    const mg_real *ends = cell->box + 2 * k, slack = (ends[1] - ends[0]) / 4, at = fmin(fmax(uv[k], low), high);
+    if (uv[k] >= MG_MAX || fabs(uv[k] - at) > far) continue;
+    if (at < ends[0] - slack || at > ends[1] + slack) return 0;
+  }
+  return 1;
+}
+
 /* True if a known critical point lies in both cells. */
 static int mg_is_critical_point_known(const mg_critical_search *s, const mg_cell_view *a, const mg_cell_view *b) {
   for (int i = 0; i < s->n_known; i++) {
-    if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius) continue;
-    if (b->kind == MG_VIEW_PLANE || b->kind == MG_VIEW_POINT) return 1;
-    if (mg_square_distance(s->known[i] + 3, b->centre) <= b->radius * b->radius) return 1;
+    if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius ||
+        !mg_contains_coordinates(s, s->first, a->cell, s->known_uv[i]))
+      continue;
+    if (!s->has_cells) return 1;
+    if (mg_square_distance(s->known[i] + 3, b->centre) <= b->radius * b->radius &&
+        mg_contains_coordinates(s, 1 - s->first, b->cell, s->known_uv[i] + 2))
+      return 1;
   }
   return 0;
 }
 
-/* Keeps the points of the placement evaluated last as known. */
-static void mg_add_known_point(mg_critical_search *s) {
+/* Coordinates of a side in eta, where it has the entries from `at` on; MG_MAX where eta does not hold them. Returns the
+   entries after its own. */
+static const mg_real *mg_coordinates_in_eta(const mg_context *c, int feature_pair, int side, const mg_real *at,
+                                            mg_real *uv) {
+  const int parametrisation = mg_parametrisation(c, feature_pair, side),
+            is_curve = parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
+  const int n = parametrisation == MG_CHART ? 2 : is_curve;
+  for (int k = 0; k < 2; k++) uv[k] = k < n ? at[k] : MG_MAX;
+  return at + mg_parametrisation_size[parametrisation];
+}
+
+/* Keeps the points of the placement evaluated last, at eta, as known. */
+static void mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
   if (s->n_known == MG_CRITICAL) return;
-  const mg_real *placed = s->c->search.placement;
+  const mg_real *placed = s->c->search.placement, *at = eta;
+  for (int side = 0; side < 2; side++)
+    at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[s->n_known] + (side == s->first ? 0 : 2));
   mg_real *known = s->known[s->n_known++];
   mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 11 : 8), known);
   mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 8 : 11), known + 3);
@@ -180,7 +213,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
-  mg_add_known_point(s);
+  mg_add_known_point(s, eta);
   if (mg_accept_minimum(c, s->feature_pair, eta, &found) && found.d >= s->least && !mg_was_minimum_abandoned(c, &found))
     mg_insert_minimum(c, s->kept, &found);
   return 1;
@@ -194,7 +227,7 @@ static void mg_add_followed_points(mg_critical_search *s) {
   for (int k = mg_pair_first_contact(c, pair); k < mg_pair_first_contact(c, pair + 1); k++) {
     if (!mg_is_on_feature_pair(c, k) || c->run->feature_pair[k] != s->feature_pair) continue;
     mg_place_contact(c, k, mg_contact_eta(c, c->run->x, k), next);
-    if (mg_is_placement_critical(c, k)) mg_add_known_point(s);
+    if (mg_is_placement_critical(c, k)) mg_add_known_point(s, mg_contact_eta(c, c->run->x, k));
   }
 }
 
@@ -247,6 +280,16 @@ static int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_
   return u * u + v * v > limits->disc * limits->disc;
 }
 
+/* Remembers the pair of cells that is the likeliest to hold closest points: the start of Newton's method if the search
+   has to be given up. */
+static void mg_remember_likeliest(mg_critical_search *s, int a, int b, const mg_cell_view *A, const mg_cell_view *B) {
+  const mg_real cosine = mg_dot3(A->direction, B->direction), distance = sqrt(mg_square_distance(A->centre, B->centre));
+  const int surfaces = (A->kind == MG_VIEW_SURFACE) + (B->kind == MG_VIEW_SURFACE);
+  const mg_real mismatch = B->kind == MG_VIEW_POINT ? 0 : surfaces == 2 ? 1 + cosine : surfaces == 1 ? fabs(cosine) : 0;
+  const mg_real merit = distance + s->c->system->length * mismatch;
+  if (merit < s->best_merit) s->best_merit = merit, s->best[0] = a, s->best[1] = b;
+}
+
 /* Treats one pair of cells; returns the length of the list of open pairs. */
 static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
   mg_cell_view A, B;
@@ -255,6 +298,7 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   mg_view_first(s, a, &A), mg_view_other(s, b, &B);
   const int verdict = mg_judge_cells(&A, &B, &s->limits);
   if (verdict == MG_CELLS_APART) return count;
+  mg_remember_likeliest(s, a, b, &A, &B);
   const int is_small = A.radius + B.radius <= s->smallest;
   if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, &A, &B)) return count;
   if (verdict == MG_CELLS_REGULAR || is_small) {
@@ -269,9 +313,28 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   return longer;
 }
 
+/* True if a condition on the tilt against the plane fails, so that no point of the feature is a contact. */
+static int mg_is_flat_against_plane(mg_critical_search *s) {
+  mg_context *c = s->c;
+  const mg_system *system = c->system;
+  const int spare = mg_use_spare_contact(c, s->feature_pair);
+  int is_placed = 0;
+  for (int k = system->feature_pair_condition[s->feature_pair]; k < system->feature_pair_condition[s->feature_pair + 1];
+       k++) {
+    if (system->condition_kind[k] != MG_CONDITION_TILT || system->condition_feature_pair[k] == MG_BEYOND_WATCHED)
+      continue;
+    const mg_real *window = mg_feature_numbers(c, s->feature_pair, s->first) + MG_FEATURE_DOMAIN;
+    mg_real eta[6] = {window[0], window[2], 0, 0, 0, 0}, next[6];
+    if (!is_placed++) mg_place_contact(c, spare, eta, next);
+    if (mg_feature_pair_condition(c, s->feature_pair, k, eta) < -c->settings->feature_border) return 1;
+  }
+  return 0;
+}
+
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept) {
-  mg_critical_search s = {.c = c, .feature_pair = feature_pair, .limits = *limits, .least = least, .kept = kept};
+  mg_critical_search s = {
+      .c = c, .feature_pair = feature_pair, .limits = *limits, .least = least, .kept = kept, .best_merit = MG_MAX};
   int is_complete = 1, count = 1, root[2] = {0, 0};
   s.first = mg_has_nearest_point(c, feature_pair, 0);
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
@@ -288,6 +351,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_to_world(pose, mg_feature_numbers(c, feature_pair, 1 - s.first) + MG_FEATURE_PLACEMENT, 1, origin);
   mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
   if (!s.has_cells) mg_set_closed_view(&s);
+  if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
   if (c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
   root[0] = mg_root_cell(c, feature_pair, s.first);
   if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
@@ -299,5 +363,6 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
     if (looked < MG_CELL_PAIRS_MAX) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
     else is_complete = 0, mg_converge_from_cells(&s, pair[0], pair[1]);
   }
+  if (!is_complete && s.best[0]) mg_converge_from_cells(&s, s.best[0], s.best[1]);
   return is_complete;
 }

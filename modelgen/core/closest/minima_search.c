@@ -80,7 +80,11 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
   c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
 }
 
+/* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
+   treat. */
 static void mg_report_incomplete_search(const mg_context *c, int feature_pair) {
+  for (int patch = 0; patch < c->system->n_patch; patch++)
+    if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return;
   if (c->run->incomplete_searches++) return;
   c->run->incomplete_t = c->run->t;
   c->run->incomplete_pair = c->system->feature_pair_owner[feature_pair];
@@ -163,6 +167,12 @@ static void mg_search_nearest(mg_context *c, int first, int end, mg_real least, 
   }
 }
 
+/* Outcome of a start at which a search was given up without a result: the shapes conform. */
+static int mg_refuse_conforming_start(const mg_context *c) {
+  c->run->margin_min = 0;
+  return MG_MARGIN;
+}
+
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
@@ -171,6 +181,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
+    if (!found.count && c->run->incomplete_searches) return mg_refuse_conforming_start(c);
     if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return MG_NO_EXTREMUM;
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, found.count ? feature_pair : -1, found.list[0].eta);
@@ -187,6 +198,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
+  if (!found.count && c->run->incomplete_searches) return mg_refuse_conforming_start(c);
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)

@@ -296,6 +296,52 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   return count;
 }
 
+/* True if the pair has a minimum at the present poses that penetrates by more than contacts may and that no contact
+   follows. */
+static int mg_has_unfollowed_penetration(mg_context *c, int pair, const mg_search_limits *limits) {
+  const mg_system *s = c->system;
+  const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
+  mg_minima found;
+  found.count = 0;
+  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
+    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
+        !mg_is_out_of_reach(c, feature_pair))
+      mg_search_feature_pair(c, feature_pair, limits, least, &found);
+  for (int k = 0; k < found.count; k++) {
+    const mg_minimum *each = found.list + k;
+    if (each->d < -c->settings->start_gap * s->length && mg_is_minimum_accepted(c, each) &&
+        !mg_is_minimum_ignored(c, each) && !mg_is_minimum_tracked(c, pair, -1, each))
+      return 1;
+  }
+  return 0;
+}
+
+/* True if the step of length h makes a search of the pair due. */
+static int mg_is_search_due(const mg_context *c, int pair, mg_real h) {
+  const mg_system *s = c->system;
+  if (s->pair_search[pair] == MG_SEARCH_NEVER) return 0;
+  const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
+  return s->pair_search[pair] != MG_SEARCH_MOVED || moved >= c->settings->search_movement * s->length;
+}
+
+MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  const mg_search_limits limits = {0, c->settings->appear_depth * s->length};
+  mg_real *const start = c->run->x;
+  for (int pair = 0; pair < s->n_pair; pair++) {
+    if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, h) || mg_pair_clearance(c, pair) > 0) continue;
+    c->run->x = c->step.settled;
+    int is_new = mg_has_unfollowed_penetration(c, pair, &limits);
+    c->run->x = start;
+    if (!is_new) continue;
+    mg_update_poses(c, c->run->t, start);
+    is_new = !mg_has_unfollowed_penetration(c, pair, &limits);
+    mg_update_poses(c, c->run->t + h, c->step.settled);
+    if (is_new) return 1;
+  }
+  return 0;
+}
+
 /* True if no contact or held patch of the pair limits the step. */
 static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)

@@ -28,6 +28,10 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
 /* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair);
 
+/* True if the step of length h, whose end is in c->step.settled and in the poses, leads to a penetration that no
+   contact follows and that is not there at its start: closest points have appeared within the step. */
+MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h);
+
 /* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c);
 

@@ -192,6 +192,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   }
   event &= !mg_shorten_collocated_step(c, &h, end);
   if (mg_has_excessive_gap_rate(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
+  if (h > c->settings->event_tolerance * c->system->time && mg_has_new_penetration(c, h)) return mg_reject_step(c, h);
   return mg_finish_accepted_step(c, h, event, record, events);
 }
 

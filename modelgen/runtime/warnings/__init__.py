@@ -93,8 +93,8 @@ def _incomplete(session: Session) -> str:
     pair = session.instance["pairs"][session.run.incomplete_pair]
     return (
         f"{pair['name']}: a search for closest points was given up before all were found, first at "
-        f"t = {float(session.run.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a contact "
-        "may be missed there; a small change of the shapes or the start removes a perfect fit"
+        f"t = {float(session.run.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a "
+        "contact may be missed there; a small change of the shapes or the start removes a perfect fit"
     )
 
 
