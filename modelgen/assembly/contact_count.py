@@ -31,9 +31,10 @@ def following(
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down
-    next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow may
-    be near to several of its sides, though it touches one at a time. Others touch in several points, searched
-    for as the bodies move, or after every step where there are edges, which come down on faces all along.
+    next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow
+    may be near to several of its sides, though it touches one at a time. Others touch in several points,
+    searched for as the bodies move, or after every step where there are edges, which come down on faces all
+    along.
     """
     once = touches_once(a, b) and (explicit or not (is_hollow(a) or is_hollow(b)))
     leading = any(
