@@ -27,7 +27,7 @@ BodyMotion = Literal["fixed", "driven", "point", "free"]
 InertiaKind = Literal["none", "isotropic", "diagonal", "full"]
 Posing = Literal["identity", "general"]
 Rows = Literal[1, 3, 6]  # of a contact: N; and t1, t2; and spin about N, rolling about t1, t2
-Search = Literal["never", "moved", "always", "ahead"]  # for more contacts of a pair in a run
+Search = Literal["never", "moved", "always", "ahead", "apart"]  # for more contacts of a pair in a run
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,9 @@ def following(
     searched for as the bodies move, or after every step where there are edges, which come down on faces all
     along.
     """
-    once = touches_once(a, b) and (explicit or not (is_hollow(a) or is_hollow(b)))
+    hollow = is_hollow(a) or is_hollow(b)
+    alone = touches_once(a, b)
+    once = alone and (explicit or not hollow)
     leading = any(
         condition.next >= 0 for feature_pair in feature_pairs for condition in feature_pair.conditions
     )
@@ -51,6 +53,8 @@ def following(
         return Following(1, False, "never")
     smooth = is_smooth(a) and is_smooth(b)
     count = pair.points or (SMOOTH if smooth else PIECEWISE)
+    if alone and smooth and not explicit:
+        return Following(count, False, "apart")
     return Following(count, False, "moved" if smooth and not explicit else "always")
 
 

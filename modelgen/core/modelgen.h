@@ -68,8 +68,10 @@ enum {
   MG_SEARCH_NEVER = 0,  /* never: its contacts never end */
   MG_SEARCH_MOVED = 1,  /* after it has moved by search_movement * length */
   MG_SEARCH_ALWAYS = 2, /* after every accepted step */
-  MG_SEARCH_AHEAD = 3 /* after every accepted step; its contacts do not show all minima, so steps are kept short enough
-                         that the next search finds what comes near */
+  MG_SEARCH_AHEAD = 3, /* after every accepted step; its contacts do not show all minima, so steps are kept short enough
+                          that the next search finds what comes near */
+  MG_SEARCH_APART = 4  /* as MG_SEARCH_MOVED, but not while one of its contacts is closed: the shapes touch in one point
+                          at a time */
 };
 
 /* What a friction constraint resists. */
@@ -121,7 +123,7 @@ typedef struct {
 
   const int *pair_contact;      /* [n_pair + 1] range of contacts */
   const int *pair_feature_pair; /* [n_pair + 1] range of feature pairs */
-  const int *pair_search;       /* [n_pair] MG_SEARCH_NEVER .. MG_SEARCH_AHEAD */
+  const int *pair_search;       /* [n_pair] MG_SEARCH_NEVER .. MG_SEARCH_APART */
 
   const int *feature_pair_kind;       /* [n_feature_pair] contact kind of the library */
   const int *feature_pair_o;          /* [n_feature_pair] body o */

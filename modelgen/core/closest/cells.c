@@ -32,15 +32,15 @@ static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real 
   for (int a = 0; a < 2; a++) along[a] += (rest < MG_MAX / 8 ? sqrt(square[a]) + rest * part[a] : part[a]) / unit;
 }
 
-/* True if a cell of a surface is wider along v, by its points, against the characteristic length, and by its normals.
- */
+/* True if a cell of a surface is wider along v, by its normals, and by its points against four characteristic
+   lengths. */
 static int mg_is_second_wider(const mg_context *c, int feature_pair, int side, const mg_real *box,
                               const mg_taylor_model *out) {
   const mg_real *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
   const mg_real along_u = (box[1] - box[0]) / scale[0], along_v = (box[3] - box[2]) / scale[1];
   const mg_real part[2] = {along_u / (along_u + along_v), along_v / (along_u + along_v)};
   mg_real along[2] = {0, 0};
-  mg_add_change(out, c->system->length, part, along), mg_add_change(out + 3, 1, part, along);
+  mg_add_change(out, 4 * c->system->length, part, along), mg_add_change(out + 3, 1, part, along);
   return along[1] > along[0];
 }
 

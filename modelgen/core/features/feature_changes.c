@@ -316,12 +316,21 @@ static int mg_has_unfollowed_penetration(mg_context *c, int pair, const mg_searc
   return 0;
 }
 
-/* True if the step of length h makes a search of the pair due. */
-static int mg_is_search_due(const mg_context *c, int pair, mg_real h) {
-  const mg_system *s = c->system;
-  if (s->pair_search[pair] == MG_SEARCH_NEVER) return 0;
-  const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
-  return s->pair_search[pair] != MG_SEARCH_MOVED || moved >= c->settings->search_movement * s->length;
+/* True if the pair is never searched, or not as long as one of its contacts is closed. */
+static int mg_is_search_needless(const mg_context *c, int pair) {
+  const int search = c->system->pair_search[pair];
+  if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->run->closed[i]) return 1;
+  return 0;
+}
+
+/* True if a pair that has moved so far since its last search is to be searched. */
+static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
+  const int search = c->system->pair_search[pair];
+  if (mg_is_search_needless(c, pair)) return 0;
+  return (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) ||
+         moved >= c->settings->search_movement * c->system->length;
 }
 
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
@@ -329,7 +338,9 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_search_limits limits = {0, c->settings->appear_depth * s->length};
   mg_real *const start = c->run->x;
   for (int pair = 0; pair < s->n_pair; pair++) {
-    if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, h) || mg_pair_clearance(c, pair) > 0) continue;
+    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
+    if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
+      continue;
     c->run->x = c->step.settled;
     int is_new = mg_has_unfollowed_penetration(c, pair, &limits);
     c->run->x = start;
@@ -360,7 +371,7 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
   for (int pair = 0; pair < s->n_pair; pair++) {
-    if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
+    if (mg_is_search_needless(c, pair)) continue;
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
@@ -379,9 +390,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   for (int pair = 0; pair < s->n_pair; pair++) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
-    if (s->pair_search[pair] == MG_SEARCH_MOVED &&
-        c->run->moved_since_search[pair] < c->settings->search_movement * s->length)
-      continue;
+    if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
     count += mg_search_pair_contacts(c, events, pair);
   }

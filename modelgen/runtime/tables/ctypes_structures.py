@@ -188,7 +188,7 @@ METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
 LAWS = {"coulomb": 0, "relaxation": 1}
 IMPACT_LAWS = {"newton": 0, "poisson": 1, "stronge": 2}
-SEARCHES = ("never", "moved", "always", "ahead")  # MG_SEARCH_NEVER ..
+SEARCHES = ("never", "moved", "always", "ahead", "apart")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
