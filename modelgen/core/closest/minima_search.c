@@ -167,8 +167,9 @@ static void mg_search_nearest(mg_context *c, int first, int end, mg_real least, 
   }
 }
 
-/* Outcome of a start at which a search was given up without a result: the shapes conform. */
-static int mg_refuse_conforming_start(const mg_context *c) {
+/* Outcome of a start without closest points; if the search was given up, the shapes conform. */
+static int mg_refuse_start(const mg_context *c) {
+  if (!c->run->incomplete_searches) return MG_NO_EXTREMUM;
   c->run->margin_min = 0;
   return MG_MARGIN;
 }
@@ -181,8 +182,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (!found.count && c->run->incomplete_searches) return mg_refuse_conforming_start(c);
-    if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return MG_NO_EXTREMUM;
+    if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, found.count ? feature_pair : -1, found.list[0].eta);
   }
@@ -198,11 +198,10 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
-  if (!found.count && c->run->incomplete_searches) return mg_refuse_conforming_start(c);
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
-    return MG_NO_EXTREMUM;
+    return mg_refuse_start(c);
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_is_start_gap_allowed(c, found.list[k].d)) k++;

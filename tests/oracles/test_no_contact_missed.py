@@ -1,0 +1,128 @@
+"""No contact is missed: small clearances, hollows, profiles that are not convex; judged by dense points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy
+from modelgen.rotations import rotation_of
+from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.scene import python_scenes as make
+from tests.oracles.pieces import TABLE, ran
+
+Array = np.ndarray[Any, Any]
+
+RADIUS, HALF, TUBE = 0.02, 0.03, 0.1  # m: of the peg, half its length, half the length of the tube
+STRIKE = 0.0175  # s
+CAVE, STONE = np.array([7.45, 9.75, 8.69]), np.array([0.81, 2.01, 1.36])  # m, semi-axes
+TURN = np.linspace(0, 2 * np.pi, 721)
+
+
+def peg_in_tube(clearance: float, until: float, accuracy: Accuracy, **keys: object) -> Trajectory:
+    tube = make.fixed("tube", make.tube(RADIUS + clearance + 0.01, RADIUS + clearance, 2 * TUBE))
+    peg = make.dynamic("peg", make.cylinder(RADIUS, 2 * HALF), density=1000.0, **keys)
+    return ran([tube, peg], until, [{"between": ["peg", "tube"]}], accuracy, samples=100)
+
+
+def rim_depth(path: Trajectory, bore: float) -> float:
+    """Deepest penetration of points of both rims into the bore, m."""
+    deepest = -np.inf
+    circle = RADIUS * np.stack([np.cos(TURN), np.sin(TURN), 0 * TURN], axis=1)
+    for p, quaternion in zip(path.p[:, 1], path.quaternion[:, 1], strict=True):
+        for end in (-HALF, HALF):
+            x = p + (circle + np.array([0, 0, end])) @ rotation_of(tuple(map(float, quaternion))).T
+            inside = np.abs(x[:, 2]) < TUBE
+            deepest = max(deepest, np.max(np.hypot(x[:, 0], x[:, 1])[inside] - bore, initial=-np.inf))
+    return float(deepest)
+
+
+@pytest.mark.parametrize("clearance", [5e-3, 5e-4, 5e-5, 5e-6])
+def test_an_upright_peg_strikes_the_bore_when_it_has_crossed_the_clearance(clearance: float) -> None:
+    path = peg_in_tube(clearance, 0.03, Accuracy.tight(), velocity=[clearance / STRIKE, 0, 0])
+    struck = [event.t for event in path.events if event.kind == "touch-down"]
+    assert struck[0] == pytest.approx(STRIKE, abs=1e-9)
+    assert rim_depth(path, RADIUS + clearance) < 1e-9
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("clearance", [5e-3, 5e-4, 5e-5, 5e-6])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_leaning_peg_stays_in_its_bore(clearance: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    lean, azimuth = rng.uniform(0.1, 0.4) * clearance / HALF, rng.uniform(0, 2 * np.pi)
+    path = peg_in_tube(
+        clearance, 0.05, Accuracy.balanced(),
+        axis_angle={"axis": [float(np.cos(azimuth)), float(np.sin(azimuth)), 0.0], "angle": float(lean)},
+        velocity=[*map(float, rng.normal(size=2) * clearance / STRIKE), 0],
+    )  # fmt: skip
+    assert path.outcome is Outcome.DONE
+    assert rim_depth(path, RADIUS + clearance) < 1e-9
+
+
+def flight(seed: int, mirror: bool) -> Trajectory:
+    """A stone that flies in a cave from a random start, or the mirror image in x of that flight."""
+    rng = np.random.default_rng(seed)
+    p, v, w = rng.uniform(-3, 3, 3), 8 * rng.normal(size=3), 4 * rng.normal(size=3)
+    quaternion = rng.normal(size=4)
+    quaternion /= np.linalg.norm(quaternion)
+    if mirror:
+        p[0], v[0] = -p[0], -v[0]
+        w[1:], quaternion[2:] = -w[1:], -quaternion[2:]
+    cave = make.fixed("cave", make.ellipsoid(*map(float, CAVE), cavity=True))
+    stone = make.dynamic(
+        "stone", make.ellipsoid(*map(float, STONE)), density=10.0, position=[*map(float, p)],
+        quaternion=[*map(float, quaternion)], velocity=[*map(float, v)], angular_velocity=[*map(float, w)],
+    )  # fmt: skip
+    contact = [{"between": ["stone", "cave"], "restitution": 0.8}]
+    return ran([cave, stone], 3.0, contact, Accuracy.balanced(), samples=100, gravity=[0, 0, 0])
+
+
+def beyond_cave(path: Trajectory) -> float:
+    """How far points of the stone are outside the cave at most, over its semi-axes."""
+    rng = np.random.default_rng(0)
+    sphere = rng.normal(size=(2000, 3))
+    sphere /= np.linalg.norm(sphere, axis=1)[:, None]
+    poses = zip(path.p[:, 1], path.quaternion[:, 1], strict=True)
+    return max(
+        float(
+            np.linalg.norm((p + (sphere * STONE) @ rotation_of(tuple(map(float, q))).T) / CAVE, axis=1).max()
+        )
+        - 1
+        for p, q in poses
+    )
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("seed", range(60))
+def test_a_stone_never_leaves_its_cave_and_flies_as_its_mirror_image(seed: int) -> None:
+    path, image = flight(seed, mirror=False), flight(seed, mirror=True)
+    for each in (path, image):
+        assert each.outcome is Outcome.DONE
+        assert beyond_cave(each) < 1e-9
+    assert np.abs(path.p[-1, 1] - image.p[-1, 1] * [-1, 1, 1]).max() < 1e-7
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("seed", range(40))
+def test_a_body_of_revolution_that_is_not_convex_stays_on_the_floor(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    quaternion = rng.normal(size=4)
+    quaternion /= np.linalg.norm(quaternion)
+    shape = make.revolution("4.489*sin(t)*(1.2 + 0.5*cos(2*t))", "-5.49*cos(t)", domain=[0.0, float(np.pi)])
+    body = make.dynamic(
+        "body", shape, density=100.0, position=[0, 0, 9.0], quaternion=[*map(float, quaternion)],
+        angular_velocity=[*map(float, rng.normal(size=3))],
+    )  # fmt: skip
+    contact = [{"between": ["body", "table"], "restitution": 0.3, "friction": 0.3}]
+    path = ran([TABLE, body], 3.0, contact, Accuracy.balanced(), samples=100)
+    assert path.outcome is Outcome.DONE
+    t = np.linspace(0, np.pi, 2001)
+    r, z = 4.489 * np.sin(t) * (1.2 + 0.5 * np.cos(2 * t)), -5.49 * np.cos(t)
+    _, x, y, _ = path.quaternion[:, 1].T
+    axis = 1 - 2 * (x * x + y * y)  # z of the body's axis
+    across = np.sqrt(np.maximum(1 - axis * axis, 0))
+    lowest = path.p[:, 1, 2] + (axis[:, None] * z - across[:, None] * r).min(axis=1)
+    assert lowest.min() > -1e-6
