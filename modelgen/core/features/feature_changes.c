@@ -296,24 +296,28 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   return count;
 }
 
-/* True if the pair has a minimum at the present poses that penetrates by more than contacts may and that no contact
-   follows. */
-static int mg_has_unfollowed_penetration(mg_context *c, int pair, const mg_search_limits *limits) {
+/* What a search of a pair finds that no contact follows. */
+enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_PENETRATION = 2 };
+
+/* Searches a pair at the present poses for minima that no contact follows: MG_ALL_FOLLOWED .. . */
+static int mg_find_unfollowed_minimum(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
+  const mg_search_limits limits = mg_appearance_limits(c);
+  const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
+  int kind = MG_ALL_FOLLOWED;
   mg_minima found;
   found.count = 0;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
         !mg_is_out_of_reach(c, feature_pair))
-      mg_search_feature_pair(c, feature_pair, limits, least, &found);
-  for (int k = 0; k < found.count; k++) {
+      mg_search_feature_pair(c, feature_pair, &limits, least, &found);
+  for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
-    if (each->d < -c->settings->start_gap * s->length && mg_is_minimum_accepted(c, each) &&
-        !mg_is_minimum_ignored(c, each) && !mg_is_minimum_tracked(c, pair, -1, each))
-      return 1;
+    if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each) || mg_is_minimum_tracked(c, pair, -1, each))
+      continue;
+    kind = each->d < -touching ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
   }
-  return 0;
+  return kind;
 }
 
 /* True if the pair is never searched, or not as long as one of its contacts is closed. */
@@ -335,20 +339,21 @@ static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
 
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
-  const mg_search_limits limits = {0, c->settings->appear_depth * s->length};
   mg_real *const start = c->run->x;
+  for (int pair = 0; pair < s->n_pair; pair++) c->search.is_searched[pair] = 0;
   for (int pair = 0; pair < s->n_pair; pair++) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
     if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
       continue;
     c->run->x = c->step.settled;
-    int is_new = mg_has_unfollowed_penetration(c, pair, &limits);
+    const int found = mg_find_unfollowed_minimum(c, pair);
     c->run->x = start;
-    if (!is_new) continue;
+    c->search.is_searched[pair] = found == MG_ALL_FOLLOWED;
+    if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
-    is_new = !mg_has_unfollowed_penetration(c, pair, &limits);
+    const int was_there = mg_find_unfollowed_minimum(c, pair) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
-    if (is_new) return 1;
+    if (!was_there) return 1;
   }
   return 0;
 }
@@ -391,8 +396,10 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
+    const int is_done = c->search.is_searched[pair] && c->run->moved_since_search[pair] < MG_MAX / 4;
+    c->search.is_searched[pair] = 0;
     c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
-    count += mg_search_pair_contacts(c, events, pair);
+    if (!is_done) count += mg_search_pair_contacts(c, events, pair);
   }
   return count;
 }

@@ -80,7 +80,7 @@ static long mg_search_memory_size(const mg_system *s) {
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0;
+  return s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 MG_API long mg_work_size(const mg_system *s) {
@@ -174,7 +174,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->search.cells = mg_take_memory(&work, s->n_cell, sizeof(mg_cell)),
   c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
   c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.tree_bound = mg_take_reals(&work, s->n_cell_tree),
-  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree),
+  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
   c->events.broken_condition = mg_take_ints(&iwork, m), c->events.within_border = mg_take_ints(&iwork, m);
@@ -242,6 +242,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int i = 0; i < system->n_contact; i++)
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
+  for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
   mg_forget_cells(c);
   mg_init_joint_rows(c);
   mg_set_incidence(c);
