@@ -126,3 +126,45 @@ def test_a_body_of_revolution_that_is_not_convex_stays_on_the_floor(seed: int) -
     across = np.sqrt(np.maximum(1 - axis * axis, 0))
     lowest = path.p[:, 1, 2] + (axis[:, None] * z - across[:, None] * r).min(axis=1)
     assert lowest.min() > -1e-6
+
+
+HOLLOWS = {  # shape, a function that is positive outside it, where the stone starts
+    "torus": (
+        make.torus(3.0, 1.0, cavity=True),
+        lambda x: np.hypot(np.hypot(x[:, 0], x[:, 1]) - 3.0, x[:, 2]) - 1.0,
+        [3.0, 0.0, 0.0],
+    ),
+    "bore": (make.cylinder(1.0, cavity=True), lambda x: np.hypot(x[:, 0], x[:, 1]) - 1.0, [0.0, 0.0, 0.0]),
+    "superellipsoid": (
+        make.superellipsoid(1.2, 1.0, 1.5, 2.5, 3.0, cavity=True),
+        lambda x: (
+            (np.abs(x[:, 0] / 1.2) ** 2.5 + np.abs(x[:, 1]) ** 2.5) ** 1.2 + np.abs(x[:, 2] / 1.5) ** 3 - 1
+        ),
+        [0.0, 0.0, 0.0],
+    ),
+}
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("name", HOLLOWS)
+@pytest.mark.parametrize("seed", range(20))
+def test_a_stone_never_leaves_a_hollow(name: str, seed: int) -> None:
+    shape, outside, middle = HOLLOWS[name]
+    axes = np.array([0.3, 0.2, 0.4])
+    rng = np.random.default_rng(seed)
+    quaternion = rng.normal(size=4)
+    quaternion /= np.linalg.norm(quaternion)
+    stone = make.dynamic(
+        "stone", make.ellipsoid(*map(float, axes)), density=10.0,
+        position=[*map(float, middle + rng.uniform(-0.2, 0.2, 3))], quaternion=[*map(float, quaternion)],
+        velocity=[*map(float, 2 * rng.normal(size=3))],
+        angular_velocity=[*map(float, 3 * rng.normal(size=3))],
+    )  # fmt: skip
+    contact = [{"between": ["stone", "hollow"], "restitution": 0.8}]
+    hollow = make.fixed("hollow", shape)
+    path = ran([hollow, stone], 2.0, contact, Accuracy.balanced(), samples=60, gravity=[0, 0, 0])
+    assert path.outcome is Outcome.DONE
+    sphere = np.random.default_rng(0).normal(size=(1500, 3))
+    sphere /= np.linalg.norm(sphere, axis=1)[:, None]
+    for p, q in zip(path.p[:, 1], path.quaternion[:, 1], strict=True):
+        assert outside(p + (sphere * axes) @ rotation_of(tuple(map(float, q))).T).max() < 1e-9
