@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from modelgen.runtime.accuracy import Accuracy as Accuracy
     from modelgen.runtime.batch import simulate_batch as simulate_batch
     from modelgen.runtime.closest_points import closest_points as closest_points
+    from modelgen.runtime.distance_minima import distance_minima as distance_minima
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.scene.read import read as read
 
@@ -37,6 +38,7 @@ __all__ = [
     "build",
     "closest_points",
     "derive",
+    "distance_minima",
     "draw",
     "emit",
     "linearise",
@@ -59,6 +61,7 @@ _HOMES = {
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
     "closest_points": "modelgen.runtime.closest_points",
+    "distance_minima": "modelgen.runtime.distance_minima",
     "simulate_batch": "modelgen.runtime.batch",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",

@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 12 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 13 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -511,6 +511,34 @@ typedef struct {
   int *outcome;     /* [1] MG_CLOSEST_NOT_FOUND .. MG_CLOSEST_GLOBAL */
 } mg_closest_queries;
 
+#define MG_MINIMA 24 /* most minima of the distance of one pair of bodies that are kept, the nearest ones */
+
+/* Minima of the distance of two bodies at n pairs of poses; the caller's arrays, one row for each pair of poses. */
+typedef struct {
+  int first;      /* first feature pair that is searched */
+  int end;        /* feature pairs first .. end - 1, all of one pair of bodies */
+  int body_o;     /* body with pose_o */
+  int body_f;     /* body with pose_f */
+  int n;          /* pairs of poses */
+  int is_nearest; /* 1: the minimum with the least |d|, whatever it is, and others with gaps below
+                     settings->search_gap; 0: all minima with -depth <= d <= gap */
+  long effort;    /* most pairs of cells of features looked at for one feature pair; then the search is given up */
+  mg_real gap;    /* m */
+  mg_real depth;  /* m */
+  const mg_real *pose_o; /* [12] pose of o */
+  const mg_real *pose_f; /* [12] pose of f */
+  int *count;            /* [1] minima found */
+  int *is_complete;      /* [1] 1: there are no others; is_nearest: none is nearer, and no two vertices, or a vertex
+                            and an edge, are */
+  int *feature_pair;     /* [MG_MINIMA] feature pair of each, in order of |d| */
+  mg_real *d;            /* [MG_MINIMA] distance, m */
+  mg_real *normal;       /* [3 MG_MINIMA] unit normal from o to f */
+  mg_real *point_o;      /* [3 MG_MINIMA] point of o, m */
+  mg_real *point_f;      /* [3 MG_MINIMA] point of f, m */
+  mg_real *eta;          /* [6 MG_MINIMA] eta, 0 where the contact kind has fewer entries */
+  mg_real *margin;       /* [2 MG_MINIMA] the two margins of the place kernel: 1 and 1/m */
+} mg_minima_queries;
+
 /* Value of MG_ABI with which the library was compiled. */
 MG_API int mg_abi(void);
 
@@ -571,6 +599,10 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 
 /* Finds the closest points of n pairs of poses of one contact kind. */
 MG_API void mg_closest(const mg_closest_queries *queries);
+
+/* Finds the minima of the distance of a pair of bodies at n pairs of poses. `run` is one that has not begun. */
+MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings, mg_run *run,
+                           const mg_minima_queries *queries, mg_real *work, int *iwork);
 
 #include "region/region_queries.h"
 

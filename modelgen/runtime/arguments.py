@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from numbers import Real
+from typing import Any
+
+import numpy as np
 
 from modelgen.errors import SimulationError, nearest
 
@@ -40,3 +43,21 @@ def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> Non
             if "'tolerance'" in remedy:
                 remedy = "write accuracy=Accuracy.of(...) for a tolerance"
             raise SimulationError(verb, f"unknown keyword {key!r}", "allowed are " + ", ".join(names), remedy)
+
+
+def rows_of(where: str, values: Any, size: int) -> np.ndarray[Any, Any]:
+    """The values as (rows, size); SimulationError if they have another shape."""
+    array = np.asarray(values)
+    array = array[None] if array.ndim == 1 else array
+    if array.ndim != 2 or array.shape[1] != size:
+        raise SimulationError(where, f"an array of shape {np.shape(values)}", f"(n, {size}) or ({size},)")
+    return array
+
+
+def common_rows(where: str, given: Iterable[np.ndarray[Any, Any]]) -> int:
+    """The common number of rows, where one row goes with any number; SimulationError if they differ."""
+    counts = {len(rows) for rows in given} - {1}
+    if len(counts) > 1:
+        found = f"arrays of {' and '.join(str(count) for count in sorted(counts))} rows"
+        raise SimulationError(where, found, "as many rows in each, or one")
+    return counts.pop() if counts else 1

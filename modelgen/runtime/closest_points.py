@@ -1,10 +1,13 @@
-"""Closest points of one contact at many poses, in one call of the core.
+"""Closest points of two bodies at many poses, in one call of the core.
 
 Two convex shapes without edges (spheres, ellipsoids, superellipsoids) are solved from nothing: the maximum of
 their separation function is the signed distance. It is certified down to an overlap of the sum of the shapes'
 smallest radii of curvature (of a superellipsoid 0); deeper, a local extremum is given, the highest found or
 the one that continues `eta`. Closed forms (two spheres, a convex shape on a plane) are certified too. All
-other pairs start from `eta` and end in an extremum near it; `outcome` tells whether it is a minimum.
+other pairs are searched as `distance_minima` does, and the minimum with the least |d| is given; it is
+certified where the bodies are apart, the search was complete, and not both bodies have vertices. With `eta`,
+one pair of features is followed from there instead, to an extremum near it; `outcome` tells whether it is a
+minimum.
 
 >>> import numpy as np
 >>> from modelgen import build, closest_points, derive, emit, require
@@ -28,17 +31,19 @@ other pairs start from `eta` and end in an extremum near it; `outcome` tells whe
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.library import Library, kernel_table
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
+from modelgen.runtime.arguments import common_rows, rows_of
+from modelgen.runtime.distance_minima import Searched, eta_size, nearest_minima, searched_pair
 from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, Tables, address
 
 SIGNS = (float("inf"),) * 2  # entries that jump
@@ -57,19 +62,20 @@ class Extremum(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ClosestPoints:
-    """Results, one row per pair of poses; o and f are the first and second body of the contact."""
+    """Results, one row per pair of poses; o and f are the first and second body in the contact's name."""
 
     d: Array  # (n,) m, signed distance: positive apart, negative overlapping
     normal: Array  # (n, 3) world, unit, from o to f
     point_o: Array  # (n, 3) m, world
     point_f: Array  # (n, 3) m, world
-    eta: Array  # (n, n_eta) the contact parameters, to start the next call from
+    eta: Array  # (n, n_eta) the contact parameters, to start the next call from; of several features (n, 6)
     margin: Array  # (n, 2) mu and sigma (1/m), the distance from singular contact; 0 and below: no minimum
     outcome: Array  # (n,) Extremum
+    feature_pair: Array  # (n,) index in the manifest's instance; -1 where nothing was found
 
     @property
     def certified(self) -> Array:
-        """(n,) True where the points are proved to be the closest of all; normal and d then are unique."""
+        """(n,) True where no other pair of points is nearer, by proof."""
         return np.asarray(self.outcome == Extremum.CLOSEST)
 
 
@@ -82,57 +88,92 @@ def closest_points(
     *,
     parameters: Array | None = None,
 ) -> ClosestPoints:
-    """The closest points of two shapes of a scene at n pairs of poses; the module says how, with an example.
+    """The closest points of two bodies of a scene at n pairs of poses; the module says how, with an example.
 
     Args:
         library: what `build` returned.
-        contact: the names of its bodies, as "a-b"; of shapes with edges or vertices, one pair of features
-            that can touch, as "a-b:rim". Or its index among the feature pairs of the manifest.
+        contact: the names of its bodies, as "a-b"; or one pair of their features, as "a-b:rim", or its index
+            among the feature pairs of the manifest.
         pose_o: (n, 12) or (12,) of body o: centre of mass (m, world), then the rotation body -> world column
             by column. Not read of a body fixed at the world frame, nor the rotation of a point mass.
         pose_f: the same of body f; a single pose goes with all of the other body.
-        eta: (n, n_eta) contact parameters near those wanted, as a call at near poses returned them.
+        eta: (n, n_eta) contact parameters near those wanted, as a call at near poses returned them; for one
+            pair of features.
         parameters: (n, n_parameters) lengths and placements in the place of the scene's, in the order of
-            the manifest's contact kind.
+            the manifest's contact kind; for two convex shapes, or with `eta`.
 
     Raises:
-        SimulationError: no such contact, arrays that do not fit, or no `eta` where one is needed.
+        SimulationError: no such contact, or arrays that do not fit.
     """
-    name, entry = feature_pair_of(library, contact)
-    kind, where = library.manifest.kinds["contact"][entry["kind"]], f"contact {name!r}"
+    searched = searched_pair(library, contact)
+    where = f"contact {searched.name!r}"
+    if not searched.is_single and (eta is not None or parameters is not None):
+        found = f"{searched.end - searched.first} pairs of features"
+        raise SimulationError(
+            where, found, "one pair of features, for eta or parameters", "name it, as 'a-b:rim'"
+        )
+    entry = library.manifest.instance["feature_pairs"][searched.first]
+    kind = library.manifest.kinds["contact"][entry["kind"]]
+    if not searched.is_single or (eta is None and kind["n_eta"] and not kind["convex"]):
+        if parameters is not None:
+            raise SimulationError(
+                where, "parameters without eta", "eta with them, of shapes that are not convex", "give eta"
+            )
+        return _nearest(library, searched, pose_o, pose_f)
+    return _followed(library, searched, [pose_o, pose_f], eta, parameters)
+
+
+def _nearest(library: Library, searched: Searched, pose_o: Array, pose_f: Array) -> ClosestPoints:
+    """The first minimum of each row, by search."""
+    minima = nearest_minima(library, searched, pose_o, pose_f)
+    n = len(minima.complete)
+    row, first = np.unique(minima.row, return_index=True)
+    width = eta_size(library, searched.first) if searched.is_single else minima.eta.shape[1]
+    columns = {name: getattr(minima, name) for name in OUTPUTS} | {"eta": minima.eta[:, :width]}
+    out = {name: np.full((n, *of.shape[1:]), np.nan, dtype=of.dtype) for name, of in columns.items()}
+    for name, of in columns.items():
+        out[name][row] = of[first]
+    outcome, feature_pair = np.full(n, Extremum.NOWHERE), np.full(n, -1)
+    is_certified = minima.complete[row] & (minima.d[first] > 0)
+    outcome[row] = np.where(is_certified, Extremum.CLOSEST, Extremum.MINIMUM)
+    feature_pair[row] = minima.feature_pair[first]
+    return ClosestPoints(**out, outcome=outcome, feature_pair=feature_pair)
+
+
+def _followed(
+    library: Library, searched: Searched, poses: list[Array], eta: Array | None, parameters: Array | None
+) -> ClosestPoints:
+    """Closest points of one pair of features from eta, or of convex shapes from nothing."""
+    entry, where = library.manifest.instance["feature_pairs"][searched.first], f"contact {searched.name!r}"
+    kind = library.manifest.kinds["contact"][entry["kind"]]
     own = parameters if parameters is not None else np.array(entry["parameters"], dtype=float)
+    start = np.zeros(kind["n_eta"]) if eta is None else eta
+    pose_o, pose_f = (
+        rows_of(f"{where}: pose_{side}", pose, 12) for side, pose in zip("of", poses, strict=True)
+    )
     given = [
-        _rows(f"{where}: pose_o", pose_o, 12),
-        _rows(f"{where}: pose_f", pose_f, 12),
-        _rows(f"{where}: parameters", own, len(kind["parameters"])),
-        _rows(f"{where}: eta", _start(where, kind) if eta is None else eta, kind["n_eta"]),
+        *((pose_f, pose_o) if entry["swapped"] else (pose_o, pose_f)),
+        rows_of(f"{where}: parameters", own, len(kind["parameters"])),
+        rows_of(f"{where}: eta", start, kind["n_eta"]),
     ]
-    n, real = _common(where, given), library.dtype
+    n, real = common_rows(where, given), library.dtype
     whole = [np.array(np.broadcast_to(rows, (n, rows.shape[1])), dtype=real, order="C") for rows in given]
-    queries, points = prepared(library, entry, whole)
+    queries, points = prepared(library, searched.first, whole)
     queries.is_warm_start = eta is not None
     library.cdll.mg_closest(ctypes.byref(queries))
-    return points
+    if not entry["swapped"]:
+        return points
+    return replace(points, normal=-points.normal, point_o=points.point_f, point_f=points.point_o)
 
 
-def _start(where: str, kind: Mapping[str, Any]) -> Array:
-    """Starting values of eta where none are given; SimulationError for kinds that need them."""
-    if kind["n_eta"] and not kind["convex"]:
-        raise SimulationError(
-            where,
-            "no contact parameters to start from",
-            "eta is found from nothing for two convex shapes alone",
-            "give eta, for example that of a trajectory",
-        )
-    return np.zeros(kind["n_eta"])
-
-
-def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> tuple[Any, ClosestPoints]:
+def prepared(library: Library, feature_pair: int, rows: list[Array]) -> tuple[Any, ClosestPoints]:
     """The mg_closest_queries of a feature pair, and the arrays that `mg_closest` then fills in.
 
-    `rows`: pose_o, pose_f, parameters and eta, n contiguous rows of each, of the library's type.
+    `rows`: poses of the feature pair's o and f, parameters and eta, n contiguous rows of each, of the type of
+    the library.
     """
     real, (pose_o, pose_f, lengths, eta) = library.dtype, rows
+    entry = library.manifest.instance["feature_pairs"][feature_pair]
     out = {name: np.zeros((len(eta), size), dtype=real) for name, size in OUTPUTS.items()}
     outcome = np.zeros(len(eta), dtype=np.intc)
     limits = np.array([*_step_limits(library, entry), 0], dtype=real)
@@ -144,42 +185,8 @@ def prepared(library: Library, entry: Mapping[str, Any], rows: list[Array]) -> t
     resolved = RESOLVED["extremality_residual"] * float(np.finfo(real).eps)
     queries.residual = max(Accuracy().extremality_residual, resolved)
     out["d"] = out["d"][:, 0]
-    return queries, ClosestPoints(**out, eta=eta, outcome=outcome)
-
-
-def feature_pair_of(library: Library, contact: str | int) -> tuple[str, Mapping[str, Any]]:
-    """The name and the entry of a feature pair of the instance."""
-    instance = library.manifest.instance
-    feature_pairs: Sequence[Mapping[str, Any]] = instance["feature_pairs"]
-    names = [
-        instance["pairs"][feature_pair["pair"]]["name"]
-        + (":" + feature_pair["name"]) * bool(feature_pair["name"])
-        for feature_pair in feature_pairs
-    ]
-    if isinstance(contact, str) and contact in names:
-        return contact, feature_pairs[names.index(contact)]
-    if isinstance(contact, int) and 0 <= contact < len(feature_pairs):
-        return names[contact], feature_pairs[contact]
-    found, known = f"no contact {contact!r}", f"contacts: {', '.join(names)}"
-    raise SimulationError("closest_points", found, known, nearest(str(contact), names))
-
-
-def _rows(where: str, values: Array, size: int) -> Array:
-    """The values as (rows, size)."""
-    array = np.asarray(values)
-    array = array[None] if array.ndim == 1 else array
-    if array.ndim != 2 or array.shape[1] != size:
-        raise SimulationError(where, f"an array of shape {np.shape(values)}", f"(n, {size}) or ({size},)")
-    return array
-
-
-def _common(where: str, given: list[Array]) -> int:
-    """The common number of rows; arrays of one row are repeated."""
-    counts = {len(rows) for rows in given} - {1}
-    if len(counts) > 1:
-        found = f"arrays of {' and '.join(str(count) for count in sorted(counts))} rows"
-        raise SimulationError(where, found, "as many rows in each, or one")
-    return counts.pop() if counts else 1
+    of = np.full(len(eta), feature_pair)
+    return queries, ClosestPoints(**out, eta=eta, outcome=outcome, feature_pair=of)
 
 
 def _step_limits(library: Library, entry: Mapping[str, Any]) -> list[float]:

@@ -174,6 +174,10 @@ class Session:
         arrays["d"] = arrays["d"][0]
         return {"steps": steps, "eta": local, **arrays}
 
+    def find_minima(self, queries: Any) -> None:
+        """Answers an mg_minima_queries; for a session that has not begun."""
+        self.library.cdll.mg_find_minima(*self._head, ctypes.byref(queries), *self._scratch)
+
     def layout(self, contact: int) -> list[str]:
         """The parametrisation of each side of a contact (keys of ETA_SIZE); empty on no feature pair."""
         feature_pair = int(self.feature_pair[contact])

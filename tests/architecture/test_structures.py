@@ -24,6 +24,7 @@ STRUCTURES = {
     "mg_record": TABLES.Record,
     "mg_events": TABLES.Events,
     "mg_closest_queries": TABLES.Queries,
+    "mg_minima_queries": TABLES.MinimaQueries,
     "mg_outline": OUTLINE,
     "mg_region_query": REGIONS,
     "mg_patch_friction_query": patch_friction._structure(),

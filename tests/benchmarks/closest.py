@@ -67,9 +67,8 @@ def pointer(array: Array) -> ctypes.c_void_p:
 
 def ours(pairs: Pairs, eta: Array | None) -> tuple[ClosestPoints, float]:
     """Closest points, and microseconds a pair."""
-    entry = library().manifest.instance["feature_pairs"][0]
     start = np.zeros((len(pairs.gap), 6)) if eta is None else eta.copy()
-    queries, points = prepared(library(), entry, [pairs.pose_o, pairs.pose_f, pairs.lengths, start])
+    queries, points = prepared(library(), 0, [pairs.pose_o, pairs.pose_f, pairs.lengths, start])
     queries.is_warm_start = eta is not None
     begun = perf_counter()
     library().cdll.mg_closest(ctypes.byref(queries))

@@ -6,12 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
+import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
 
 from modelgen import ModelgenError, closest_points
 from modelgen.runtime.closest_points import ClosestPoints, Extremum
+from modelgen.scene import python_scenes as make
+from tests.laws import minima_families as families
 from tests.laws.ellipsoid_pairs import (
     EPS,
     Array,
@@ -26,8 +29,12 @@ from tests.laws.ellipsoid_pairs import (
     unit,
 )
 from tests.laws.ellipsoid_pairs import pose as pose_of
+from tests.laws.exhaustive_minima import exhaustive
+from tests.laws.minima_families import random_pose
+from tests.running import library_of
 
 N = 2000
+HERE = np.append(np.zeros(3), np.eye(3).ravel())
 SUPERELLIPSOID = '{ kind = "superellipsoid", semi_axes = [1.0, 0.6, 0.3], exponents = [4.0, 3.0] }'
 CAVITY = '{ kind = "ellipsoid", semi_axes = [3.0, 2.0, 1.5], cavity = true }'
 EGG = '{ kind = "ellipsoid", semi_axes = [0.4, 0.3, 0.2] }'
@@ -203,4 +210,43 @@ def test_what_has_no_answer_says_so() -> None:
         with pytest.raises(ModelgenError, match=message):
             closest_points(library(), *arguments)
     with pytest.raises(ModelgenError, match="give eta"):
-        closest_points(library(CAVITY, EGG), 0, here, here)
+        closest_points(library(CAVITY, EGG), 0, here, here, parameters=np.zeros(6))
+
+
+def test_the_nearest_of_several_minima_is_found_from_nothing() -> None:
+    rng = np.random.default_rng(2)
+    poses = np.array([random_pose("waist", rng) for _ in range(20)])
+    points = closest_points(families.library("waist", "torus"), "a-b", HERE, poses)
+    waist, torus = (families.sides()[name].plain for name in ("waist", "torus"))
+    apart = 0
+    for pose, d, certified in zip(poses, points.d, points.certified, strict=True):
+        true = exhaustive(waist, torus, pose, offset=0.05).d
+        if len(true) and true[0] > 0 and d > 0:
+            assert d == pytest.approx(true[0], abs=1e-9)
+            assert certified
+            apart += 1
+    assert apart > 4
+
+
+def test_bodies_of_several_features_are_searched_at_once() -> None:
+    """A box and an ellipsoid, and two boxes, against convex programmes."""
+    half, axes = np.array([0.5, 0.3, 0.2]), np.array([0.5, 0.25, 0.4])
+    box = make.box(*map(float, 2 * half))
+    rng = np.random.default_rng(3)
+    poses = pose_of(2 * unit(rng.normal(size=(20, 3))), rotations(rng, 20))
+    for other, is_round in ((make.ellipsoid(*map(float, axes)), True), (box, False)):
+        bodies = [make.dynamic("a", box, density=1.0), make.dynamic("b", other, density=1.0)]
+        library = library_of(make.scene("pair", bodies, contact=[{"between": ["a", "b"]}]))
+        points = closest_points(library, "a-b", HERE, poses)
+        x, pose = ca.SX.sym("x", 6), ca.SX.sym("pose", 12)
+        span = pose[:3] + ca.mtimes(ca.reshape(pose[3:], 3, 3), x[3:]) - x[:3]
+        inside = ca.vertcat(x[:3] / half, ca.sumsqr(x[3:] / axes) if is_round else x[3:] / half)
+        silent = {"print_time": False, "ipopt": {"print_level": 0, "tol": 1e-12}}
+        programme = ca.nlpsol(
+            "nearest", "ipopt", {"x": x, "p": pose, "f": ca.sumsqr(span), "g": inside}, silent
+        )
+        apart = [float(programme(x0=0.1, p=each, lbg=-1, ubg=1)["f"]) ** 0.5 for each in poses]
+        known = points.outcome != Extremum.NOWHERE
+        assert np.sum(known) == len(known) if is_round else np.sum(known) > 3
+        np.testing.assert_allclose(points.d[known], np.array(apart)[known], atol=1e-6)
+        assert np.all(points.certified == is_round)

@@ -95,13 +95,16 @@ typedef struct {
   mg_real sphere_radius;   /* of a sphere, m; negative: a cavity */
 } mg_cell_view;
 
-/* Gaps d that a search asks for: -depth <= d <= gap, m. */
+#define MG_EFFORT 100000 /* most pairs of cells looked at in one search of a feature pair during a run */
+
+/* What a search asks for, and where it is given up. */
 typedef struct {
-  mg_real gap, depth;
+  mg_real gap, depth; /* -depth <= d <= gap, m */
+  long effort;        /* most pairs of cells looked at for one feature pair */
 } mg_search_limits;
 
 /* All gaps. */
-static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX};
+static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT};
 
 /* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
@@ -158,6 +161,10 @@ MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c);
    to be given up is reported. */
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                         mg_minima *kept);
+
+/* Adds the minima of some feature pairs of one pair of bodies, not below `least`, to those found: all within
+   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits. */
+MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);

@@ -6,8 +6,6 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_CELL_PAIRS_MAX 100000 /* most pairs of cells looked at in one search of a feature pair */
-
 /* Coordinates u, v that are in a box and in a disc about 0. */
 typedef struct {
   mg_real box[4];
@@ -360,7 +358,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count;
-    if (looked < MG_CELL_PAIRS_MAX) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
+    if (looked < s.limits.effort) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
     else is_complete = 0, mg_converge_from_cells(&s, pair[0], pair[1]);
   }
   if (!is_complete && s.best[0]) mg_converge_from_cells(&s, s.best[0], s.best[1]);

@@ -1,6 +1,5 @@
-/* All local minima of the distance of a pair of shapes: every feature pair is sampled, the samples are refined by
-   Newton's method, and results are kept if the conditions of the feature pair hold. Writes c->search; at the start
-   also feature pairs and eta of the contacts. */
+/* All local minima of the distance of a pair of shapes: the minima of every feature pair that satisfy its conditions.
+   Writes c->search; at the start also feature pairs and eta of the contacts. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -131,7 +130,7 @@ MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found)
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
   const mg_search_limits limits = {c->settings->search_gap * c->system->length,
-                                   c->settings->appear_depth * c->system->length};
+                                   c->settings->appear_depth * c->system->length, MG_EFFORT};
   return limits;
 }
 
@@ -155,13 +154,12 @@ static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
   return d >= -c->settings->start_gap * c->system->length;
 }
 
-/* Finds the minima of some feature pairs at the start: all within search_gap, and the nearest one. The gaps that count
-   grow until one is found. */
-static void mg_search_nearest(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
-  mg_search_limits limits = {c->settings->search_gap * c->system->length, c->settings->search_gap * c->system->length};
+MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
+  const mg_real near = c->settings->search_gap * c->system->length;
+  mg_search_limits limits = {near, near, effort};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
-    if (found->count || !(limits.gap < MG_MAX)) return;
+    if ((found->count && fabs(found->list[0].d) <= limits.gap) || !(limits.gap < MG_MAX)) return;
     limits.gap = limits.depth =
         limits.gap < 1000 * c->system->length ? fmax(8 * limits.gap, c->system->length / 8) : MG_MAX;
   }
@@ -180,7 +178,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
+    mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, MG_EFFORT, &found);
     c->run->failed_contact = i;
     if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -196,7 +194,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
+  mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, MG_EFFORT, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&

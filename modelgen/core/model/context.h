@@ -19,7 +19,6 @@
 #define MG_SAMPLES 289         /* most samples of a feature */
 #define MG_CELL_PAIRS 512      /* room for pairs of cells that a search has still to treat */
 #define MG_CRITICAL 64         /* most critical points that a search of a feature pair keeps in mind */
-#define MG_MINIMA 24           /* most minima of the distance of one pair */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
 #define MG_RADAU_STAGES 7      /* stages of Radau collocation */
 #define MG_MAX_ETA 8           /* room for the eta of one contact */

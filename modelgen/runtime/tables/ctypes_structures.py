@@ -182,6 +182,12 @@ RECORD_ARRAYS = (
 )
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
+MINIMA = 24  # MG_MINIMA
+MINIMA_GIVEN = ("pose_o", "pose_f")
+MINIMA_FOUND = (
+    *("count", "is_complete", "feature_pair"),
+    *("d", "normal", "point_o", "point_f", "eta", "margin"),
+)
 PARAMETRISED = ("bodies", "feature_pairs", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
@@ -231,6 +237,12 @@ class Tables:
             + [(n, pointer) for n in ("t", "kind", "contact", "feature_pair", "speed")],
         )
         self.Queries = _queries(real)
+        self.MinimaQueries = structure(
+            "MinimaQueries",
+            [(n, integer) for n in ("first", "end", "body_o", "body_f", "n", "is_nearest")]
+            + [("effort", ctypes.c_long), ("gap", real), ("depth", real)]
+            + [(n, pointer) for n in MINIMA_GIVEN + MINIMA_FOUND],
+        )
 
 
 def _queries(real: Any) -> Any:

@@ -1,0 +1,84 @@
+"""Minima of the distance: the search by cells finds every minimum that brute force finds, and no other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import ModelgenError, distance_minima
+from tests.laws.exhaustive_minima import Array, exhaustive
+from tests.laws.minima_families import PAIRS, library, random_pose, sides
+
+HERE = np.append(np.zeros(3), np.eye(3).ravel())
+GAP, DEPTH = 0.5, 0.04  # m
+MERGE = 1e-4  # m
+SOME, ALL = 6, 770  # pairs of poses for each pair of shapes: in the tests, and in the study
+
+
+def missed_and_false(o: str, f: str, pose: Array, n: int) -> tuple[list[float], list[float], bool]:
+    """Distances of minima that the search did not find, and of those found that are none; complete.
+
+    n: values of each coordinate on the grid of brute force.
+    """
+    first, second = sides()[o].plain, sides()[f].plain
+    depth = DEPTH * abs(first.outward)
+    found = distance_minima(library(o, f), "a-b", HERE, pose, gap=GAP, depth=depth)
+    true = exhaustive(first, second, pose, offset=1.5 * depth, n=n)
+    ours, theirs = (np.hstack([each.point_o, each.point_f]) for each in (found, true))
+    apart = np.linalg.norm(ours[:, None] - theirs, axis=2)
+    wanted = (true.d > max(-depth, MERGE - depth)) & (true.d < GAP - MERGE)
+    missed = true.d[wanted & (apart.min(axis=0, initial=np.inf) > MERGE)]
+    false = found.d[apart.min(axis=1, initial=np.inf) > MERGE]
+    return missed.tolist(), false.tolist(), bool(found.complete[0])
+
+
+def judge(o: str, f: str, count: int) -> list[tuple[int, list[float], list[float], bool]]:
+    """The pairs of poses in which the search and brute force differ, or the search gave up."""
+    rng = np.random.default_rng(0)
+    coarse, fine = (32, 72) if sides()[o].plain.outward else (80, 400)
+    wrong = []
+    for k in range(count):
+        pose = random_pose(o, rng)
+        judged = missed_and_false(o, f, pose, coarse)
+        if judged[1]:  # brute force misses what its grid does not resolve
+            judged = missed_and_false(o, f, pose, fine)
+        if judged[0] or judged[1] or not judged[2]:
+            wrong.append((k, *judged))
+    return wrong
+
+
+@pytest.mark.parametrize(("o", "f"), PAIRS)
+def test_every_minimum_is_found_and_nothing_else(o: str, f: str) -> None:
+    assert judge(o, f, SOME) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("o", "f"), PAIRS)
+def test_every_minimum_of_ten_thousand_pairs_is_found(o: str, f: str) -> None:
+    assert judge(o, f, ALL) == []
+
+
+def test_no_minimum_is_lost_when_the_world_is_moved_or_the_bodies_are_swapped() -> None:
+    rng = np.random.default_rng(1)
+    pose, moved = (random_pose("waist", rng) for _ in range(2))
+    pose[:3] *= 2.5 / np.linalg.norm(pose[:3])
+    R = moved[3:].reshape(3, 3, order="F")
+    there = np.append(moved[:3] + R @ pose[:3], (R @ pose[3:].reshape(3, 3, order="F")).ravel(order="F"))
+    first = distance_minima(library("waist", "torus"), "a-b", HERE, pose, gap=5.0)
+    second = distance_minima(library("waist", "torus"), "a-b", moved, there, gap=5.0)
+    swapped = distance_minima(library("torus", "waist"), "a-b", pose, HERE, gap=5.0)
+    assert len(first.d) > 0
+    np.testing.assert_allclose(second.d, first.d, atol=1e-12)
+    np.testing.assert_allclose(swapped.d, first.d, atol=1e-12)
+    np.testing.assert_allclose(second.point_o, moved[:3] + first.point_o @ R.T, atol=1e-7)
+    np.testing.assert_allclose(swapped.normal, -first.normal, atol=1e-7)
+
+
+def test_bounds_and_names_are_checked() -> None:
+    for contact, keys, message in (
+        ("a-c", {}, "no contact 'a-c'"),
+        ("a-b", {"gap": -1.0}, "a length of 0 m or more"),
+        ("a-b", {"depth": float("nan")}, "a length of 0 m or more"),
+    ):
+        with pytest.raises(ModelgenError, match=message):
+            distance_minima(library("torus", "torus"), contact, HERE, HERE, **keys)  # type: ignore[arg-type]
