@@ -272,6 +272,7 @@ typedef struct {
                                      its diagonal entry of J M^-1 J^T is independent of them */
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
                                      entry of J M^-1 J^T is independent of them; it then gets no force */
+  mg_real penetration_limit;      /* a run ends where bodies penetrate deeper than this times length */
   mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * length */
   mg_real step_min;               /* a step below step_min * time ends the run */
   mg_real margin_warn;            /* a contact that starts at a zero of its margin has no bound on it up to here */
@@ -331,7 +332,8 @@ enum {
   MG_COMPLEMENTARITY = 23, /* a complementarity problem has no solution, or none was found */
   MG_TOO_MANY_EVENTS = 24, /* more than events_at_once_max transitions at one time */
   MG_TOO_MANY_CLOSED = 25, /* more than closed_capacity contacts are closed */
-  MG_NO_FRICTION = 26      /* no forces satisfy Coulomb's law, or none were found */
+  MG_NO_FRICTION = 26,     /* no forces satisfy Coulomb's law, or none were found */
+  MG_PENETRATED = 27       /* bodies penetrate deeper than penetration_limit, at failed_contact */
 };
 
 /* Kind of an event of a contact; slip events are of friction constraints, with the contact that they belong to. */
@@ -363,6 +365,7 @@ typedef struct {
   mg_real *point;    /* [3 n_contact] of a support point or a contact that starts from flat: the point of f, m,
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
+  mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   int *closed;                 /* [n_contact] 1: the gap is held at zero */
   int *active;                 /* [n_contact] 1: closed and carrying force */
   int *friction_mode;          /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */
@@ -395,12 +398,15 @@ typedef struct {
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
 
-  mg_real t_event;             /* time of the last transition, s */
-  mg_real t_roundoff;          /* rounding error of t so far, s: the exact time is t + t_roundoff */
-  mg_real energy_0;            /* energy at the start, J */
-  mg_real energy_error_max;    /* largest |energy - energy_0 - work|, J */
-  mg_real kinetic_max;         /* largest kinetic energy, J */
-  mg_real gap_max;             /* largest |d| of a closed contact, m */
+  mg_real t_event;          /* time of the last transition, s */
+  mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */
+  mg_real energy_0;         /* energy at the start, J */
+  mg_real energy_error_max; /* largest |energy - energy_0 - work|, J */
+  mg_real kinetic_max;      /* largest kinetic energy, J */
+  mg_real gap_max;          /* largest |d| of a closed contact, m */
+  mg_real
+      penetration_max;   /* deepest penetration of a pair, m: of a contact, or of closest points that a search found */
+  mg_real penetration_t; /* time of penetration_max, s */
   mg_real complementarity_max; /* largest |min(d / length, force / (mass length / time^2))| */
   mg_real margin_min;          /* least margin of a closed contact */
   mg_real lcp_residual_max;    /* largest residual of a complementarity or friction problem */
@@ -435,6 +441,7 @@ typedef struct {
   int passage_contact;      /* contact of the first singular passage, or -1 */
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
   int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
+  int penetration_contact;  /* contact, or first contact of the pair, of penetration_max; -1: none */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 

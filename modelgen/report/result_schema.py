@@ -164,6 +164,9 @@ _PROPERTIES = {
         "max |E - E0 - work| / max kinetic energy; if nothing moved, over the characteristic energy",
     ),
     "gap_max": entry(NUMBER, "largest |d| of a closed contact at an accepted step, m"),
+    "penetration_max": entry(
+        NUMBER, "deepest penetration of a pair of bodies with a contact, at an accepted step, m"
+    ),
     "joint_error_max": entry(
         NUMBER, "largest deviation from the equations of the joints at the start and at accepted steps, m"
     ),

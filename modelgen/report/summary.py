@@ -25,6 +25,7 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     )
     console.print(
         f"energy drift {summary['energy_drift']:.2e}, largest gap {summary['gap_max']:.2e} m, "
+        f"deepest penetration {summary['penetration_max']:.2e} m, "
         f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}",
         soft_wrap=True,
     )

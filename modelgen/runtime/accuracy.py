@@ -114,6 +114,8 @@ class Accuracy:
             corrections converge fast.
         contact_rank_tolerance: a contact row with a smaller independent part of J M^-1 J^T is dependent.
         joint_rank_tolerance: the same of a joint row, as at a dead centre.
+        penetration_limit: a run ends where bodies penetrate deeper than this times L; in time-stepping,
+            deeper than that and than they move in two steps.
         appear_depth: deepest penetration, in L, of a contact that is found during a run.
         event_scan_parts: number of parts of a step that are searched for the first event.
         appear_margin: least margin of a contact that is found during a run.
@@ -133,7 +135,8 @@ class Accuracy:
         time_resolution: changes of loads, given motions and paths within this times T may be missed.
         step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
-        gap_error_max: a run is not trusted if the gap of a closed contact exceeded this times L.
+        gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
+            times L.
         energy_error_max: a run is not trusted if its energy drift exceeds this.
     """
 
@@ -174,6 +177,7 @@ class Accuracy:
     event_correction_step: float = 1e-3
     contact_rank_tolerance: float = 2e-10
     joint_rank_tolerance: float = 1e-8
+    penetration_limit: float = 1e-6
     appear_depth: float = 0.02
     event_scan_parts: int = 16
     lcp_iterations: int = 200

@@ -67,7 +67,9 @@ class Session:
         self.tilt_direction = self._reals(3 * n_contact + 3)
         self.run = self.tables.Run()
         self.feature_pair = np.full(n_contact + 1, -1, dtype=np.intc)
-        self.moved_since_search = self._reals(len(instance["pairs"]) + len(instance["limits"]) + 1)
+        self.moved_since_search, self.unfollowed_gap = (
+            self._reals(len(instance["pairs"]) + len(instance["limits"]) + 1) for _ in range(2)
+        )
         for name in RUN_ARRAYS:
             setattr(self.run, name, address(getattr(self, name)))
         self.n_body, self.n_contact = n_body, n_contact

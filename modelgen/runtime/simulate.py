@@ -188,6 +188,7 @@ def _trajectory(
         wall_s=wall,
         energy_drift=session.energy_drift(run),
         gap_max=float(run.gap_max),
+        penetration_max=float(run.penetration_max),
         joint_error_max=float(run.joint_error_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),

@@ -35,6 +35,10 @@ class Outcome(Enum):
         "no contact forces with this friction are found: bodies jam, or the friction is too large for finite "
         "forces (Painleve); lower the friction"
     )
+    PENETRATED = (
+        "bodies penetrate there: a contact was found too late or not at all; what was computed before is kept; "
+        "try a tighter accuracy, more `points` in the [[contact]] of the pair, and report the scene"
+    )
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property
@@ -51,6 +55,7 @@ OUTCOME_OF_CODE = {
     24: Outcome.TOO_MANY_EVENTS,
     25: Outcome.TOO_MANY_CLOSED,
     26: Outcome.NO_FRICTION,
+    27: Outcome.PENETRATED,
 }
 EventKind = Literal[
     "impact",
@@ -144,6 +149,7 @@ class Trajectory:
     wall_s: float
     energy_drift: float
     gap_max: float
+    penetration_max: float  # m, deepest penetration of a pair with a contact, at an accepted step
     joint_error_max: float  # m, largest deviation from the joints' equations at an accepted step
     complementarity_max: float
     margin_min: float
@@ -212,6 +218,7 @@ class Trajectory:
             "wall_s": self.wall_s,
             "energy_drift": self.energy_drift,
             "gap_max": self.gap_max,
+            "penetration_max": self.penetration_max,
             "joint_error_max": self.joint_error_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,

@@ -25,7 +25,8 @@ def doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) ->
         instance: of the manifest.
 
     Returns:
-        The reasons in words: the run ended early; a closed contact is open or penetrates; energy is out of
+        The reasons in words: the run ended early; a closed contact is open; bodies
+        penetrate; energy is out of
         balance; the error is not predicted up to the end; the run is uncertified.
     """
     return tuple(_doubts(path, accuracy, instance))
@@ -37,6 +38,8 @@ def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -
     gap_limit = accuracy.gap_error_max * instance["scales"]["length"]
     if not path.gap_max <= gap_limit:
         yield f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap_limit:.2g} m"
+    if not path.penetration_max <= gap_limit:
+        yield f"bodies penetrated by {path.penetration_max:.2g} m, above {gap_limit:.2g} m"
     if not path.energy_drift <= accuracy.energy_error_max:
         yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
     estimate = path.estimate

@@ -11,7 +11,7 @@ int main(void) {
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0}, pair_ball[8] = {0, 0, 0, -1, 0, 0, 0, (mg_real)0.1};
-  mg_real numbers[2 * SIDE] = {0}, moved[1], outward[3], point[3];
+  mg_real numbers[2 * SIDE] = {0}, moved[1], unfollowed[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
   int closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
@@ -42,9 +42,9 @@ int main(void) {
                           .search_margin = (mg_real)1e-9, .search_merge_distance = (mg_real)1e-6, .search_gap = (mg_real)0.2,
                           .search_movement = (mg_real)0.05, .feature_border = (mg_real)1e-9, .time_resolution = (mg_real)0.02, .step_fraction = 1,
                           .rest_loss_factor = 100, .event_correction_step = (mg_real)1e-3, .contact_rank_tolerance = (mg_real)1e-10,
-                          .appear_depth = (mg_real)0.02, .event_scan_parts = 16,
+                          .appear_depth = (mg_real)0.02, .penetration_limit = (mg_real)1e-6, .event_scan_parts = 16,
                           .lcp_iterations = 100, .events_at_once_max = 100};
-  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .closed = closed, .active = active, .force = force, .margin = margin,
+  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .unfollowed_gap = unfollowed, .closed = closed, .active = active, .force = force, .margin = margin,
                  .rolling_start = fresh, .point = point, .tilt_direction = outward};
   mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed};
   mg_record record = {0};

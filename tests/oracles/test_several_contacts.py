@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen import simulate
-from modelgen.runtime.trajectory import Trajectory
+from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran
 from tests.running import library_of
@@ -192,7 +192,7 @@ def test_the_head_of_a_long_arm_strikes_what_it_swings_into(spin: float, bead: b
 
 @pytest.mark.parametrize("points", [1, 2])
 def test_closest_points_that_no_contact_can_follow_are_told(points: int) -> None:
-    """A bar falls across a ring, which it touches twice; with one contact it sinks in, and that is told."""
+    """A bar falls across a ring, which it touches twice; with one contact it sinks in, which ends the run."""
     ring = make.fixed("ring", make.torus(0.3, 0.05))
     lying = {"axis": [0, 1, 0], "angle": 1.6}
     bar = make.dynamic(
@@ -211,3 +211,8 @@ def test_closest_points_that_no_contact_can_follow_are_told(points: int) -> None
     reasons = path.estimate.uncertified if path.estimate else ()
     assert any("no contact was free" in reason for reason in reasons) == (points == 1)
     assert all("points = 2" in warning for warning in told)
+    assert path.outcome is (Outcome.PENETRATED if points == 1 else Outcome.DONE)
+    assert (path.penetration_max > 1e-7) == (points == 1)
+    assert path.outcome_contact == ("ring-bar" if points == 1 else "")
+    sunk = [doubt for doubt in path.doubts if "penetrated by" in doubt]
+    assert len(sunk) == (points == 1)

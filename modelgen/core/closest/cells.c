@@ -112,3 +112,27 @@ MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int ce
   mg_new_cell(c, feature_pair, side, box);
   return c->search.cells[cell].halves = first;
 }
+
+MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits) {
+  const mg_system *s = c->system;
+  const mg_real slack = 8 * c->settings->feature_border,
+                *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
+  limits->box[0] = limits->box[2] = -MG_MAX, limits->box[1] = limits->box[3] = limits->disc = MG_MAX;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const mg_real *a = s->numbers + s->condition_numbers[k];
+    if (s->condition_feature[k] != side || s->condition_feature_pair[k] == MG_BEYOND_WATCHED) continue;
+    if (s->condition_kind[k] == MG_CONDITION_DISC) limits->disc = fmin(limits->disc, a[0] * (1 + slack));
+    if (s->condition_kind[k] != MG_CONDITION_PARAMETER) continue;
+    mg_real *ends = limits->box + 2 * (int)a[0];
+    if (a[1] > 0) ends[0] = fmax(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
+    if (a[1] < 0) ends[1] = fmin(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
+  }
+}
+
+MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits) {
+  const mg_real *box = c->search.cells[cell].box, *inside = limits->box;
+  if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
+  if (!(limits->disc < MG_MAX)) return 0;
+  const mg_real u = fmax(fmax(box[0], -box[1]), (mg_real)0), v = fmax(fmax(box[2], -box[3]), (mg_real)0);
+  return u * u + v * v > limits->disc * limits->disc;
+}

@@ -68,6 +68,24 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side);
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
+/* Coordinates u, v that are in a box and in a disc about 0. */
+typedef struct {
+  mg_real box[4];
+  mg_real disc;
+} mg_coordinate_limits;
+
+/* Coordinates to which the conditions of a feature pair limit one side, so that no contact lies beyond. */
+MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits);
+
+/* True if all coordinates of a cell lie beyond the limits. */
+MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits);
+
+/* far_sides.c */
+
+/* True if the points of the placement evaluated last, whose distance is negative, are on sides of the bodies that face
+   away from each other: no penetration. */
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
+
 /* cell_pairs.c */
 
 /* What a pair of cells may hold. */
@@ -111,6 +129,9 @@ MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, con
 
 /* critical_points.c */
 
+/* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
+MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side);
+
 /* Eta for a sample of each feature. */
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
                               mg_real *eta);
@@ -142,6 +163,10 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 
 /* Counts a minimum that no contact can follow, if it is within search_gap, in the report of the run. */
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found);
+
+/* Notes that a contact, or closest points of its pair, on a feature pair penetrate by `depth` at the state of the run.
+   A rim that stands on three of its points because it is almost flat is lower elsewhere, which is no penetration. */
+MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth);
 
 /* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);

@@ -6,12 +6,6 @@
 #include "base/base.h"
 #include "model/model.h"
 
-/* Coordinates u, v that are in a box and in a disc about 0. */
-typedef struct {
-  mg_real box[4];
-  mg_real disc;
-} mg_coordinate_limits;
-
 /* A search of one feature pair. Side `first` has cells; views are in the axes of its shape. */
 typedef struct {
   mg_context *c;
@@ -34,8 +28,7 @@ typedef struct {
   mg_minima *kept;
 } mg_critical_search;
 
-/* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
-static int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
+MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
   const int parametrisation = mg_parametrisation(c, feature_pair, side);
   const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
   return kind->dimension == 0 || (kind->nearest_point && (parametrisation == MG_NONE || parametrisation == MG_LOCAL));
@@ -250,32 +243,6 @@ static int mg_divide_pair(mg_critical_search *s, int a, int b, int is_first_wide
     pair[0] = is_first_wider ? half + k : a, pair[1] = is_first_wider ? b : half + k;
   }
   return count + 2;
-}
-
-/* Coordinates to which the conditions of a feature pair limit one side, so that no contact lies beyond. */
-static void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits) {
-  const mg_system *s = c->system;
-  const mg_real slack = 8 * c->settings->feature_border,
-                *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
-  limits->box[0] = limits->box[2] = -MG_MAX, limits->box[1] = limits->box[3] = limits->disc = MG_MAX;
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const mg_real *a = s->numbers + s->condition_numbers[k];
-    if (s->condition_feature[k] != side || s->condition_feature_pair[k] == MG_BEYOND_WATCHED) continue;
-    if (s->condition_kind[k] == MG_CONDITION_DISC) limits->disc = fmin(limits->disc, a[0] * (1 + slack));
-    if (s->condition_kind[k] != MG_CONDITION_PARAMETER) continue;
-    mg_real *ends = limits->box + 2 * (int)a[0];
-    if (a[1] > 0) ends[0] = fmax(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
-    if (a[1] < 0) ends[1] = fmin(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
-  }
-}
-
-/* True if all coordinates of a cell lie beyond the limits. */
-static int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits) {
-  const mg_real *box = c->search.cells[cell].box, *inside = limits->box;
-  if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
-  if (!(limits->disc < MG_MAX)) return 0;
-  const mg_real u = fmax(fmax(box[0], -box[1]), (mg_real)0), v = fmax(fmax(box[2], -box[3]), (mg_real)0);
-  return u * u + v * v > limits->disc * limits->disc;
 }
 
 /* Remembers the pair of cells that is the likeliest to hold closest points: the start of Newton's method if the search

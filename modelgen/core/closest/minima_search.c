@@ -68,6 +68,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
   found->feature_pair = feature_pair, found->margin = mg_placement_margin(c);
   mg_record_minimum(c, found);
+  if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
 }
@@ -77,6 +78,13 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
   if (c->run->unfollowed_minima++) return;
   c->run->unfollowed_t = c->run->t;
   c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
+}
+
+MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth) {
+  if (mg_is_feature_pair_of_tilted_faces(c, feature_pair)) depth -= 2 * c->settings->flat_angle * c->system->length;
+  if (depth > c->search.penetration) c->search.penetration = depth, c->search.penetration_contact = contact;
+  if (!(depth > c->run->penetration_max)) return;
+  c->run->penetration_max = depth, c->run->penetration_t = c->run->t, c->run->penetration_contact = contact;
 }
 
 /* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
@@ -208,14 +216,17 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
     k++;
   }
-  for (; k < found.count; k++)
+  for (; k < found.count; k++) {
+    c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(found.list[k].d, (mg_real)0));
     if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
+  }
   return MG_DONE;
 }
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = 0; pair < c->system->n_pair; pair++) {
+    c->run->unfollowed_gap[pair] = MG_MAX;
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;

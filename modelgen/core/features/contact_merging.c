@@ -53,7 +53,7 @@ MG_INTERNAL void mg_split_contact(mg_context *c, mg_events *events, int contact)
 MG_INTERNAL int mg_replace_singular_contact(mg_context *c, mg_events *events, int contact) {
   const int pair = c->system->contact_pair[contact];
   if (c->system->pair_search[pair] == MG_SEARCH_NEVER) return 0;
-  mg_search_pair_contacts(c, events, pair);
+  mg_search_pair_contacts(c, events, pair, 0);
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     if (i == contact || !mg_is_on_feature_pair(c, i) || mg_is_contact_singular(c, i)) continue;
     if (c->rows.d[i] > c->settings->contact_gap * c->system->length) continue;

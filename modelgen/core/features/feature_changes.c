@@ -221,12 +221,12 @@ static int mg_is_without_contact(const mg_context *c, int pair) {
   return 1;
 }
 
-MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found) {
+MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found, mg_real depth) {
   const mg_real length = c->system->length;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
   const int is_distant =
       found->d > c->settings->search_gap * length && !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
-  if (found->undecided || is_distant || found->d < -c->settings->appear_depth * length) return 0;
+  if (found->undecided || is_distant || found->d < -depth) return 0;
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
@@ -267,24 +267,41 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
 }
 
-MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair) {
+/* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
+   and than a half of the smaller ball around the shapes, so that sides that face away from each other are none. */
+static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
+  const mg_real *ball = c->system->pair_ball + 8 * pair;
+  mg_search_limits limits = mg_appearance_limits(c);
+  if (!(moved < MG_MAX / 4)) return limits;
+  if (ball[3] >= 0) moved = fmin(moved, ball[3] / 2);
+  if (ball[7] >= 0) moved = fmin(moved, ball[7] / 2);
+  limits.depth = fmax(limits.depth, moved);
+  return limits;
+}
+
+MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
-  const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : mg_appearance_limits(c);
+  const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c);
+  const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
   mg_minima found;
   int count = found.count = 0;
+  c->run->unfollowed_gap[pair] = MG_MAX;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
         !mg_is_out_of_reach(c, feature_pair))
       mg_search_feature_pair(c, feature_pair, &limits, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each)) continue;
+    if (!mg_is_minimum_accepted(c, each, seen.depth) || mg_is_minimum_ignored(c, each)) continue;
+    mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
+    if (each->d < -appearing.depth) continue;
     if (mg_is_minimum_tracked(c, pair, -1, each)) continue;
     const int slot = mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) {
       if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
+      c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(each->d, (mg_real)0));
       continue;
     }
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
@@ -299,10 +316,11 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
 /* What a search of a pair finds that no contact follows. */
 enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_PENETRATION = 2 };
 
-/* Searches a pair at the present poses for minima that no contact follows: MG_ALL_FOLLOWED .. . */
-static int mg_find_unfollowed_minimum(mg_context *c, int pair) {
+/* Searches a pair, which has moved since its last search, at the present poses for minima that no contact follows:
+   MG_ALL_FOLLOWED .. . */
+static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_system *s = c->system;
-  const mg_search_limits limits = mg_appearance_limits(c);
+  const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   int kind = MG_ALL_FOLLOWED;
   mg_minima found;
@@ -313,7 +331,8 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair) {
       mg_search_feature_pair(c, feature_pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_minimum_accepted(c, each) || mg_is_minimum_ignored(c, each) || mg_is_minimum_tracked(c, pair, -1, each))
+    if (!mg_is_minimum_accepted(c, each, limits.depth) || mg_is_minimum_ignored(c, each) ||
+        mg_is_minimum_tracked(c, pair, -1, each))
       continue;
     kind = each->d < -touching ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
   }
@@ -329,12 +348,18 @@ static int mg_is_search_needless(const mg_context *c, int pair) {
   return 0;
 }
 
+/* Movement of a pair, m, after which it is searched again: less where a contact is missing for closest points, so that
+   they are seen before they are deep. */
+static mg_real mg_movement_until_search(const mg_context *c, int pair) {
+  const mg_real length = c->system->length, seen = c->settings->appear_depth * length / 2;
+  return fmin(c->settings->search_movement * length, c->run->unfollowed_gap[pair] + seen);
+}
+
 /* True if a pair that has moved so far since its last search is to be searched. */
 static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   const int search = c->system->pair_search[pair];
   if (mg_is_search_needless(c, pair)) return 0;
-  return (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) ||
-         moved >= c->settings->search_movement * c->system->length;
+  return (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) || moved >= mg_movement_until_search(c, pair);
 }
 
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
@@ -346,12 +371,12 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
       continue;
     c->run->x = c->step.settled;
-    const int found = mg_find_unfollowed_minimum(c, pair);
+    const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
     c->search.is_searched[pair] = found == MG_ALL_FOLLOWED;
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
-    const int was_there = mg_find_unfollowed_minimum(c, pair) == MG_NEW_PENETRATION;
+    const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
     if (!was_there) return 1;
   }
@@ -367,9 +392,11 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
-  const mg_real length = c->system->length, most = c->settings->search_movement * length,
-                moved = c->run->moved_since_search[pair];
-  return c->settings->search_gap * length - (moved < most ? moved : most);
+  const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
+                length = c->system->length,
+                range = fmin(c->settings->search_gap * length,
+                             c->run->unfollowed_gap[pair] + c->settings->appear_depth * length);
+  return range - (moved < most ? moved : most);
 }
 
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
@@ -396,10 +423,11 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
-    const int is_done = c->search.is_searched[pair] && c->run->moved_since_search[pair] < MG_MAX / 4;
+    const mg_real moved = c->run->moved_since_search[pair];
+    const int is_done = c->search.is_searched[pair] && moved < MG_MAX / 4;
     c->search.is_searched[pair] = 0;
     c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
-    if (!is_done) count += mg_search_pair_contacts(c, events, pair);
+    if (!is_done) count += mg_search_pair_contacts(c, events, pair, moved);
   }
   return count;
 }

@@ -21,12 +21,13 @@ MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events);
    none. */
 MG_INTERNAL int mg_find_contact_for_minimum(const mg_context *c, int pair, const mg_minimum *found);
 
-/* True if a search during a run takes up the minimum: within reach unless it limits the step, not too deep, not
-   about to end. */
-MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found);
+/* True if a minimum found during a run counts: within reach unless it limits the step, not below -depth, not about to
+   end. */
+MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found, mg_real depth);
 
-/* Search the feature pairs of a pair for new contacts and report them; returns how many were found. */
-MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair);
+/* Searches the feature pairs of a pair, which has moved since its last search, for new contacts and reports them;
+   returns how many were found. Notes penetrations. */
+MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved);
 
 /* True if the step of length h, whose end is in c->step.settled and in the poses, leads to a penetration that no
    contact follows and that is not there at its start: closest points have appeared within the step. */

@@ -36,6 +36,8 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   for (int i = 0; i < s->n_contact; i++) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (mg_is_on_feature_pair(c, i) && !mg_is_support_contact(c, i))
+      mg_note_penetration(c, i, c->run->feature_pair[i], -c->rows.d[i]);
     if (!run->closed[i]) continue;
     mg_update_maximum(&run->gap_max, fabs(c->rows.d[i]));
     if (run->rolling_start[i] || run->margin[i] >= run->margin_min ||
@@ -43,6 +45,16 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
       continue;
     run->margin_min = run->margin[i];
   }
+}
+
+MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved) {
+  const mg_real depth = c->search.penetration, limit = c->settings->penetration_limit * c->system->length;
+  c->search.penetration = 0;
+  if (!(depth > limit)) return MG_DONE;
+  const int contact = c->search.penetration_contact;
+  if (!(depth > limit + unresolved * mg_pair_motion_bound(c, c->system->contact_pair[contact]).speed)) return MG_DONE;
+  c->run->failed_contact = contact;
+  return MG_PENETRATED;
 }
 
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {

@@ -215,11 +215,13 @@ typedef struct {
   int *tree_root;                 /* [per cell tree] its first cell, or 0 */
   mg_real *tree_bound;            /* [per cell tree] where a coordinate has no bound: that of its first cell */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */
-  int *is_searched;    /* [per pair] 1: searched at the end of this step already, and all minima are followed */
-  int *cell_pairs;     /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
-  mg_minima abandoned; /* minima that contacts have left in this step */
-  mg_real *placement;  /* outputs of contact_place: d, residual (2), margin (2), N (3), points of o and f (3, 3); from
-                          32 on eta_next */
+  int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
+  int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
+  mg_minima abandoned;     /* minima that contacts have left in this step */
+  mg_real penetration;     /* deepest penetration noted in this step, m */
+  int penetration_contact; /* its contact, or the first contact of its pair */
+  mg_real *placement; /* outputs of contact_place: d, residual (2), margin (2), N (3), points of o and f (3, 3); from
+                         32 on eta_next */
 } mg_search_workspace;
 
 /* One step of an integrator. */

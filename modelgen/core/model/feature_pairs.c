@@ -160,6 +160,16 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot3(cross, cross));
 }
 
+MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x) {
+  const mg_system *s = c->system;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_feature[k] == side && s->condition_kind[k] == MG_CONDITION_QUADRIC &&
+        s->condition_feature_pair[k] != MG_BEYOND_WATCHED &&
+        mg_quadric_condition(s->numbers + s->condition_numbers[k], x) < 0)
+      return 0;
+  return 1;
+}
+
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta) {
   const mg_system *s = c->system;
   const mg_real *a = s->numbers + s->condition_numbers[k];

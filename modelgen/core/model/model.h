@@ -105,6 +105,10 @@ MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side)
 /* Parametrisation of a feature, MG_NONE .. */
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
 
+/* True if a point of the surface that carries a feature, in the axes of its shape, lies on the feature by those
+   conditions that are functions of the point alone. */
+MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x);
+
 /* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);

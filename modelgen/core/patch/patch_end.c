@@ -21,7 +21,7 @@ static void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, 
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
     const int pair = s->feature_pair_owner[each->feature_pair];
-    if (!mg_is_minimum_accepted(c, each)) continue;
+    if (!mg_is_minimum_accepted(c, each, limits.depth)) continue;
     const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);

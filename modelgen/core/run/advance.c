@@ -149,6 +149,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   mg_update_diagnostics(c);
   if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
   if (!outcome) outcome = mg_check_margins(c, events);
+  if (!outcome) outcome = mg_check_penetration(c, 0);
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 

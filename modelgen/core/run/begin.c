@@ -48,7 +48,8 @@ static void mg_reset_report(mg_run *run) {
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->singular_passages = 0, run->passage_contact = -1;
   run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
-  run->energy_error_max = run->kinetic_max = run->gap_max = run->complementarity_max = run->lcp_residual_max = 0;
+  run->energy_error_max = run->kinetic_max = run->gap_max = run->penetration_max = run->complementarity_max =
+      run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;
   run->impact_gain_max = run->impact_gain_t = 0,
   run->impact_gain_contact = run->chain_impact_contact = run->painleve_contact = -1, run->forces_redundant = 0;
@@ -59,6 +60,7 @@ static void mg_reset_report(mg_run *run) {
   run->t_event = run->t, run->t_roundoff = 0;
   run->unfollowed_minima = 0, run->unfollowed_t = 0, run->unfollowed_pair = -1;
   run->incomplete_searches = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
+  run->penetration_t = run->t, run->penetration_contact = -1;
 }
 
 /* Start of time-stepping, which needs no modes: its first step takes the first impacts. */

@@ -97,6 +97,7 @@ SETTINGS_REALS = (
         "event_correction_step",
         "contact_rank_tolerance",
         "joint_rank_tolerance",
+        "penetration_limit",
         "appear_depth",
         "step_min",
     ),
@@ -126,6 +127,7 @@ RUN_ARRAYS = (
         "feature_pair",
         "point",
         "moved_since_search",
+        "unfollowed_gap",
         "closed",
         "active",
         "friction_mode",
@@ -158,7 +160,7 @@ RUN_COUNTS = (
 )
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
-    *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
+    *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
     *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t", "incomplete_t"),
@@ -172,6 +174,7 @@ RUN_INTEGERS = (
         "passage_contact",
         "unfollowed_pair",
         "incomplete_pair",
+        "penetration_contact",
         "forces_redundant",
     ),
 )

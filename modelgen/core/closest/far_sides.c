@@ -1,0 +1,107 @@
+/* Whether a critical pair of points with a negative distance is a penetration, or belongs to sides of the bodies that
+   face away from each other, as the outer sides of two links of a chain: then the segment from one point to the other
+   leaves the body in which it begins. Reads c->bodies; divides cells. */
+#include "closest/closest.h"
+#include "base/base.h"
+#include "model/model.h"
+
+#define MG_SEGMENT_START ((mg_real)0.05) /* part of a segment at its start in which it is not tested */
+#define MG_SEGMENT_CELLS 64              /* cells smaller than the segment by this factor are not divided */
+#define MG_SEGMENT_STACK 128             /* cells still to be treated */
+
+/* A segment in the axes of a shape: a point and the vector to its end, m. */
+typedef struct {
+  mg_real start[3], along[3];
+} mg_segment;
+
+/* Point of a segment. */
+static void mg_point_of_segment(const mg_segment *segment, mg_real part, mg_real *x) {
+  for (int k = 0; k < 3; k++) x[k] = segment->start[k] + part * segment->along[k];
+}
+
+/* True if a point with an exterior normal is left by the segment, at `part` of it. */
+static int mg_is_left_at(const mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real part,
+                         const mg_real *normal) {
+  mg_real x[3];
+  if (!(part > MG_SEGMENT_START && part < 1) || !(mg_dot3(normal, segment->along) > 0)) return 0;
+  mg_point_of_segment(segment, part, x);
+  return mg_is_within_border(c, feature_pair, side, x);
+}
+
+/* True if the segment leaves a plane or a sphere. */
+static int mg_leaves_closed_feature(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const mg_system *s = c->system;
+  const int kind = s->feature_shape[2 * feature_pair + side];
+  const mg_real zero[2] = {0, 0}, *start = segment->start, *along = segment->along;
+  mg_real x[3], normal[3];
+  c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], x, normal);
+  if (c->kernels->shape_kinds[kind].nearest_point == MG_NEAREST_PLANE) {
+    const mg_real span[3] = {x[0] - start[0], x[1] - start[1], x[2] - start[2]}, rate = mg_dot3(normal, along);
+    return rate > 0 && mg_is_left_at(c, feature_pair, side, segment, mg_dot3(normal, span) / rate, normal);
+  }
+  const mg_real a = mg_dot3(along, along), b = mg_dot3(start, along), e = mg_dot3(start, start) - mg_dot3(x, x),
+                root = b * b - a * e, outward = mg_dot3(x, normal) < 0 ? -1 : 1;
+  if (!(root > 0) || !(a > 0)) return 0;
+  const mg_real part = (outward * sqrt(root) - b) / a;
+  mg_point_of_segment(segment, part, normal);
+  for (int k = 0; k < 3; k++) normal[k] *= outward;
+  return mg_is_left_at(c, feature_pair, side, segment, part, normal);
+}
+
+/* True if a point of a cell may be left by the segment: it is near, and its normal points forwards. */
+static int mg_may_leave_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
+  const mg_real span[3] = {cell->centre[0] - segment->start[0], cell->centre[1] - segment->start[1],
+                           cell->centre[2] - segment->start[2]};
+  const mg_real part = fmin(fmax(mg_dot3(span, segment->along) / (length * length), MG_SEGMENT_START), (mg_real)1);
+  mg_real apart[3];
+  for (int k = 0; k < 3; k++) apart[k] = span[k] - part * segment->along[k];
+  return mg_dot3(apart, apart) <= cell->radius * cell->radius &&
+         mg_dot3(cell->direction, segment->along) + cell->spread * length > 0;
+}
+
+/* True if the segment leaves a surface with cells. */
+static int mg_leaves_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real length) {
+  int stack[MG_SEGMENT_STACK], count = 0;
+  mg_coordinate_limits limits;
+  mg_limit_coordinates(c, feature_pair, side, &limits);
+  stack[count] = mg_root_cell(c, feature_pair, side);
+  count += stack[0] != 0;
+  while (count > 0) {
+    const int at = stack[--count];
+    const mg_cell *cell = c->search.cells + at;
+    if (mg_is_cell_beyond(c, at, &limits) || !mg_may_leave_cell(cell, segment, length)) continue;
+    if (cell->radius * MG_SEGMENT_CELLS <= length) {
+      if (mg_is_within_border(c, feature_pair, side, cell->centre)) return 1;
+      continue;
+    }
+    const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
+    if (half) stack[count++] = half, stack[count++] = half + 1;
+  }
+  return 0;
+}
+
+/* True if the segment between two points, given in world axes, leaves a feature of a side. */
+static int mg_leaves_feature(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
+  mg_segment segment;
+  mg_real last[3];
+  if (mg_feature_dimension(c, feature_pair, side) != 2) return 0;
+  mg_point_in_shape_axes(c, feature_pair, side, start, segment.start);
+  mg_point_in_shape_axes(c, feature_pair, side, end, last);
+  for (int k = 0; k < 3; k++) segment.along[k] = last[k] - segment.start[k];
+  const mg_real length = sqrt(mg_dot3(segment.along, segment.along));
+  if (mg_has_nearest_point(c, feature_pair, side)) return mg_leaves_closed_feature(c, feature_pair, side, &segment);
+  return c->system->feature_tree[2 * feature_pair + side] >= 0 &&
+         mg_leaves_cells(c, feature_pair, side, &segment, length);
+}
+
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
+  const mg_system *s = c->system;
+  const int pair = s->feature_pair_owner[feature_pair];
+  for (int end = 0; end < 2; end++) {
+    const int body = mg_feature_body(c, feature_pair, end);
+    const mg_real *start = c->search.placement + (end ? 11 : 8), *last = c->search.placement + (end ? 8 : 11);
+    for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
+      if (mg_leaves_feature(c, each, mg_feature_body(c, each, 1) == body, start, last)) return 1;
+  }
+  return 0;
+}
