@@ -213,7 +213,7 @@ enum {
 enum {
   MG_RK4 = 0,          /* classical Runge-Kutta method with a fixed step, order 4; events are located */
   MG_DOP853 = 1,       /* Dormand and Prince's method with step control, order 8; events are located */
-  MG_TIME_STEPPING = 2 /* impulses over fixed steps, order 1; events are not located */
+  MG_TIME_STEPPING = 2 /* impulses over fixed steps; events are not located */
 };
 
 /* Scheme of time-stepping: which gap rate d_dot is demanded at the end of a step h. */

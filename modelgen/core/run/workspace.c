@@ -86,7 +86,7 @@ static long mg_search_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return 42 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
+  return 48 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
          mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
          (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) +
          m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
@@ -164,6 +164,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->lcp.reduced_z = mg_take_reals(&work, n);
   c->step.slopes = mg_take_reals(&work, MG_STAGES * x), c->step.end = mg_take_reals(&work, x),
   c->step.stage = mg_take_reals(&work, x);
+  c->step.load_wrench = mg_take_reals(&work, 6 * b);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
   c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r),

@@ -1,4 +1,4 @@
-/* Time-stepping on velocities and impulses with a fixed step, order 1: no event is located; every contact that
+/* Time-stepping on velocities and impulses with a fixed step: no event is located; every contact that
    closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods
    Eng. 39 (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth
    Mechanics and Applications, 1988, 1-82). Writes the state, contacts and events of the run, and samples. */

@@ -13,10 +13,13 @@ MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x);
 /* Part of the step that follows the positions of the rows. */
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c);
 
-/* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in row 1 of
-   c->step.slopes the power of the loads, both in the middle of the step; in c->step.settled the positions at which
-   rows are taken; and the rows. */
+/* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in c->step.load_wrench the
+   wrenches of the loads, in row 1 of c->step.slopes their power, all in the middle of the step; in c->step.settled the
+   positions at which rows are taken; and the rows. */
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h);
+
+/* Rate of a row at the start of the step. Joint rows follow their rotation between the rows and the start. */
+MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h);
 
 /* Rate of a row at the end of the step without contact impulses. Joint rows follow their rotation. */
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h);
@@ -43,7 +46,7 @@ MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
 
 /* Writes the positions at the end of the step into run->x: from where the rows were taken, with the velocities at
-   the end. */
+   the end, or with the mean velocities of the step. Needs the state at its start in c->step.end. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 
 /* Converges eta of all contacts at run->x; contacts without closest points are released. Returns their number. */

@@ -47,15 +47,24 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
   mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
+  for (int k = 0; k < 6 * s->n_body && s->n_load; k++) c->step.load_wrench[k] = c->bodies.wrench[k];
   if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
   mg_update_rows_at(c, t + ahead, c->step.settled);
   mg_add_joint_accelerations(c);
 }
 
+/* Velocity term of the second derivative of a joint row; 0 of other rows, whose turning the schemes neglect. */
+static mg_real mg_row_turning(const mg_context *c, int row) {
+  return row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
+}
+
+MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h) {
+  return c->rows.d_dot[row] - (1 - mg_scheme_theta(c)) * h * mg_row_turning(c, row);
+}
+
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
-  const mg_real turning =
-      row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
-  return c->rows.d_dot[row] + h * (mg_row_times(c, row, c->bodies.acceleration) + turning);
+  return c->rows.d_dot[row] +
+         h * (mg_row_times(c, row, c->bodies.acceleration) + mg_scheme_theta(c) * mg_row_turning(c, row));
 }
 
 MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h) {
