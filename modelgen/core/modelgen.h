@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 12 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 13 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -418,6 +418,7 @@ typedef struct {
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
+  mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
@@ -435,6 +436,7 @@ typedef struct {
   int passage_contact;      /* contact of the first singular passage, or -1 */
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
   int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
+  int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 

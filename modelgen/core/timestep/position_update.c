@@ -44,7 +44,7 @@ static mg_real mg_load_work(const mg_context *c, mg_real h) {
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_add_impulse_work(c, h);
-  if (s->n_load) c->run->x[c->layout.work_state] += mg_load_work(c, h);
+  if (s->n_load) c->run->x[c->layout.work_state] += mg_load_work(c, h) + mg_spring_work(c, h);
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
       c->run->x[s->n_q + s->body_u[b] + k] += h * c->bodies.acceleration[6 * b + k] + c->bodies.wrench[6 * b + k];

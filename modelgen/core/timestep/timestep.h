@@ -34,6 +34,26 @@ MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h);
    scheme permits the gap to close within the step, the others permit no approach. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h);
 
+/* spring_impulses.c */
+
+/* Adds the accelerations by the springs at the present poses to c->bodies.acceleration, of stiff ones a part, and
+   stores their deflections. Needs the twists. */
+MG_INTERNAL void mg_predict_springs(mg_context *c, mg_real h);
+
+/* Writes J of the springs. Needs the poses. */
+MG_INTERNAL void mg_update_spring_rows(mg_context *c);
+
+/* Scales the rows of the springs for a step h, and writes their rates and impulses at its start. Needs J, the twists at
+   the start of the step, and the deflections there. */
+MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h);
+
+/* Rate of the row of a spring at the end of the step without impulses, less what its own impulse makes of it without
+   that rate. */
+MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h);
+
+/* Work of the impulses of the springs on the bodies that forces move. */
+MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
+
 /* impulse_problem.c */
 
 /* Finds the impulses of a step h: leaves them in c->solution.force, and the changes of the twists in

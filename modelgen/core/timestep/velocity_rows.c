@@ -41,15 +41,20 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
   mg_update_rows_at(c, t, c->run->x);
+  c->springs.are_rows = 1;
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
+  mg_predict_springs(c, h);
   mg_extrapolate_state(c, ahead, 0, c->step.settled);
   for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->rows.eta_dot[k];
   mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
   mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
   for (int k = 0; k < 6 * s->n_body && s->n_load; k++) c->step.load_wrench[k] = c->bodies.wrench[k];
+  mg_update_spring_rows(c);
+  c->springs.are_rows = 0;
   if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
   mg_update_rows_at(c, t + ahead, c->step.settled);
+  mg_set_spring_impulses(c, h);
   mg_add_joint_accelerations(c);
 }
 

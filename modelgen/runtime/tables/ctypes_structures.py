@@ -161,7 +161,15 @@ RUN_REALS = (
     *("gap_max", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
-    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t", "incomplete_t"),
+    *(
+        "impact_gain_max",
+        "impact_gain_t",
+        "chain_impact_t",
+        "painleve_t",
+        "unfollowed_t",
+        "spring_rate_max",
+        "incomplete_t",
+    ),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
@@ -172,6 +180,7 @@ RUN_INTEGERS = (
         "passage_contact",
         "unfollowed_pair",
         "incomplete_pair",
+        "spring_rate_load",
         "forces_redundant",
     ),
 )
