@@ -29,13 +29,15 @@ static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real
 }
 
 /* True if a contact with this gap rate at the end of the step takes part in the problem: its gap would close
-   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part. */
+   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part, or it
+   is closed. */
 static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate, mg_real h) {
   if (!mg_is_on_feature_pair(c, contact)) return 0;
   const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
                 touching = c->settings->start_gap * c->system->length;
   const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_TOUCH_STEP_PARTS;
-  return gap + h * rate / soon <= c->settings->contact_gap * c->system->length || (soon > 1 && gap <= touching);
+  return gap + h * rate / soon <= c->settings->contact_gap * c->system->length ||
+         (soon > 1 && (gap <= touching || c->run->closed[contact]));
 }
 
 /* Gap rate at the end of the step under the impulses found so far. */

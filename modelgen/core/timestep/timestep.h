@@ -30,8 +30,9 @@ MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, 
 /* True if the contact approaches so fast that Newton's law applies. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h);
 
-/* Least gap rate at the end of the step: by Newton's law if the contact rebounds; else Stewart and Trinkle's
-   scheme permits the gap to close within the step, the others permit no approach. */
+/* Least gap rate at the end of the step: by Newton's law if the contact rebounds; else Stewart and Trinkle's scheme
+   permits the gap to close within the step; the others permit no approach, and keep closed contacts closed while
+   their rows turn. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h);
 
 /* spring_impulses.c */

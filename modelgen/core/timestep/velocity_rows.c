@@ -81,8 +81,16 @@ MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
   return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate_bound(c, contact, h);
 }
 
+/* Rate at the end of the step with which a closed contact is closed there, on a row that turns; the gap of the row may
+   be due to that turning. */
+static mg_real mg_closed_gap_rate(const mg_context *c, int contact, mg_real h) {
+  const mg_real left = mg_scheme_theta(c) * h, ahead = h - left, gamma = c->rows.gamma[contact];
+  const mg_real open = c->rows.d[contact] - ahead * ahead * gamma / 2;
+  return -h * gamma / 2 - (open > 0 ? open / left : 0);
+}
+
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
   if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->rows.d_dot[contact];
-  if (c->settings->stepping_scheme != MG_STEWART_TRINKLE || c->rows.d[contact] <= 0) return 0;
-  return -c->rows.d[contact] / h;
+  if (c->settings->stepping_scheme == MG_STEWART_TRINKLE) return c->rows.d[contact] <= 0 ? 0 : -c->rows.d[contact] / h;
+  return c->run->closed[contact] ? mg_closed_gap_rate(c, contact, h) : 0;
 }
