@@ -418,6 +418,7 @@ typedef struct {
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
+  mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
 
@@ -436,6 +437,7 @@ typedef struct {
   int passage_contact;      /* contact of the first singular passage, or -1 */
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
   int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
+  int spin_body;            /* body of spin_max, or -1 */
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
