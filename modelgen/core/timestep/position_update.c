@@ -60,7 +60,6 @@ static void mg_mark_held_bodies(mg_context *c, mg_real h) {
   for (int i = 0; i < s->n_contact; i++)
     if (c->solution.force[i] > 0 && !mg_is_rebounding(c, i, h))
       is_held[c->contacts.o[i]] = is_held[c->contacts.f[i]] = 1;
-  for (int b = 0; b < s->n_body; b++) is_held[b] &= mg_is_moved_by_forces(c, b);
   while (changed) {
     changed = 0;
     for (int j = 0; j < s->n_joint; j++) {
@@ -72,26 +71,27 @@ static void mg_mark_held_bodies(mg_context *c, mg_real h) {
 }
 
 /* Velocities of a body that move it over the rest of the step: those at the end of the step; in a scheme that takes
-   the rows at the start, the mean of those at both ends where no contact holds the body, which is of order 2. */
-static void mg_moving_velocities(const mg_context *c, int body, mg_real *u) {
+   the rows at the start, the mean of those at both ends where no contact holds the body, which is of order 2. `mean` is
+   room for them. */
+static const mg_real *mg_moving_velocities(const mg_context *c, int body, mg_real *mean) {
   const int first = c->system->n_q + c->system->body_u[body];
-  const int is_mean = c->settings->stepping_scheme != MG_MOREAU && !c->islands.head[body];
-  for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; k++)
-    u[k] = is_mean ? (c->step.end[first + k] + c->run->x[first + k]) / 2 : c->run->x[first + k];
+  const mg_real *start = c->step.end + first, *end = c->run->x + first;
+  if (c->settings->stepping_scheme == MG_MOREAU || c->islands.head[body]) return end;
+  for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; k++) mean[k] = (start[k] + end[k]) / 2;
+  return mean;
 }
 
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
-  mg_real u[6], unused[6];
-  mg_mark_held_bodies(c, h);
+  mg_real mean[6], unused[6];
+  if (c->settings->stepping_scheme != MG_MOREAU) mg_mark_held_bodies(c, h);
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
     const mg_real *from = c->step.settled + s->body_q[b];
-    mg_moving_velocities(c, b, u);
-    c->kernels->body_motion(mg_body_kind_of(c, b), from, u, none, s->gravity, s->parameters + s->body_parameters[b],
-                            slope, unused);
+    c->kernels->body_motion(mg_body_kind_of(c, b), from, mg_moving_velocities(c, b, mean), none, s->gravity,
+                            s->parameters + s->body_parameters[b], slope, unused);
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)

@@ -40,7 +40,10 @@ static void mg_add_joint_accelerations(mg_context *c) {
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
-  mg_update_rows_at(c, t, c->run->x);
+  if (ahead > 0) {
+    mg_update_poses(c, t, c->run->x);
+    mg_update_contact_rows(c, c->run->x); /* for eta_dot */
+  } else mg_update_rows_at(c, t, c->run->x);
   c->springs.are_rows = 1;
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
   mg_predict_springs(c, h);
@@ -52,24 +55,27 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   for (int k = 0; k < 6 * s->n_body && s->n_load; k++) c->step.load_wrench[k] = c->bodies.wrench[k];
   mg_update_spring_rows(c);
   c->springs.are_rows = 0;
-  if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
-  mg_update_rows_at(c, t + ahead, c->step.settled);
+  if (ahead > 0) {
+    mg_place_all_contacts(c, t + ahead, c->step.settled);
+    mg_update_rows_at(c, t + ahead, c->step.settled);
+  } else mg_update_poses(c, t, c->step.settled);
   mg_set_spring_impulses(c, h);
   mg_add_joint_accelerations(c);
 }
 
-/* Velocity term of the second derivative of a joint row; 0 of other rows, whose turning the schemes neglect. */
-static mg_real mg_row_turning(const mg_context *c, int row) {
-  return row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
+/* True for rows of joints, whose turning is taken into account. */
+static int mg_is_joint_row(const mg_context *c, int row) {
+  return row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin;
 }
 
 MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h) {
-  return c->rows.d_dot[row] - (1 - mg_scheme_theta(c)) * h * mg_row_turning(c, row);
+  const mg_real rate = c->rows.d_dot[row];
+  return mg_is_joint_row(c, row) ? rate - (1 - mg_scheme_theta(c)) * h * c->rows.gamma[row] : rate;
 }
 
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
-  return c->rows.d_dot[row] +
-         h * (mg_row_times(c, row, c->bodies.acceleration) + mg_scheme_theta(c) * mg_row_turning(c, row));
+  const mg_real rate = c->rows.d_dot[row] + h * mg_row_times(c, row, c->bodies.acceleration);
+  return mg_is_joint_row(c, row) ? rate + mg_scheme_theta(c) * h * c->rows.gamma[row] : rate;
 }
 
 MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h) {
