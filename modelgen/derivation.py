@@ -10,16 +10,16 @@ import casadi as ca
 
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
+from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
-from modelgen.dynamics.loads import load_kernel
 from modelgen.errors import ModelgenError, expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points import is_point, point_kernel
 from modelgen.geometry.surface_kernel import surface_kernel
+from modelgen.joint import joint_springs
 from modelgen.joint.joint_limits import CITATION, limit_kernels
 from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
-from modelgen.joint.joint_springs import spring_kernel
 from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model, ShapeKind
 
@@ -29,6 +29,7 @@ Role = Literal[
     "energy",
     "path",
     "wrench",
+    "deflection",
     "surface",
     "curve",
     "point",
@@ -140,10 +141,14 @@ def _of_bodies(model: Model) -> list[Formula]:
 
 
 def _of_loads(model: Model) -> list[Formula]:
-    return [
-        _formula((spring_kernel if kind.joint else load_kernel)(kind), "wrench", index, CITATIONS[kind.kind])
-        for index, kind in enumerate(model.load_kinds)
-    ]
+    found: list[Formula] = []
+    for index, kind in enumerate(model.load_kinds):
+        wrench = (joint_springs.spring_kernel if kind.joint else loads.load_kernel)(kind)
+        found.append(_formula(wrench, "wrench", index, CITATIONS[kind.kind]))
+        if kind.is_spring:
+            deflection = (joint_springs if kind.joint else loads).deflection_kernel(kind)
+            found.append(_formula(deflection, "deflection", index, CITATIONS[kind.kind]))
+    return found
 
 
 def _of_shapes(model: Model) -> list[Formula]:

@@ -84,6 +84,11 @@ class LoadKind:
     arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
     joint: str = ""  # the kind of joint whose coordinate a joint_spring acts on
 
+    @property
+    def is_spring(self) -> bool:
+        """Whether it is a spring with a damper: along a line, or along the coordinate of a joint."""
+        return self.kind in ("spring", "joint_spring")
+
 
 @dataclass(frozen=True, slots=True)
 class JointKind:

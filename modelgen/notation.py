@@ -136,6 +136,7 @@ _TABLE = (
     Notation("gamma1", "\\Gamma_1", "second derivative of a joint's rows without accelerations", "m/s^2",
              "rows", "", "(2.6)"),
     Notation("bias", "", "rate of a joint's rows that its given motion makes", "m/s", "rows"),
+    Notation("deflection", "s", "of a spring: length or coordinate less that at rest", "m or rad", "1"),
     Notation("coordinate", "", "angles, within half a turn, and displacements of a joint", "rad or m",
              "by kind"),
     Notation("d", "d", "gap N.(P_f - P_o): positive apart, zero touching, negative overlapping", "m",

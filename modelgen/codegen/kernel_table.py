@@ -60,6 +60,9 @@ DISPATCHERS = (
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
+        ("deflection",), "load_deflection", ("pose_a", "pose_b", "parameters"), ("deflection", "J")
+    ),
+    Dispatcher(
         ("rates",), "contact_rates", ("pose_o", "twist_o", "pose_f", "twist_f", "eta", "parameters"),
         ("d", "J_o", "J_f", "gamma", "eta_dot", "normal", "tangents"),
     ),
@@ -134,7 +137,11 @@ def _tables(derivation: Derivation) -> list[str]:
     ]
     joints = [_joint_sizes(kind) for kind in model.joint_kinds]
     loads = [
-        _row(sizes["wrench", formula.kind], *_hidden(formula.function, model.load_kinds[formula.kind].kind))
+        _row(
+            sizes["wrench", formula.kind],
+            *_hidden(formula.function, model.load_kinds[formula.kind].kind),
+            int(model.load_kinds[formula.kind].is_spring),
+        )
         for formula in derivation.formulas
         if formula.role == "wrench"
     ]
@@ -142,7 +149,7 @@ def _tables(derivation: Derivation) -> list[str]:
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
-        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0, 0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
     ]
 

@@ -60,6 +60,7 @@ typedef struct {
   int n_parameters;     /* parameters */
   int depends_on_time;  /* 1: on time, in a way that samples of a step may not show */
   int depends_on_state; /* 1: on pose and velocity of its bodies, in a way that samples of a step may not show */
+  int is_spring;        /* 1: a spring with a damper; its last parameters are stiffness, damping, rest */
 } mg_load_kind;
 
 typedef struct {
@@ -109,6 +110,11 @@ typedef struct {
   /* Wrenches of a load on its bodies a and b; of a load on one body, only on a. */
   void (*load_wrench)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
                       const mg_real *twist_b, const mg_real *parameters, mg_real *wrench_a, mg_real *wrench_b);
+
+  /* Of a spring: how far its length, or the coordinate of its joint, is from rest, m or rad; J (12) of the rate of this
+     deflection, the columns of a, then of b. Its force along J is -stiffness deflection - damping J u. */
+  void (*load_deflection)(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
+                          mg_real *deflection, mg_real *J);
 
   /* Rows of a joint, equation (2.3): value [n_rows], m or rad; J [12 n_rows], per row the columns of a, then of b;
      gamma [n_rows], Gamma1; bias [n_rows], partial derivative by time. value_dot = J u + bias, value_ddot = J u_dot +

@@ -213,7 +213,7 @@ enum {
 enum {
   MG_RK4 = 0,          /* classical Runge-Kutta method with a fixed step, order 4; events are located */
   MG_DOP853 = 1,       /* Dormand and Prince's method with step control, order 8; events are located */
-  MG_TIME_STEPPING = 2 /* impulses over fixed steps, order 1; events are not located */
+  MG_TIME_STEPPING = 2 /* impulses over fixed steps; events are not located */
 };
 
 /* Scheme of time-stepping: which gap rate d_dot is demanded at the end of a step h. */
@@ -424,6 +424,8 @@ typedef struct {
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
+  mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
+  mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
@@ -442,6 +444,8 @@ typedef struct {
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
   int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
   int penetration_contact;  /* contact, or first contact of the pair, of penetration_max; -1: none */
+  int spin_body;            /* body of spin_max, or -1 */
+  int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
 } mg_run;
 

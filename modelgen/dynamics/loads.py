@@ -44,20 +44,43 @@ def load_kernel(kind: LoadKind) -> ca.Function:
     """`mg_<kind>_wrench`: (t, pose_a, twist_a, pose_b, twist_b, parameters) -> (wrench_a(6), wrench_b(6))."""
     t = ca.SX.sym("t")
     spring = kind.kind == "spring"
-    numbers = ca.SX.sym("parameters", 3 * sum(kind.arms) + (3 if spring else 0))
-    points: list[Point] = []
-    used = 0
-    for motion, off in zip(kind.motions, kind.arms or (False,), strict=True):
-        points.append(_point("ab"[len(points)], motion, numbers[used : used + 3] if off else zeros(3)))
-        used += 3 * off
+    numbers, points = _points(kind)
     a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
-    wrench_a, wrench_b = _spring(a, b, numbers[used:]) if spring else (_given(kind, t, a), ca.SX(0, 1))
+    wrench_a, wrench_b = _spring(a, b, numbers[-3:]) if spring else (_given(kind, t, a), ca.SX(0, 1))
     inputs = {"t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist}
     return kernel(
         f"mg_{kind.name}_wrench",
         inputs | {"parameters": numbers},
         {"wrench_a": wrench_a, "wrench_b": wrench_b},
     )
+
+
+def deflection_kernel(kind: LoadKind) -> ca.Function:
+    """`mg_<kind>_deflection` of a spring: (pose_a, pose_b, parameters) -> (deflection(1) m, J(12)).
+
+    The deflection is L - L_0; its rate is J u.
+    """
+    numbers, (a, b) = _points(kind)
+    length, direction = _line(a, b)
+    return kernel(
+        f"mg_{kind.name}_deflection",
+        {"pose_a": a.pose, "pose_b": b.pose, "parameters": numbers},
+        {
+            "deflection": length - numbers[-1],
+            "J": ca.densify(ca.vertcat(-a.wrench(direction), b.wrench(direction))),
+        },
+    )
+
+
+def _points(kind: LoadKind) -> tuple[ca.SX, list[Point]]:
+    """The parameters, arms first, and the point of each body at which the load acts."""
+    numbers = ca.SX.sym("parameters", 3 * sum(kind.arms) + (3 if kind.kind == "spring" else 0))
+    points: list[Point] = []
+    used = 0
+    for motion, off in zip(kind.motions, kind.arms or (False,), strict=True):
+        points.append(_point("ab"[len(points)], motion, numbers[used : used + 3] if off else zeros(3)))
+        used += 3 * off
+    return numbers, points
 
 
 def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
@@ -93,9 +116,14 @@ def _state_symbols(t: ca.SX, point: Point, motion: BodyMotion) -> dict[str, ca.S
 def _spring(a: Point, b: Point, numbers: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Force k (L - L_0) + c L_dot along the line from a to b, pulling them together."""
     stiffness, damping, rest_length = ca.vertsplit(numbers)
-    between = b.position - a.position
-    length = ca.sqrt(dot(between, between))
-    direction = between / ca.fmax(length, NO_LENGTH)
+    length, direction = _line(a, b)
     rate = dot(direction, b.velocity - a.velocity)
     force = (stiffness * (length - rest_length) + damping * rate) * direction
     return a.wrench(force), b.wrench(-force)
+
+
+def _line(a: Point, b: Point) -> tuple[ca.SX, ca.SX]:
+    """Length of the line from a to b, m, and its direction (3,)."""
+    between = b.position - a.position
+    length = ca.sqrt(dot(between, between))
+    return length, between / ca.fmax(length, NO_LENGTH)

@@ -78,7 +78,7 @@ OF_A_LIMIT: Mapping[str, Mapping[str, str]] = {  # what the names of a contact m
     "point_o": {"meaning": "origin of the first frame", "equation": ""},
     "point_f": {"meaning": "origin of the second frame", "equation": ""},
 }
-OF_A_JOINT = ("rows", "coordinates", "rates", "place", "wrench")
+OF_A_JOINT = ("rows", "coordinates", "rates", "place", "wrench", "deflection")
 
 
 def formula_facts(

@@ -239,18 +239,35 @@ def _limit_place(function: ca.Function, kind: LimitKind, at: Drawn, off: Array) 
     }  # fmt: skip
 
 
-def check_spring(function: ca.Function, kind: LoadKind, drawn: Sequence[Drawn]) -> list[Finding]:
-    """Virtual work: the wrench is -(k (c - rest) + damping c_dot) dc along each of twelve directions."""
+def check_spring(role: str, function: ca.Function, kind: LoadKind, drawn: Sequence[Drawn]) -> list[Finding]:
+    """Virtual work: the wrench is -(k (c - rest) + damping c_dot) dc along each of twelve directions, J."""
+    if role == "deflection":
+        routes = {"deflection": MOTION, "J": POWER}
+        return _gathered(routes, [_deflected(function, kind, at) for at in drawn])
     routes = {f"wrench_{side}": f"virtual work; {POWER}" for side in "ab"}
     return _gathered(routes, [_pushed(function, kind, at) for at in drawn])
 
 
+def _deflected(function: ca.Function, kind: LoadKind, at: Drawn) -> Both:
+    pose_a, _, pose_b, _ = at.moving
+    off, row = (np.asarray(x).ravel() for x in function(pose_a, pose_b, at.parameters))
+    return {"deflection": (off, [_off(kind, at)]), "J": (row, _slopes(kind, at))}
+
+
+def _off(kind: LoadKind, at: Drawn) -> float:
+    """The first coordinate from rest, an angle within half a turn."""
+    off = first_coordinate(kind.joint, at)[0] - at.parameters[-1]
+    return float(np.arctan2(np.sin(off), np.cos(off)) if is_turn(kind.joint) else off)
+
+
+def _slopes(kind: LoadKind, at: Drawn) -> Array:
+    return np.array([_slope(kind.joint, at, k) for k in range(12)])
+
+
 def _pushed(function: ca.Function, kind: LoadKind, at: Drawn) -> Both:
-    stiffness, damping, rest = at.parameters[-3:]
-    value, rate, _ = first_coordinate(kind.joint, at)
-    off = value - rest
-    off = np.arctan2(np.sin(off), np.cos(off)) if is_turn(kind.joint) else off
-    slopes = np.array([_slope(kind.joint, at, k) for k in range(12)])
+    stiffness, damping, _ = at.parameters[-3:]
+    _, rate, _ = first_coordinate(kind.joint, at)
+    off, slopes = _off(kind, at), _slopes(kind, at)
     wanted = -(stiffness * off + damping * rate) * slopes
     on_a, on_b = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
     return {"wrench_a": (on_a, wanted[:6]), "wrench_b": (on_b, wanted[6:])}

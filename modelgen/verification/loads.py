@@ -17,8 +17,8 @@ from modelgen.verification.findings import Finding, compared
 Array = np.ndarray[Any, Any]
 
 
-def check_load(function: ca.Function, kind: LoadKind, n: int, seed: int) -> list[Finding]:
-    """Check a spring by the derivative of its energy and dissipation, other loads by their virtual power."""
+def check_load(role: str, function: ca.Function, kind: LoadKind, n: int, seed: int) -> list[Finding]:
+    """Check a spring by derivatives of length, energy and dissipation, other loads by their virtual power."""
     random = np.random.default_rng(seed)
     sides = [_side(motion, n, random) for motion in kind.motions]
     turned = [] if kind.kind != "spring" else [np.tile([[40.0], [0.7], [0.3]], n)]
@@ -26,6 +26,11 @@ def check_load(function: ca.Function, kind: LoadKind, n: int, seed: int) -> list
     numbers = np.concatenate(
         [*(a for a, off in zip(arms, kind.arms, strict=False) if off), *turned, np.zeros((0, n))]
     )
+    if role == "deflection":
+        routes = {"deflection": "distance of the anchors", "J": "derivative of that distance"}
+        found = columns(function, sides[0][0], sides[1][0], numbers)
+        wanted = columns(_length(), sides[0][0], sides[1][0], *arms, turned[0])
+        return [compared(name, routes[name], f, w) for name, f, w in zip(routes, found, wanted, strict=True)]
     t = random.uniform(0.1, 1.0, (1, n))
     both = [*sides, (np.zeros((12, n)), np.zeros((6, n)))][:2]
     found = columns(function, t, *both[0], *both[1], numbers)
@@ -49,6 +54,21 @@ def _side(motion: str, n: int, random: np.random.Generator) -> tuple[Array, Arra
     twist[3:] *= 0.0 if motion == "point" else 1.0
     twist *= 0.0 if motion == "fixed" else 1.0
     return np.concatenate([random.normal(size=(3, n)), R.T]), twist
+
+
+def _length() -> ca.Function:
+    """(L - L_0, its derivative by the displacements of both bodies (12))."""
+    sides = [
+        [ca.SX.sym(name, size) for name, size in (("pose", 12), ("arm", 3), ("move", 6))] for _ in range(2)
+    ]
+    k, points = ca.SX.sym("k", 3), []
+    for pose, arm, move in sides:
+        R = ca.reshape(pose[3:], 3, 3)
+        points.append(pose[:3] + move[:3] + R @ (arm + ca.cross(move[3:], arm)))
+    off, moves = ca.norm_2(points[1] - points[0]) - k[2], ca.vertcat(sides[0][2], sides[1][2])
+    still = ca.substitute([off, ca.gradient(off, moves)], [moves], [ca.SX(12, 1)])
+    arguments = [sides[0][0], sides[1][0], sides[0][1], sides[1][1], k]
+    return ca.Function("length", arguments, [ca.densify(each) for each in still])
 
 
 def _spring() -> ca.Function:

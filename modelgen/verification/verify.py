@@ -23,6 +23,7 @@ OF_SHAPES = ("surface", "curve", "point")
 OF_CONTACTS = ("rates", "place", "angle")
 OF_SEARCH = ("aim", "seek")
 OF_JOINTS = ("rows", "coordinates")
+OF_LOADS = ("wrench", "deflection")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,14 +76,14 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
         return check_contact(role, function, sample(partnership_of(model, formula.kind), n, seed))
     if role in OF_SEARCH:
         return check_search(role, function, partnership_of(model, formula.kind), n, seed)
-    if role == "wrench":
-        return check_load(function, model.load_kinds[formula.kind], n, seed)
+    if role in OF_LOADS:
+        return check_load(role, function, model.load_kinds[formula.kind], n, seed)
     return check_rhs(function, derivation, n, seed)
 
 
 def is_of_joint(formula: Formula, model: Model) -> bool:
     """Rows and coordinates of joints, their limits, which count among the contacts, and their springs."""
-    if formula.role == "wrench":
+    if formula.role in OF_LOADS:
         return bool(model.load_kinds[formula.kind].joint)
     return formula.role in OF_JOINTS or is_of_limit(formula, model)
 
@@ -94,7 +95,7 @@ def is_of_limit(formula: Formula, model: Model) -> bool:
 
 def joint_kind(formula: Formula, model: Model) -> JointKind | LimitKind | LoadKind:
     """The kind that a formula of a joint, of a limit or of a spring is of."""
-    if formula.role == "wrench":
+    if formula.role in OF_LOADS:
         return model.load_kinds[formula.kind]
     if is_of_limit(formula, model):
         return model.limit_kinds[formula.kind - len(model.contact_kinds)]
@@ -117,7 +118,7 @@ def drawn_joints(formula: Formula, model: Model, n: int, seed: int) -> list[Draw
 def _of_joint(formula: Formula, model: Model, drawn: list[Drawn]) -> list[Finding]:
     function, kind = formula.function, joint_kind(formula, model)
     if isinstance(kind, LoadKind):
-        return check_spring(function, kind, drawn)
+        return check_spring(formula.role, function, kind, drawn)
     if isinstance(kind, LimitKind):
         return check_limit(formula.role, function, kind, drawn)
     return check_rows(function, kind, drawn) if formula.role == "rows" else check_coordinates(function, drawn)

@@ -19,6 +19,7 @@ class Fault:
 COEFFICIENTS = ("tests/core/test_coefficients.py",)
 ONE_CONTACT = ("tests/core/test_one_contact.py",)
 STEPPING = ("tests/oracles/friction/test_time_stepping.py",)
+SPRINGS = ("tests/oracles/test_stepping_springs.py",)
 RUBBING = ("tests/core/test_rubbing_laws.py",)
 BLOWS = ("tests/oracles/friction/test_blow_laws.py", "tests/oracles/friction/test_impact.py")
 CLOSEST = ("tests/oracles/test_closest_features.py",)
@@ -157,6 +158,20 @@ FAULTS = (
         r"(\w+)\(c, t \+ h / 2, c->step\.stage, c->step\.slopes",
         r"\1(c, t, c->step.stage, c->step.slopes",
         STEPPING,
+    ),
+    Fault(
+        "time-stepping",
+        "springs do not yield by their own impulse",
+        r"A\[r \+ n \* r\] \+= 1",
+        "A[r + n * r] += 0",
+        SPRINGS,
+    ),
+    Fault(
+        "time-stepping",
+        "stiff dampers follow the midpoint rule",
+        r"theta = \(3 \+ z\) / \(6 \+ z\);",
+        "theta = (3 + 0 * z) / 6;",
+        SPRINGS,
     ),
     Fault(
         "limit surface",

@@ -4,7 +4,7 @@
 static const mg_body_kind body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3, 1}};
 static const mg_contact_kind contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0, 1}};
 static const mg_joint_kind joint_kinds[] = {{0, 0, 0}};
-static const mg_load_kind load_kinds[] = {{0, 0, 0}};
+static const mg_load_kind load_kinds[] = {{0, 0, 0, 0}};
 static const mg_shape_kind shape_kinds[] = {{2, 0, 0}, {2, 0, 0}};
 
 static void body_pose(int kind, const mg_real *q, mg_real *pose) { (void)kind, (void)q, (void)pose; }
@@ -33,6 +33,11 @@ static void load_wrench(int kind, const mg_real *t, const mg_real *pose_a, const
                            mg_real *wrench_a, mg_real *wrench_b) {
   (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)wrench_a,
       (void)wrench_b;
+}
+
+static void load_deflection(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
+                               mg_real *deflection, mg_real *J) {
+  (void)kind, (void)pose_a, (void)pose_b, (void)parameters, (void)deflection, (void)J;
 }
 
 static void joint_rows(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
@@ -95,6 +100,7 @@ static const mg_kernels table = {
     .body_energy = body_energy,
     .body_path = body_path,
     .load_wrench = load_wrench,
+    .load_deflection = load_deflection,
     .joint_rows = joint_rows,
     .joint_coordinates = joint_coordinates,
     .shape_point = shape_point,

@@ -24,7 +24,7 @@ from tests.running import SCENES, scene_of
 EVERY_SCENE = pytest.mark.parametrize("name", REGISTRY)
 ON_LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries are ELF files on Linux")
 ROLES = (
-    *("pose", "motion", "energy", "path", "wrench", "surface", "curve", "point"),
+    *("pose", "motion", "energy", "path", "wrench", "deflection", "surface", "curve", "point"),
     *("rates", "place", "aim", "seek", "angle", "rows", "coordinates"),
 )
 GROUPS = ("body", "contact", "load", "joint", "limit")

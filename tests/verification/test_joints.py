@@ -28,7 +28,9 @@ def joint(kind: str) -> Derivation:
 def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
     derivation = joint(kind)
     of_joint = [
-        f for f in derivation.formulas if f.role in ("rows", "coordinates", "rates", "place", "wrench")
+        f
+        for f in derivation.formulas
+        if f.role in ("rows", "coordinates", "rates", "place", "wrench", "deflection")
     ]
     assert of_joint
     for formula in of_joint:
@@ -47,6 +49,7 @@ def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
         *(("revolute", "rates", output) for output in ("d", "J_o", "gamma", "eta_dot", "normal")),
         *(("revolute", "place", output) for output in ("eta_next", "d", "residual", "normal", "point_f")),
         ("revolute", "wrench", "wrench_a"), ("prismatic", "wrench", "wrench_b"),
+        ("revolute", "deflection", "deflection"), ("prismatic", "deflection", "J"),
     ],
 )  # fmt: skip
 def test_a_corrupted_formula_of_a_joint_is_reported(kind: str, role: str, output: str) -> None:

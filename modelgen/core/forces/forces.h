@@ -78,7 +78,8 @@ MG_INTERNAL void mg_evaluate_run_state(mg_context *c);
 
 /* joint_elimination.c */
 
-/* Append the supports of all flat patches and the rows of all joints to a list of n rows; returns its length. */
+/* Append the supports of all flat patches, the rows of all joints, and those of springs while they act through them, to
+   a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n);
 
 /* Solve 0 <= z, 0 <= A z + value, complementary, over the n listed contacts with supports and joints held. Starts

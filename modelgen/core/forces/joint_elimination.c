@@ -33,7 +33,7 @@ static void mg_eliminate_joints(mg_context *c, int n, int size) {
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;
-  return mg_append_joint_rows(c, list, n);
+  return mg_append_spring_rows(c, list, mg_append_joint_rows(c, list, n));
 }
 
 /* Remove contacts from the reduced problem whose gaps the supports and joints already hold: what is left of their

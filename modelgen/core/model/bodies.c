@@ -61,7 +61,8 @@ MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *
   mg_real power = 0;
   if (s->n_load) {
     for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
-    for (int i = 0; i < s->n_load; i++) mg_add_load(c, t, i, &power);
+    for (int i = 0; i < s->n_load; i++)
+      if (!(c->springs.are_rows && mg_is_spring(s, i))) mg_add_load(c, t, i, &power);
   }
   for (int b = 0; b < s->n_body; b++)
     if (mg_is_moved_by_forces(c, b))

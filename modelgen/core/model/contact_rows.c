@@ -166,6 +166,8 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
       }
     }
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
+  for (int r = 0; r < n && c->springs.are_rows; r++)
+    if (list[r] >= c->layout.spring_row_begin) c->lcp.A[r + n * r] += 1;
 }
 
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {

@@ -5,8 +5,9 @@
    of mg_advance to the next.
 
    Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
-   contact (which tries feature pairs out), rows of joints, friction rows. The number of a contact is the number of its
-   normal row. [per row] and the like give the shapes of arrays; J has 12 columns, of body o, then of body f. */
+   contact (which tries feature pairs out), rows of joints, friction rows, springs. The number of a contact is the
+   number of its normal row. [per row] and the like give the shapes of arrays; J has 12 columns, of body o, then of body
+   f. */
 #ifndef MG_CONTEXT_H
 #define MG_CONTEXT_H
 
@@ -166,6 +167,14 @@ typedef struct {
   int *is_independent;        /* [per joint row] 1: independent after any step so far */
 } mg_joint_workspace;
 
+/* Springs and dampers as rows. */
+typedef struct {
+  int are_rows;     /* 1: they act through their rows, not as loads */
+  mg_real *impulse; /* [per spring] part of its impulse that does not depend on the end of the step, over sqrt(g) */
+  int *load;        /* [per spring] its load */
+  int *sharing;     /* [per spring] number of springs on that of its bodies which has more */
+} mg_spring_workspace;
+
 /* Friction of single contacts. */
 typedef struct {
   mg_real *force_ratio;    /* [per friction row] friction force of slip over minus the normal force */
@@ -234,6 +243,7 @@ typedef struct {
                                        rows are taken */
   mg_real *scale;                   /* [n_states] size of each state, against which its error is measured */
   mg_real *interpolant;             /* [8 n_states] coefficients of the interpolant */
+  mg_real *load_wrench;             /* [6 per body] time-stepping: wrenches of the loads in the middle of the step */
   mg_real *time_samples;            /* samples of the functions of time in a step */
   mg_rolling_start *rolling_starts; /* [per contact] start of rolling */
   mg_real rolling_step; /* length of a step from flat tried at this state, which the interpolant holds, s; 0:
@@ -262,7 +272,9 @@ typedef struct {
   int joint_row_begin;            /* first row of joints */
   int joint_row_end;              /* row after the last of joints */
   int friction_row_begin;         /* first friction row */
-  int friction_row_end;           /* row after the last friction row: number of all rows */
+  int friction_row_end;           /* row after the last friction row */
+  int spring_row_begin;           /* first row of springs */
+  int spring_row_end;             /* row after the last of springs: number of all rows */
   int support_begin;              /* contacts from here on are support points of patches */
   int support_feature_pair_begin; /* feature pairs from here on are those of support points */
   int n_states;                   /* length of x */
@@ -328,6 +340,7 @@ typedef struct {
   mg_lcp_workspace lcp;
   mg_island_workspace islands;
   mg_joint_workspace joints;
+  mg_spring_workspace springs;
   mg_friction_workspace friction;
   mg_patch_workspace patches;
   mg_search_workspace search;

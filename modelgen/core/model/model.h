@@ -47,7 +47,7 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 
 /* Writes q_dot and the power of the loads into x_dot, and the accelerations without constraint forces into
-   c->bodies.acceleration. Needs the poses at x. */
+   c->bodies.acceleration; without springs while they act through rows. Needs the poses at x. */
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 
 /* Scales all quaternions in x to unit length. */
@@ -147,7 +147,8 @@ MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
 /* per_body += M^-1 J^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
 
-/* c->lcp.A = J M^-1 J^T over n listed rows; uses that rows without a common moving body have zero entries. */
+/* c->lcp.A = J M^-1 J^T over n listed rows, with 1 added to the diagonal of springs; uses that rows without a common
+   moving body have zero entries. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 
 /* Part of d_dot that prescribed motions of bodies and joints cause. */
@@ -184,6 +185,23 @@ MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
 
 /* Joint of the row with the largest |value|, and that size. */
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
+
+/* spring_rows.c */
+
+/* True if the load is a spring with a damper. */
+MG_INTERNAL int mg_is_spring(const mg_system *s, int load);
+
+/* Number of springs. */
+MG_INTERNAL int mg_spring_count(const mg_system *s);
+
+/* Assigns loads and bodies to the rows of springs. */
+MG_INTERNAL void mg_init_spring_rows(mg_context *c);
+
+/* Writes J of the row of a spring; returns its deflection. Needs the poses. */
+MG_INTERNAL mg_real mg_update_spring_row(mg_context *c, int row);
+
+/* Appends the rows of springs, while they act through them, to a list of n rows; returns its length. */
+MG_INTERNAL int mg_append_spring_rows(const mg_context *c, int *list, int n);
 
 /* contact_points.c */
 

@@ -13,13 +13,16 @@
 /* Length of the state x. */
 static long mg_state_count(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
-/* Rows of all constraints: contacts, one spare, joint rows, friction rows. */
-static long mg_row_count(const mg_system *s) { return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row; }
+/* Rows of all constraints: contacts, one spare, joint rows, friction rows, springs. */
+static long mg_row_count(const mg_system *s) {
+  return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row + mg_spring_count(s);
+}
 
 /* Most rows that one problem may have. */
 static long mg_held_row_capacity(const mg_system *s) {
   const long below = MG_FRICTION_ROWS_MAX * (long)s->closed_capacity;
-  return (long)s->closed_capacity + s->n_joint_row + (below < s->n_friction_row ? below : s->n_friction_row);
+  return (long)s->closed_capacity + s->n_joint_row + (below < s->n_friction_row ? below : s->n_friction_row) +
+         mg_spring_count(s);
 }
 
 /* Largest strip capacity of a patch. */
@@ -86,16 +89,17 @@ static long mg_search_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return 42 * b + 45 * r + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
-         mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
-         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) +
-         m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
+  return 48 * b + 45 * r + mg_spring_count(s) + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k +
+         3 * k + n * n + n + mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) +
+         mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) +
+         mg_event_margin_size(s) + m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
-  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * s->n_joint_row + 4 + mg_search_int_memory_size(s) + 2 * k +
-         mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 + mg_friction_int_memory_size(s);
+  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 2L * s->n_joint_row + 4 +
+         mg_search_int_memory_size(s) + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+         mg_friction_int_memory_size(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -108,7 +112,7 @@ static void mg_set_incidence(mg_context *c) {
   int n = 0;
   for (int b = 0; b < s->n_body; b++) {
     c->islands.incident_begin[b] = n;
-    for (int i = 0; i < c->layout.friction_row_end && mg_is_moved_by_forces(c, b); i++) {
+    for (int i = 0; i < c->layout.spring_row_end && mg_is_moved_by_forces(c, b); i++) {
       if (i == s->n_contact) continue;
       if (c->contacts.o[i] == b || c->contacts.f[i] == b) c->islands.incident[n++] = i;
     }
@@ -147,7 +151,7 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
 /* Divides the memory. */
 static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
-  const long b = s->n_body, m = s->n_contact, r = c->layout.friction_row_end, n = mg_held_row_capacity(s),
+  const long b = s->n_body, m = s->n_contact, r = c->layout.spring_row_end, n = mg_held_row_capacity(s),
              k = s->closed_capacity, x = c->layout.n_states;
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
@@ -164,6 +168,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->lcp.reduced_z = mg_take_reals(&work, n);
   c->step.slopes = mg_take_reals(&work, MG_STAGES * x), c->step.end = mg_take_reals(&work, x),
   c->step.stage = mg_take_reals(&work, x);
+  c->step.load_wrench = mg_take_reals(&work, 6 * b);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
   c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r),
@@ -183,6 +188,9 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->contacts.o = mg_take_ints(&iwork, r), c->contacts.f = mg_take_ints(&iwork, r);
   c->lcp.rows = mg_take_ints(&iwork, r), c->lcp.mask = mg_take_ints(&iwork, r),
   c->lcp.joint_mask = mg_take_ints(&iwork, n);
+  c->springs.impulse = mg_take_reals(&work, mg_spring_count(s)),
+  c->springs.load = mg_take_ints(&iwork, mg_spring_count(s)),
+  c->springs.sharing = mg_take_ints(&iwork, mg_spring_count(s));
   c->joints.was_independent = mg_take_ints(&iwork, s->n_joint_row),
   c->joints.is_independent = mg_take_ints(&iwork, s->n_joint_row), c->events.triggered = mg_take_ints(&iwork, m);
   c->events.margins =
@@ -226,14 +234,15 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->step.sign_changed = 0, c->patches.hull_patch = -1;
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
   c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
-  c->layout.joint_row_begin = system->n_contact + 1, c->layout.friction_row_end = (int)mg_row_count(system);
+  c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);
   c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + system->n_joint_row,
+  c->layout.spring_row_begin = c->layout.friction_row_end = c->layout.friction_row_begin + system->n_friction_row,
   c->friction.couples_normal = c->friction.follows_angle = 0;
   mg_set_arrays(c, work, iwork);
   for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
   mg_zero_reals(c->bodies.pose, 30L * system->n_body);
-  mg_zero_reals(c->rows.J, 24L * c->layout.friction_row_end); /* J and MJ: the columns a kind lacks stay zero */
-  mg_zero_reals(c->solution.force, c->layout.friction_row_end);
+  mg_zero_reals(c->rows.J, 24L * c->layout.spring_row_end); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero_reals(c->solution.force, c->layout.spring_row_end);
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
   mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
   c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.abandoned.count = 0,
@@ -246,6 +255,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
   mg_forget_cells(c);
   mg_init_joint_rows(c);
+  mg_init_spring_rows(c);
   mg_set_incidence(c);
   mg_set_constant_poses(c);
 }

@@ -29,13 +29,15 @@ static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real
 }
 
 /* True if a contact with this gap rate at the end of the step takes part in the problem: its gap would close
-   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part. */
+   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part, or it
+   is closed. */
 static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate, mg_real h) {
   if (!mg_is_on_feature_pair(c, contact)) return 0;
   const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
                 touching = c->settings->start_gap * c->system->length;
   const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_TOUCH_STEP_PARTS;
-  return gap + h * rate / soon <= c->settings->contact_gap * c->system->length || (soon > 1 && gap <= touching);
+  return gap + h * rate / soon <= c->settings->contact_gap * c->system->length ||
+         (soon > 1 && (gap <= touching || c->run->closed[contact]));
 }
 
 /* Gap rate at the end of the step under the impulses found so far. */
@@ -56,7 +58,7 @@ static int mg_list_near_contacts(mg_context *c) {
 static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   mg_lcp_report report;
   const int n = mg_list_near_contacts(c);
-  *size = n + c->system->n_joint_row;
+  *size = n + c->system->n_joint_row + c->layout.spring_row_end - c->layout.spring_row_begin;
   if (n > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
@@ -64,6 +66,8 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   }
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.row_rate[i] = mg_free_end_rate(c, i, h);
+  for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++)
+    c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
   const int outcome = mg_solve_contact_lcp(c, n, c->rows.row_rate, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
@@ -93,11 +97,12 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
                            1};
   for (int i = 0; i < c->system->n_contact; i++)
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
-  p.n = mg_append_joint_rows(c, c->lcp.rows, p.n);
+  p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));
   mg_assemble_delassus(c, c->lcp.rows, p.n);
   for (int r = 0; r < p.n; r++) {
     const int row = c->lcp.rows[r];
-    c->lcp.b[r] = mg_free_end_rate(c, row, h) - (row < c->system->n_contact ? mg_scheme_gap_rate(c, row, h) : 0);
+    c->lcp.b[r] = row >= c->layout.spring_row_begin ? mg_free_spring_rate(c, row, h) : mg_free_end_rate(c, row, h);
+    if (row < c->system->n_contact) c->lcp.b[r] -= mg_scheme_gap_rate(c, row, h);
     c->lcp.z[r] = row < c->system->n_contact || row >= c->layout.friction_row_begin ? c->solution.force[row] * h : 0;
   }
   return p;
@@ -157,7 +162,7 @@ static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
 
 /* Writes the impulses of the rows to c->solution.force and the changes of the twists to c->bodies.wrench. */
 static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
-  for (int i = 0; i < c->layout.friction_row_end; i++)
+  for (int i = 0; i < c->layout.spring_row_end; i++)
     c->solution.force[i] =
         i >= c->layout.joint_row_begin && i < c->layout.friction_row_begin ? h * c->solution.impulse[i] : 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
@@ -177,7 +182,8 @@ static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   return count;
 }
 
-MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
+/* Finds the impulses, and adds contacts that they make close, until there are none. Returns an outcome. */
+static int mg_solve_step(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = 0; i < c->system->n_contact; i++)
     c->events.is_near[i] = mg_closes_within_step(c, i, mg_end_gap_rate(c, i, h), h) ? MG_NEAR : MG_NOT_NEAR;
@@ -189,4 +195,11 @@ MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
     if (!mg_add_closing_contacts(c, h)) break;
   }
   return MG_DONE;
+}
+
+MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
+  c->springs.are_rows = 1;
+  const int outcome = mg_solve_step(c, h);
+  c->springs.are_rows = 0;
+  return outcome;
 }

@@ -1,5 +1,6 @@
 /* Modes and events of a step of time-stepping: which contacts close, rebound and open, which friction constraints
-   stick and slip. Events have the time of the end of the step. Writes modes and events of the run. */
+   stick and slip. Events have the time of the end of the step; contacts open at its start, when their last impulse was
+   over. Writes modes and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -7,10 +8,26 @@
 /* True if the impulse of the contact is compressive. */
 static int mg_has_compressive_force(const mg_context *c, int contact) { return c->solution.force[contact] > 0; }
 
-/* Applies the transition of a contact in the step. */
+/* Gap rate of a contact at the end of the step. */
+static mg_real mg_final_gap_rate(const mg_context *c, int contact, mg_real h) {
+  return mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench);
+}
+
+/* Opens the closed contacts that carry no impulse in the step and separate: their gap rate, with the turning of the row
+   up to the end of the step, is positive. */
+static void mg_report_lift_offs(mg_context *c, mg_events *events, mg_real h) {
+  const mg_real least = h * c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
+  for (int i = 0; i < c->system->n_contact; i++) {
+    if (!c->run->closed[i] || !mg_is_on_feature_pair(c, i) || mg_has_compressive_force(c, i)) continue;
+    const mg_real turning = mg_scheme_theta(c) * h * c->rows.gamma[i];
+    if (mg_final_gap_rate(c, i, h) + turning > least)
+      mg_apply_contact_transition(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
+  }
+}
+
+/* Applies the transition of a contact that is struck or closes in the step. */
 static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact, mg_real h) {
-  const mg_real before = c->rows.d_dot[contact],
-                after = mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench);
+  const mg_real before = c->rows.d_dot[contact], after = mg_final_gap_rate(c, contact, h);
   const mg_real slow = mg_resting_gap_rate_bound(c, contact, h), t = c->run->t + h;
   const int closed = c->run->closed[contact];
   if (mg_has_compressive_force(c, contact) && before < -slow && after > slow)
@@ -18,8 +35,7 @@ static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact
   else if (mg_has_compressive_force(c, contact) && !closed) {
     mg_apply_contact_transition(c, events, contact, MG_IMPACT_INELASTIC, t, 0);
     mg_apply_contact_transition(c, events, contact, MG_TOUCHES_DOWN, t, before < 0 ? -before : 0);
-  } else if (closed && !mg_has_compressive_force(c, contact) && (after > slow || c->rows.d[contact] > 4 * h * slow))
-    mg_apply_contact_transition(c, events, contact, MG_LIFTS_OFF, t, 0);
+  }
 }
 
 /* Sets the modes of the friction constraints. Needs the marks of the friction problem solved last. */
@@ -35,6 +51,7 @@ static void mg_report_friction_modes(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h) {
+  mg_report_lift_offs(c, events, h);
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_on_feature_pair(c, i)) mg_report_contact_mode(c, events, i, h);
   if (c->system->n_friction) mg_report_friction_modes(c, events);

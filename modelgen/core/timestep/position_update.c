@@ -13,7 +13,7 @@
 static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
   if (c->solution.force[row] == 0) return 0;
   const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
-  return c->solution.force[row] * ((c->rows.d_dot[row] + after) / 2 - mg_prescribed_gap_rate(c, row));
+  return c->solution.force[row] * ((mg_start_rate(c, row, h) + after) / 2 - mg_prescribed_gap_rate(c, row));
 }
 
 /* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */
@@ -30,25 +30,67 @@ static void mg_add_impulse_work(mg_context *c, mg_real h) {
   }
 }
 
+/* Work of the loads: the wrench of a body over the step, times the mean of its twists at both ends. */
+static mg_real mg_load_work(const mg_context *c, mg_real h) {
+  mg_real work = 0;
+  for (int b = 0; b < c->system->n_body; b++)
+    for (int k = 6 * b; k < 6 * b + 6 && mg_is_moved_by_forces(c, b); k++) {
+      const mg_real change = h * c->bodies.acceleration[k] + c->bodies.wrench[k];
+      work += h * c->step.load_wrench[k] * (c->bodies.twist[k] + change / 2);
+    }
+  return work;
+}
+
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_add_impulse_work(c, h);
-  c->run->x[c->layout.work_state] += h * c->step.slopes[c->layout.n_states + c->layout.work_state];
+  if (s->n_load) c->run->x[c->layout.work_state] += mg_load_work(c, h) + mg_spring_work(c, h);
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
       c->run->x[s->n_q + s->body_u[b] + k] += h * c->bodies.acceleration[6 * b + k] + c->bodies.wrench[6 * b + k];
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
 }
 
+/* Marks in c->islands.head the bodies that a contact holds in this step, and those joined to one of them. Contacts that
+   rebound hold none: their impact is anywhere in the step. */
+static void mg_mark_held_bodies(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  int *is_held = c->islands.head, changed = 1;
+  for (int b = 0; b < s->n_body; b++) is_held[b] = 0;
+  for (int i = 0; i < s->n_contact; i++)
+    if (c->solution.force[i] > 0 && !mg_is_rebounding(c, i, h))
+      is_held[c->contacts.o[i]] = is_held[c->contacts.f[i]] = 1;
+  while (changed) {
+    changed = 0;
+    for (int j = 0; j < s->n_joint; j++) {
+      const int a = s->joint_a[j], b = s->joint_b[j];
+      if (is_held[a] == is_held[b] || !mg_is_moved_by_forces(c, a) || !mg_is_moved_by_forces(c, b)) continue;
+      is_held[a] = is_held[b] = changed = 1;
+    }
+  }
+}
+
+/* Velocities of a body that move it over the rest of the step: those at the end of the step; in a scheme that takes
+   the rows at the start, the mean of those at both ends where no contact holds the body, which is of order 2. `mean` is
+   room for them. */
+static const mg_real *mg_moving_velocities(const mg_context *c, int body, mg_real *mean) {
+  const int first = c->system->n_q + c->system->body_u[body];
+  const mg_real *start = c->step.end + first, *end = c->run->x + first;
+  if (c->settings->stepping_scheme == MG_MOREAU || c->islands.head[body]) return end;
+  for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; k++) mean[k] = (start[k] + end[k]) / 2;
+  return mean;
+}
+
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
-  mg_real unused[6];
+  mg_real mean[6], unused[6];
+  if (c->settings->stepping_scheme != MG_MOREAU) mg_mark_held_bodies(c, h);
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], slope[7];
     const mg_real *from = c->step.settled + s->body_q[b];
-    c->kernels->body_motion(mg_body_kind_of(c, b), from, c->run->x + s->n_q + s->body_u[b], none, s->gravity,
+    c->kernels->body_motion(mg_body_kind_of(c, b), from, mg_moving_velocities(c, b, mean), none, s->gravity,
                             s->parameters + s->body_parameters[b], slope, unused);
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }

@@ -1,4 +1,4 @@
-/* Time-stepping on velocities and impulses with a fixed step, order 1: no event is located; every contact that
+/* Time-stepping on velocities and impulses with a fixed step: no event is located; every contact that
    closes within the step takes part in one complementarity problem (Stewart and Trinkle, Int. J. Numer. Methods
    Eng. 39 (1996), 2673-2691; Anitescu and Potra, Nonlinear Dynamics 14 (1997), 231-247; Moreau, in Nonsmooth
    Mechanics and Applications, 1988, 1-82). Writes the state, contacts and events of the run, and samples. */
@@ -50,12 +50,22 @@ static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_re
   return mg_post_stabilise(c, events);
 }
 
+/* Notes the fastest spin of a body. Needs the twists. */
+static void mg_note_spins(mg_context *c) {
+  for (int b = 0; b < c->system->n_body; b++) {
+    const mg_real *w = c->bodies.twist + 6 * b + 3, square = mg_dot3(w, w);
+    if (!(square > c->run->spin_max * c->run->spin_max) || !mg_is_free_body(c, b)) continue;
+    c->run->spin_max = sqrt(square), c->run->spin_body = b;
+  }
+}
+
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
   mg_set_step_geometry(c, h);
+  mg_note_spins(c);
   const int is_power_finite =
       mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
   if (!is_power_finite || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;

@@ -13,10 +13,13 @@ MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x);
 /* Part of the step that follows the positions of the rows. */
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c);
 
-/* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in row 1 of
-   c->step.slopes the power of the loads, both in the middle of the step; in c->step.settled the positions at which
-   rows are taken; and the rows. */
+/* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in c->step.load_wrench the
+   wrenches of the loads, in row 1 of c->step.slopes their power, all in the middle of the step; in c->step.settled the
+   positions at which rows are taken; and the rows. */
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h);
+
+/* Rate of a row at the start of the step. Joint rows follow their rotation between the rows and the start. */
+MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h);
 
 /* Rate of a row at the end of the step without contact impulses. Joint rows follow their rotation. */
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h);
@@ -27,9 +30,30 @@ MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, 
 /* True if the contact approaches so fast that Newton's law applies. */
 MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h);
 
-/* Least gap rate at the end of the step: by Newton's law if the contact rebounds; else Stewart and Trinkle's
-   scheme permits the gap to close within the step, the others permit no approach. */
+/* Least gap rate at the end of the step: by Newton's law if the contact rebounds; else Stewart and Trinkle's scheme
+   permits the gap to close within the step; the others permit no approach, and keep closed contacts closed while
+   their rows turn. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h);
+
+/* spring_impulses.c */
+
+/* Adds the accelerations by the springs at the present poses to c->bodies.acceleration, of stiff ones a part, and
+   stores their deflections. Needs the twists. */
+MG_INTERNAL void mg_predict_springs(mg_context *c, mg_real h);
+
+/* Writes J of the springs. Needs the poses. */
+MG_INTERNAL void mg_update_spring_rows(mg_context *c);
+
+/* Scales the rows of the springs for a step h, and writes their rates and impulses at its start. Needs J, the twists at
+   the start of the step, and the deflections there. */
+MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h);
+
+/* Rate of the row of a spring at the end of the step without impulses, less what its own impulse makes of it without
+   that rate. */
+MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h);
+
+/* Work of the impulses of the springs on the bodies that forces move. */
+MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
 
 /* impulse_problem.c */
 
@@ -43,7 +67,7 @@ MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
 
 /* Writes the positions at the end of the step into run->x: from where the rows were taken, with the velocities at
-   the end. */
+   the end, or with the mean velocities of the step. Needs the state at its start in c->step.end. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 
 /* Converges eta of all contacts at run->x; contacts without closest points are released. Returns their number. */

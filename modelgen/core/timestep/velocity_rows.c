@@ -40,22 +40,42 @@ static void mg_add_joint_accelerations(mg_context *c) {
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
-  mg_update_rows_at(c, t, c->run->x);
+  if (ahead > 0) {
+    mg_update_poses(c, t, c->run->x);
+    mg_update_contact_rows(c, c->run->x); /* for eta_dot */
+  } else mg_update_rows_at(c, t, c->run->x);
+  c->springs.are_rows = 1;
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
+  mg_predict_springs(c, h);
   mg_extrapolate_state(c, ahead, 0, c->step.settled);
   for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->rows.eta_dot[k];
   mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
   mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
-  if (ahead > 0) mg_place_all_contacts(c, t + ahead, c->step.settled);
-  mg_update_rows_at(c, t + ahead, c->step.settled);
+  for (int k = 0; k < 6 * s->n_body && s->n_load; k++) c->step.load_wrench[k] = c->bodies.wrench[k];
+  mg_update_spring_rows(c);
+  c->springs.are_rows = 0;
+  if (ahead > 0) {
+    mg_place_all_contacts(c, t + ahead, c->step.settled);
+    mg_update_rows_at(c, t + ahead, c->step.settled);
+  } else mg_update_poses(c, t, c->step.settled);
+  mg_set_spring_impulses(c, h);
   mg_add_joint_accelerations(c);
 }
 
+/* True for rows of joints, whose turning is taken into account. */
+static int mg_is_joint_row(const mg_context *c, int row) {
+  return row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin;
+}
+
+MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h) {
+  const mg_real rate = c->rows.d_dot[row];
+  return mg_is_joint_row(c, row) ? rate - (1 - mg_scheme_theta(c)) * h * c->rows.gamma[row] : rate;
+}
+
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
-  const mg_real turning =
-      row >= c->layout.joint_row_begin && row < c->layout.friction_row_begin ? c->rows.gamma[row] : 0;
-  return c->rows.d_dot[row] + h * (mg_row_times(c, row, c->bodies.acceleration) + turning);
+  const mg_real rate = c->rows.d_dot[row] + h * mg_row_times(c, row, c->bodies.acceleration);
+  return mg_is_joint_row(c, row) ? rate + mg_scheme_theta(c) * h * c->rows.gamma[row] : rate;
 }
 
 MG_INTERNAL mg_real mg_resting_gap_rate_bound(const mg_context *c, int contact, mg_real h) {
@@ -67,8 +87,16 @@ MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h) {
   return c->system->restitution[contact] > 0 && c->rows.d_dot[contact] < -mg_resting_gap_rate_bound(c, contact, h);
 }
 
+/* Rate at the end of the step with which a closed contact is closed there, on a row that turns; the gap of the row may
+   be due to that turning. */
+static mg_real mg_closed_gap_rate(const mg_context *c, int contact, mg_real h) {
+  const mg_real left = mg_scheme_theta(c) * h, ahead = h - left, gamma = c->rows.gamma[contact];
+  const mg_real open = c->rows.d[contact] - ahead * ahead * gamma / 2;
+  return -h * gamma / 2 - (open > 0 ? open / left : 0);
+}
+
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h) {
   if (mg_is_rebounding(c, contact, h)) return -c->system->restitution[contact] * c->rows.d_dot[contact];
-  if (c->settings->stepping_scheme != MG_STEWART_TRINKLE || c->rows.d[contact] <= 0) return 0;
-  return -c->rows.d[contact] / h;
+  if (c->settings->stepping_scheme == MG_STEWART_TRINKLE) return c->rows.d[contact] <= 0 ? 0 : -c->rows.d[contact] / h;
+  return c->run->closed[contact] ? mg_closed_gap_rate(c, contact, h) : 0;
 }

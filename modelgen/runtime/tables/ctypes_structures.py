@@ -163,7 +163,16 @@ RUN_REALS = (
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
-    *("impact_gain_max", "impact_gain_t", "chain_impact_t", "painleve_t", "unfollowed_t", "incomplete_t"),
+    *(
+        "impact_gain_max",
+        "impact_gain_t",
+        "chain_impact_t",
+        "painleve_t",
+        "unfollowed_t",
+        "spin_max",
+        "spring_rate_max",
+        "incomplete_t",
+    ),
 )
 RUN_INTEGERS = (
     *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
@@ -175,6 +184,8 @@ RUN_INTEGERS = (
         "unfollowed_pair",
         "incomplete_pair",
         "penetration_contact",
+        "spin_body",
+        "spring_rate_load",
         "forces_redundant",
     ),
 )

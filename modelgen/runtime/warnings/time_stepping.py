@@ -1,6 +1,8 @@
-"""Warnings about time-stepping."""
+"""Warnings about time-stepping, and advice on its step."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
@@ -11,6 +13,10 @@ CAUSES = {
     Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
     Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
 }
+
+
+SLOW = 1.0  # step times rate up to which the motion of springs and dampers is right to a tenth
+TURN = 0.3  # rad in a step up to which a turn is right to a hundredth
 
 
 def stepping_warnings(session: Session) -> list[str]:
@@ -33,4 +39,26 @@ def stepping_warnings(session: Session) -> list[str]:
             f"in {run.relaxed_solutions} steps no solution of Coulomb's law was found and its convex "
             "relaxation was taken, with which sliding contacts move off"
         )
-    return found
+    return [*found, *_advice(session)]
+
+
+def _advice(session: Session) -> Iterator[str]:
+    """Advice on a step that is long for springs, dampers and spins, from the steps that were taken."""
+    run, bodies = session.run, session.instance["bodies"]
+    step, rate, spin = float(session.settings.step), float(run.spring_rate_max), float(run.spin_max)
+    if session.accuracy.method != "time-stepping":
+        return
+    if step * rate > SLOW:
+        load = session.instance["loads"][run.spring_rate_load]
+        between = " and ".join(bodies[body]["name"] for body in load["bodies"])
+        yield (
+            f"the step is {step * rate:.2g} times as long as the time of the fastest spring or damper, "
+            f"1/{rate:.2g} s, between {between} (rate c a + sqrt(k a), a = J M^-1 J^T of its two bodies "
+            f"alone): its motion is damped or slowed, not followed; a step below {SLOW / rate:.1g} s "
+            "follows it"
+        )
+    if step * spin > TURN:
+        yield (
+            f"{bodies[run.spin_body]['name']} turns by up to {step * spin:.2g} rad in a step (largest "
+            f"angular speed at the starts of steps); a step below {TURN / spin:.1g} s follows its spin"
+        )
