@@ -43,6 +43,7 @@ class Recording:
         integers, integer_at = whole.zeros(INTEGER)
         reals, real_at = ArrayBlock(shapes).zeros(session.tables.dtype)
         self.arrays, at = integers | reals, integer_at | real_at
+        self.placed = {at[name]: array for name, array in self.arrays.items()}  # by address
         self.arrays["t"][:] = times
         self.session = session
         self.record = session.tables.Record(n, 0, *(at[name] for name in RECORD_ARRAYS))

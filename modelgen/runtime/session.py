@@ -45,7 +45,8 @@ class Session:
         self.settings = settings_of(shared.tables, accuracy, self.instance)
         reals, real_at = shared.reals.zeros(self.tables.dtype)
         integers, integer_at = shared.integers.zeros(INTEGER)
-        self._arrays, at = reals | integers, real_at | integer_at
+        arrays, at = reals | integers, real_at | integer_at
+        self._placed = {at[name]: array for name, array in arrays.items()}
         self.x, self.force, self.margin = reals["x"], reals["force"], reals["margin"]
         self.point, self.reference_force = reals["point"], reals["reference_force"]
         self.slip_direction, self.tilt_direction = reals["slip_direction"], reals["tilt_direction"]
@@ -57,7 +58,7 @@ class Session:
         self.x[:], self.feature_pair[:] = shared.start, -1
         self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
         of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
-        self._event_columns = [self._arrays[name] for name in of_events]
+        self._event_columns = [arrays[name] for name in of_events]
         self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
         self.work = self._reals(shared.work_size)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
@@ -74,7 +75,7 @@ class Session:
 
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures point to, by address."""
-        return {address(array): array for array in (*self.shared.arrays, *self._arrays.values())}
+        return {address(array): array for array in self.shared.arrays} | self._placed
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
