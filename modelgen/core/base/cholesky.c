@@ -1,5 +1,6 @@
 /* Cholesky factorisation of small dense symmetric positive semidefinite matrices, column-major, in place: plain, and
-   with diagonal pivoting (Golub and Van Loan, Matrix Computations, section 4.2).
+   with diagonal pivoting (Golub and Van Loan, Matrix Computations, section 4.2); and L D L^T of definite ones
+   (section 4.1).
 
    Least-norm solution y = -S^+ c: with P' S P = L L' and L = Q R the pseudoinverse is S^+ = P Q R^-T R^-1 Q' P'. */
 #include "base/base.h"
