@@ -46,6 +46,8 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 
 def check_outputs(run: Path | None, picture: Path | None) -> None:
     """Raise ModelgenError for output files that cannot be written, before anything is computed."""
+    if run is None and picture is None:
+        return
     from modelgen.report import export
     from modelgen.report.run_plot import FORMATS, require_matplotlib
 

@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import modelgen
+from modelgen.cli.known_scene import recall, remember, scene_key
 from modelgen.cli.options import read_option
 from modelgen.cli.progress import progress
 from modelgen.errors import ModelgenError
+from modelgen.scene.scene_name import scene_name
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
@@ -39,7 +41,11 @@ def derive_scene(scene: Scene) -> Derivation:
 def folder_of(scene: Scene, form: str | None) -> Path:
     """The folder in which a scene is built. A forced form has its own folder, beside that of the committed
     manifest."""
-    return Path("generated") / (scene.name if form is None else f"{scene.name}.{form}")
+    return _folder(scene.name, form)
+
+
+def _folder(name: str, form: str | None) -> Path:
+    return Path("generated") / (name if form is None else f"{name}.{form}")
 
 
 def check_folder(folder: Path) -> None:
@@ -74,12 +80,23 @@ def build_derivation(derivation: Derivation, folder: Path, real: str | None = No
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
     """Build a scene and run it with keywords of `simulate`. If the start is refused, a new folder is removed
     again."""
-    scene = read_scene(path, form)
-    with _removed_if_refused(folder_of(scene, form)) as folder:
-        library = build_scene(scene, folder)
+    with _removed_if_refused(_folder(scene_name(path.name), form)) as folder:
+        library = _known_or_built(path, form, folder)
         with progress("simulating") as report:
             trajectory = modelgen.simulate(library, on_progress=report, **settings)
     return trajectory, library
+
+
+def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:
+    """The library of a scene file; where it was built before, nothing is read or derived."""
+    key = scene_key(path, read_option("form", form) or "")
+    known = None if key is None else recall(folder, key)
+    if known is not None:
+        return known
+    library = build_scene(read_scene(path, form), folder)
+    if key is not None:
+        remember(library, key)
+    return library
 
 
 def linearise_scene(path: Path, form: str | None) -> Linearised:

@@ -9,7 +9,6 @@ from typing import Any
 
 import typer
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 INTERVAL = 10.0  # s between two lines where standard error is no terminal; shorter work prints none
 
@@ -22,6 +21,8 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
         line = _lines()
         yield lambda share: line(f"{label}: {100 * share:.0f} %")
         return
+    from rich.progress import Progress
+
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task(label, total=None)
         yield lambda share: bar.update(task, total=1.0, completed=share)
@@ -34,6 +35,8 @@ def activity(label: str) -> Iterator[Callable[[str], None]]:
     if not console.is_terminal:
         yield _lines()
         return
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
     columns: tuple[Any, ...] = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(label, total=None)

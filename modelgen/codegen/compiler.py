@@ -45,13 +45,28 @@ class Compiler:
 
 def find_compiler() -> Compiler:
     """The compiler named by CC, else cc, gcc, clang, else zig from PyPI; raises CompilerMissing."""
-    wanted = os.environ.get("CC", "")
-    command = tuple(shlex.split(wanted)) or _first_installed()
+    command = _command()
     if shutil.which(command[0]) is None:
         raise CompilerMissing(
             "CC", f"no program {command[0]!r}", "", "correct CC, or unset it to use cc, gcc or clang"
         )
     return Compiler(command, _version(command))
+
+
+def compiler_words() -> tuple[str, ...]:
+    """The command of `find_compiler`, with the full path of each program in it; empty without a compiler.
+
+    Nothing is run.
+    """
+    try:
+        command = _command()
+    except CompilerMissing:
+        return ()
+    return tuple(os.path.realpath(shutil.which(word) or word) for word in command)
+
+
+def _command() -> tuple[str, ...]:
+    return tuple(shlex.split(os.environ.get("CC", ""))) or _first_installed()
 
 
 def _first_installed() -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address
+from modelgen.runtime.tables.ctypes_structures import KERNELS, Array
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work
@@ -76,7 +76,7 @@ def program_text(library: Library, name: str) -> str:
     run, bodies = instance["run"], instance["bodies"]
     session = Session(library, accuracy_of(instance, None, {}))
     recording = Recording(session, np.linspace(0.0, run["until"], run["samples"] + 1))
-    arrays = session.arrays() | {address(array): array for array in recording.arrays.values()}
+    arrays = session.arrays() | recording.placed
     moving = [k for k, body in enumerate(bodies) if body["motion"] != "fixed"]
     head = HEAD.format(
         scene=instance["name"],

@@ -44,7 +44,7 @@ from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.arguments import common_rows, rows_of
 from modelgen.runtime.distance_minima import Searched, eta_size, nearest_minima, searched_pair
-from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, Tables, address
+from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, address, tables_of
 
 SIGNS = (float("inf"),) * 2  # entries that jump
 PART = 8  # an entry of eta moves by an eighth of its range in one step at most
@@ -177,7 +177,9 @@ def prepared(library: Library, feature_pair: int, rows: list[Array]) -> tuple[An
     out = {name: np.zeros((len(eta), size), dtype=real) for name, size in OUTPUTS.items()}
     outcome = np.zeros(len(eta), dtype=np.intc)
     limits = np.array([*_step_limits(library, entry), 0], dtype=real)
-    queries = Tables(real).Queries(kernel_table(library.cdll), entry["kind"], len(eta), 0, lengths.shape[1])
+    queries = tables_of(real).Queries(
+        kernel_table(library.cdll), entry["kind"], len(eta), 0, lengths.shape[1]
+    )
     queries.kept = [lengths, pose_o, pose_f, limits, eta, *out.values(), outcome]
     for name, array in zip((*QUERY_GIVEN, *QUERY_FOUND), queries.kept, strict=True):
         setattr(queries, name, address(array))

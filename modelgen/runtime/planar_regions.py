@@ -18,7 +18,7 @@ import numpy as np
 from modelgen.codegen.library import kernel_table
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import SHARED
-from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, Tables, address, structure
+from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address, structure, tables_of
 
 FINE = 8  # points of an outline to each part of a curve that turns by less than 0.3 rad
 IDENTITY = np.array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], dtype=float)
@@ -141,7 +141,7 @@ def _structures(real: np.dtype[Any]) -> tuple[Any, Any]:
     found = ("points", "margin", "normal", "supports", "identity", "support_position", "outline", "hull")
     fields: list[tuple[str, Any]] = [(KERNELS, ctypes.c_void_p)]
     fields += [(name, ctypes.c_int) for name in integers]
-    fields += [(name, ctypes.c_void_p) for name in given] + [("coincidence", Tables(real).real)]
+    fields += [(name, ctypes.c_void_p) for name in given] + [("coincidence", tables_of(real).real)]
     fields += [(name, ctypes.c_void_p) for name in found]
     counts: list[tuple[str, Any]] = [(name, ctypes.c_int) for name in ("capacity", "count", "n_loop")]
     return (

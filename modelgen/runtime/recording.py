@@ -9,7 +9,10 @@ import numpy as np
 from modelgen.rotations import quaternions_of
 from modelgen.runtime.joint_results import joint_columns
 from modelgen.runtime.session import Session
-from modelgen.runtime.tables.ctypes_structures import RECORD_ARRAYS, Array, address
+from modelgen.runtime.tables.array_block import ArrayBlock
+from modelgen.runtime.tables.ctypes_structures import INTEGER, RECORD_ARRAYS, Array
+
+INTEGERS = ("feature_pair", "patch")  # columns of integers
 
 
 class Recording:
@@ -36,15 +39,14 @@ class Recording:
             },
             **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
         }
-        self.arrays = {
-            name: np.zeros(
-                shapes[name], dtype=np.intc if name in ("feature_pair", "patch") else session.tables.dtype
-            )
-            for name in RECORD_ARRAYS
-        }
+        whole = ArrayBlock({name: shapes.pop(name) for name in INTEGERS})
+        integers, integer_at = whole.zeros(INTEGER)
+        reals, real_at = ArrayBlock(shapes).zeros(session.tables.dtype)
+        self.arrays, at = integers | reals, integer_at | real_at
+        self.placed = {at[name]: array for name, array in self.arrays.items()}  # by address
         self.arrays["t"][:] = times
         self.session = session
-        self.record = session.tables.Record(n, 0, *(address(self.arrays[name]) for name in RECORD_ARRAYS))
+        self.record = session.tables.Record(n, 0, *(at[name] for name in RECORD_ARRAYS))
 
     def end(self) -> None:
         """Adds a sample at the end of the run if it ended after the last one with a finite state."""

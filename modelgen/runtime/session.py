@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.library import Library, kernel_table
+from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.tables.ctypes_structures import (
+    EVENT_ARRAYS,
+    INTEGER,
     RUN_ARRAYS,
     Array,
-    Tables,
     address,
-    fill_settings,
-    fill_system,
+    settings_of,
 )
-from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
+from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
+from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
 CONTINUE, FULL = 1, 2
@@ -29,52 +30,40 @@ class Session:
     """The state of a run in the core's memory. Arrays are views: they change as the run advances."""
 
     def __init__(self, library: Library, accuracy: Accuracy) -> None:
+        shared = library_tables(library)
+        self.shared = shared
         self.library = library
         self.accuracy = accuracy
         self.redundant_joints: list[str] = []
         self.instance: Mapping[str, Any] = library.manifest.instance
-        self.tables = Tables(library.dtype)
-        instance = self.instance
-        named = (str(feature_pair["name"]) for feature_pair in instance["feature_pairs"])
-        self.feature_pair_names = (*named, *("" for _ in instance["limits"]))  # limits have no features
-        self.contacts = [c["name"] for c in (*instance["contacts"], *instance["limits"])]
-        self.joints = [joint["name"] for joint in instance["joints"]]
-        self.n_shown, self.n_patch_slot = len(self.contacts), slot_count(instance)
-        n_contact, n_body = self.n_shown + SUPPORT_POINTS * self.n_patch_slot, len(instance["bodies"])
-        self.n_x = instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1
-        self.system, self._kept = fill_system(
-            self.tables, library.manifest, kernel_table(library.cdll), self._scales()
-        )
-        self.settings = fill_settings(self.tables, accuracy, library.manifest.instance)
-        self.x = self._reals(self.n_x)
-        self.x[: instance["n_q"]] = instance["initial_q"]
-        self.x[instance["n_q"] : instance["n_q"] + instance["n_u"]] = instance["initial_u"]
-        self.closed = np.zeros(n_contact + 1, dtype=np.intc)
-        self.active = np.zeros(n_contact + 1, dtype=np.intc)
-        constraints = int(self.system.n_friction)
-        self.friction_mode, self.slip_direction = (
-            np.zeros(constraints + 1, dtype=np.intc),
-            self._reals(3 * constraints + 1),
-        )
-        self.patch_mode = np.zeros(self.n_patch_slot + 1, dtype=np.intc)
-        self.patch_slip_direction = self._reals(4 * self.n_patch_slot + 1)
-        self.reference_force = self._reals(
-            n_contact + 1 + int(self.system.n_joint_row) + int(self.system.n_friction_row)
-        )
-        self.point = self._reals(3 * n_contact + 1)
-        self.force, self.margin = self._reals(n_contact + 1), self._reals(n_contact + 1)
-        self.rolling_start = np.zeros(n_contact + 1, dtype=np.intc)
-        self.tilt_direction = self._reals(3 * n_contact + 3)
-        self.run = self.tables.Run()
-        self.feature_pair = np.full(n_contact + 1, -1, dtype=np.intc)
-        self.moved_since_search, self.unfollowed_gap = (
-            self._reals(len(instance["pairs"]) + len(instance["limits"]) + 1) for _ in range(2)
-        )
-        for name in RUN_ARRAYS:
-            setattr(self.run, name, address(getattr(self, name)))
-        self.n_body, self.n_contact = n_body, n_contact
-        self._prepare(library.cdll)
-        self._make_events(64 + 8 * n_contact)
+        self.tables, self.system = shared.tables, shared.system
+        self.feature_pair_names = shared.feature_pair_names  # limits have no features
+        self.contacts, self.joints = shared.contact_names, shared.joint_names
+        self.n_shown, self.n_patch_slot = len(self.contacts), shared.n_patch_slot
+        self.n_body, self.n_contact = len(self.instance["bodies"]), shared.n_contact
+        self.n_x = len(shared.start)
+        self.settings = settings_of(shared.tables, accuracy, self.instance)
+        reals, real_at = shared.reals.zeros(self.tables.dtype)
+        integers, integer_at = shared.integers.zeros(INTEGER)
+        arrays, at = reals | integers, real_at | integer_at
+        self._placed = {at[name]: array for name, array in arrays.items()}
+        self.x, self.force, self.margin = reals["x"], reals["force"], reals["margin"]
+        self.point, self.reference_force = reals["point"], reals["reference_force"]
+        self.slip_direction, self.tilt_direction = reals["slip_direction"], reals["tilt_direction"]
+        self.patch_slip_direction = reals["patch_slip_direction"]
+        self.moved_since_search, self.unfollowed_gap = reals["moved_since_search"], reals["unfollowed_gap"]
+        self.closed, self.active = integers["closed"], integers["active"]
+        self.friction_mode, self.patch_mode = integers["friction_mode"], integers["patch_mode"]
+        self.rolling_start, self.feature_pair = integers["rolling_start"], integers["feature_pair"]
+        self.x[:], self.feature_pair[:] = shared.start, -1
+        self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
+        of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
+        self._event_columns = [arrays[name] for name in of_events]
+        self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
+        self.work = self._reals(shared.work_size)
+        self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
+        self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
+        self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
 
     @property
     def eta(self) -> Array:
@@ -84,42 +73,9 @@ class Session:
     def _reals(self, n: int) -> Array:
         return np.zeros(n, dtype=self.tables.dtype)
 
-    def _scales(self) -> Array:
-        """The scale of each state in the error norm; the core sets that of eta."""
-        instance, scales = self.instance, self.instance["scales"]
-        length, time = scales["length"], scales["time"]
-        sizes = np.ones(instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1, dtype=self.tables.dtype)
-        for body in instance["bodies"]:
-            u = instance["n_q"] + body["u"]
-            if body["motion"] in ("point", "free"):
-                sizes[body["q"] : body["q"] + 3] = length
-                sizes[u : u + 3] = length / time
-            if body["motion"] == "free":
-                sizes[u + 3 : u + 6] = 1.0 / time
-        sizes[-1] = scales["mass"] * (length / time) ** 2
-        return sizes
-
-    def _prepare(self, cdll: ctypes.CDLL) -> None:
-        cdll.mg_work_size.restype = cdll.mg_iwork_size.restype = ctypes.c_long
-        self.work = self._reals(cdll.mg_work_size(ctypes.byref(self.system)))
-        self.iwork = np.zeros(cdll.mg_iwork_size(ctypes.byref(self.system)), dtype=np.intc)
-        self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
-        self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
-
-    def _make_events(self, capacity: int) -> None:
-        self.event_arrays = {
-            "t": self._reals(capacity),
-            "kind": np.zeros(capacity, dtype=np.intc),
-            "contact": np.zeros(capacity, dtype=np.intc),
-            "feature_pair": np.zeros(capacity, dtype=np.intc),
-            "speed": self._reals(capacity),
-        }
-        self.events = self.tables.Events(capacity, 0, *(address(a) for a in self.event_arrays.values()))
-
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures point to, by address."""
-        of_run = [getattr(self, name) for name in RUN_ARRAYS]
-        return {address(array): array for array in (*self._kept, *of_run, *self.event_arrays.values())}
+        return {address(array): array for array in self.shared.arrays} | self._placed
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
@@ -129,7 +85,7 @@ class Session:
 
     def drain_events(self) -> list[Event]:
         """The events since the last call, removed from the core's list."""
-        columns = [a[: self.events.count].tolist() for a in self.event_arrays.values()]
+        columns = [a[: self.events.count].tolist() for a in self._event_columns]
         self.events.count = 0
         return [
             Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))

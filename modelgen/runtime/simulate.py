@@ -26,7 +26,6 @@ from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 
-GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
 KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
@@ -166,17 +165,16 @@ def _trajectory(
     accuracy: Accuracy,
     wall: float,
 ) -> Trajectory:
-    run, manifest = session.run, session.library.manifest
+    run, shared = session.run, session.shared
     failed = run.failed_contact
-    kinds = (kind["name"] for group in GROUPS for kind in manifest.kinds[group])
     return Trajectory(
         scene=session.instance["name"],
         **recording.columns(),
         body_names=tuple(b["name"] for b in session.instance["bodies"]),
-        contact_names=tuple(session.contacts),
+        contact_names=session.contacts,
         feature_pair_names=session.feature_pair_names,
         patch_names=tuple(patch["name"] for patch in session.instance["patches"]),
-        joint_names=tuple(session.joints),
+        joint_names=session.joints,
         coordinate_names=coordinate_names(session),
         events=tuple(_in_order(ending.events)),
         outcome=ending.outcome,
@@ -195,8 +193,8 @@ def _trajectory(
         redundant_max=int(run.redundant_max),
         unfollowed_minima=int(run.unfollowed_minima),
         incomplete_searches=int(run.incomplete_searches),
-        kinds=tuple(kinds),
-        instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
+        kinds=shared.kind_names,
+        instructions=dict(shared.instructions),
         accuracy=accuracy.name,
         warnings=warnings(session, accuracy),
         outcome_function=unbounded(session, ending.outcome),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from os import strerror
 from pathlib import Path
 
 from modelgen.errors import nearest, path_of
 from modelgen.scene.assemble import scene_from_tables
+from modelgen.scene.scene_name import scene_name
 from modelgen.scene.scene_types import Scene
 from modelgen.scene.source_location import Place
 from modelgen.scene.toml_errors import syntax_fault
@@ -33,8 +33,7 @@ def read_text(text: str, source: str = "<text>") -> Scene:
     except (RecursionError, ValueError):
         found = "not TOML: a value is nested too deeply or has too many digits"
         raise Place(source).error(found, "", "simplify it") from None
-    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(source).stem).strip("_")[:64]
-    return scene_from_tables(stem or "scene", tables, source)
+    return scene_from_tables(scene_name(source), tables, source)
 
 
 def _text(path: Path) -> str:

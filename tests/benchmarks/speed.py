@@ -1,7 +1,8 @@
 """Ratios of speed, all taken in one run. Run with `python -m tests.benchmarks.speed`.
 
-The smooth RK4 step of the C core against the same step written by hand in C, with the instructions of both
-counted by callgrind where valgrind is installed; and `simulate` against the bare loop of the core.
+The smooth RK4 step of the C core, and the step that `simulate` takes, with its search for events, against the
+same step written by hand in C, with the instructions of the first two counted by callgrind where valgrind is
+installed; `simulate` against the bare loop of the core; and the Python of a call of `simulate`.
 """
 
 from __future__ import annotations
@@ -19,12 +20,16 @@ import numpy as np
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.compiler import find_compiler
+from modelgen.codegen.library import Library
+from modelgen.runtime.recording import Recording
+from modelgen.runtime.session import Session
 from tests.benchmarks.counted import STEP, core_steps, hand_steps, start, state_of
 from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable
-from tests.running import scene_of
+from tests.benchmarks.step_cost import library_of
 
 HERE = Path(__file__).parent
 STEPS = 200_000
+SHORT = 2000  # steps of one of many runs
 FLAGS = ("-O3", "-fno-math-errno", "-shared", "-fPIC")
 
 
@@ -36,26 +41,27 @@ def hand_written(folder: Path, cpu: str) -> Path:
     return target
 
 
-def median_ns(call: Callable[[], None], repeats: int = 9) -> float:
-    """Median wall time of one call per step, ns."""
+def least_ns(*calls: Callable[[], object], repeats: int = 300) -> list[float]:
+    """Wall time of a step of each call, ns: the least of many short runs in turn, which is undisturbed."""
     times = []
     for _ in range(repeats):
-        begun = perf_counter()
-        call()
-        times.append(perf_counter() - begun)
-    return median(times) / STEPS * 1e9
+        marks = [perf_counter()]
+        for call in calls:
+            call()
+            marks.append(perf_counter())
+        times.append(np.diff(marks))
+    return [float(least) for least in np.min(times, axis=0) / SHORT * 1e9]
 
 
 def one_step_each() -> None:
     with TemporaryDirectory() as folder:
         library = ctypes.CDLL(str(hand_written(Path(folder), "-march=native")))
-        session = start(scene_of("ellipsoid_on_plane"))
+        session = start(library_of("ellipsoid_on_plane"))
         state = state_of(session)
         core_steps(session, 1000)
         hand_steps(library, state, 1000)
         print(f"difference after 1000 steps: {np.abs(state - state_of(session)).max():.1e}")
-        ours = median_ns(lambda: core_steps(session, STEPS))
-        theirs = median_ns(lambda: hand_steps(library, state, STEPS))
+        ours, theirs = least_ns(lambda: core_steps(session, SHORT), lambda: hand_steps(library, state, SHORT))
     print(f"RK4 step: core {ours:.0f} ns, by hand {theirs:.0f} ns, ratio {ours / theirs:.2f}")
 
 
@@ -64,7 +70,7 @@ def instructions() -> None:
     if shutil.which("valgrind") is None:
         print("instructions: valgrind is not installed")
         return
-    library = scene_of("ellipsoid_on_plane")
+    library = library_of("ellipsoid_on_plane")
     with TemporaryDirectory() as name:
         folder = Path(name)
         hand_written(folder, COUNTED_CPU)
@@ -74,25 +80,53 @@ def instructions() -> None:
             print(f"instructions of an RK4 step, {which}: {(many - few) / 1000000:.0f}")
 
 
+def advanced(library: Library, until: float) -> float:
+    """Wall time of the core alone, from a settled start, s."""
+    session = start(library)
+    record = session.tables.Record()
+    begun = perf_counter()
+    session.advance(until, 10**9, record)
+    return perf_counter() - begun
+
+
+def step_of_simulate() -> None:
+    """The step with search for events, projection and diagnostics beside the hand-written one."""
+    library = library_of("ellipsoid_on_plane")
+    with TemporaryDirectory() as folder:
+        hand = ctypes.CDLL(str(hand_written(Path(folder), "-march=native")))
+        state = state_of(start(library))
+        (theirs,) = least_ns(lambda: hand_steps(hand, state, SHORT))
+    ours = min(advanced(library, SHORT * STEP) for _ in range(100)) / SHORT * 1e9
+    print(f"RK4 step of simulate: {ours:.0f} ns, by hand {theirs:.0f} ns, ratio {ours / theirs:.1f}")
+
+
+def python_of_a_call() -> None:
+    """A call of `simulate` without what the core takes of it, the least of each."""
+    library = library_of("ellipsoid_on_plane")
+    accuracy = Accuracy.tight().fixed_step(STEP)
+    whole, core = [], []
+    for _ in range(500):
+        begun = perf_counter()
+        simulate(library, until=STEP, accuracy=accuracy, samples=1, estimate=False)
+        whole.append(perf_counter() - begun)
+        session = Session(library, accuracy)
+        recording = Recording(session, np.array([0.0, STEP]))
+        begun = perf_counter()
+        session.begin()
+        session.advance(STEP, 100, recording.record)
+        core.append(perf_counter() - begun)
+    print(f"a call of simulate: {1e6 * min(whole):.0f} us, of which the core {1e6 * min(core):.0f} us")
+
+
 def loop_and_simulate() -> None:
-    library = scene_of("ellipsoid_on_plane")
+    library = library_of("ellipsoid_on_plane")
     accuracy = Accuracy.tight().fixed_step(STEP)
     until = STEPS * STEP
-    fixed = median(
-        simulate(library, until=STEP, accuracy=accuracy, samples=1, estimate=False).wall_s for _ in range(9)
-    )
     whole = median(
         simulate(library, until=until, accuracy=accuracy, samples=200, estimate=False).wall_s
         for _ in range(5)
     )
-    bare = []
-    for _ in range(5):
-        session = start(library)
-        record = session.tables.Record()
-        begun = perf_counter()
-        session.advance(until, 10**9, record)
-        bare.append(perf_counter() - begun)
-    print(f"fixed cost of simulate: {fixed * 1e3:.1f} ms")
+    bare = [advanced(library, until) for _ in range(5)]
     ratio = whole / median(bare)
     print(f"simulate over {STEPS} steps: {whole:.3f} s, bare loop {median(bare):.3f} s, ratio {ratio:.2f}")
 
@@ -100,7 +134,9 @@ def loop_and_simulate() -> None:
 def main() -> None:
     one_step_each()
     instructions()
+    step_of_simulate()
     loop_and_simulate()
+    python_of_a_call()
 
 
 if __name__ == "__main__":

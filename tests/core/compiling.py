@@ -57,3 +57,14 @@ def core_in(folder: Path, real: str, *flags: str) -> CoreBuild:
     define, dtype = REALS[real]
     path = compile_core(folder, "", "-O2", *flags, "-fvisibility=hidden", "-shared", "-fPIC", *define)
     return CoreBuild(ctypes.CDLL(str(path)), dtype)
+
+
+def active_solve(core: CoreBuild, A: np.ndarray, b: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, int]:
+    """Forces on the marked rows (`mg_active_solve`), and the rank of their matrix."""
+    n = len(b)
+    given = [np.asfortranarray(A, dtype=core.dtype), b.astype(core.dtype), active.astype(np.intc)]
+    z = np.full(n, np.nan, dtype=core.dtype)
+    work = np.empty(core.cdll.mg_lcp_work_size(n), dtype=core.dtype)
+    iwork = np.empty(core.cdll.mg_lcp_iwork_size(n), dtype=np.intc)
+    pointers = [ctypes.c_void_p(array.ctypes.data) for array in (*given, z, work, iwork)]
+    return z, int(core.cdll.mg_active_solve(ctypes.c_int(n), *pointers))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from itertools import product
 from typing import Any
@@ -13,6 +12,7 @@ import pytest
 from modelgen.errors import SimulationError
 from modelgen.runtime.compiled_lcp import Outcome, solve_lcp, solve_qp
 from modelgen.runtime.qp_reference import reference_qp
+from tests.core.compiling import active_solve
 
 Problem = tuple[np.ndarray, np.ndarray]
 SIZES = (1, 2, 3, 4, 7, 12)
@@ -200,16 +200,6 @@ def test_one_source_serves_every_real(
         assert answer.outcome is Outcome.SOLVED
         assert answer.residual <= tolerance
         assert answer.rank <= min(rank, n)
-
-
-def active_solve(library: Any, A: np.ndarray, b: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, int]:
-    n = len(b)
-    matrix, z = np.asfortranarray(A), np.full(n, np.nan)
-    flags = active.astype(np.intc)
-    work = np.empty(library.cdll.mg_lcp_work_size(n))
-    iwork = np.empty(library.cdll.mg_lcp_iwork_size(n), dtype=np.intc)
-    pointers = [ctypes.c_void_p(a.ctypes.data) for a in (matrix, b, flags, z, work, iwork)]
-    return z, int(library.cdll.mg_active_solve(ctypes.c_int(n), *pointers))
 
 
 @pytest.mark.parametrize("family", [definite, redundant, many_legs, repeated])

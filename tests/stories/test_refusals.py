@@ -252,7 +252,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["modelgen.cli.commands", "typer", "rich.progress"])
+@pytest.mark.parametrize("module", ["modelgen.cli.commands", "typer", "rich.console"])
 def test_an_interrupt_while_the_verbs_load_is_no_traceback(module: str) -> None:
     ended = subprocess.run([sys.executable, "-c", STOP_AT, module], capture_output=True, text=True)
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")

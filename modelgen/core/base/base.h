@@ -27,6 +27,13 @@
 /* If all Cholesky pivots are above this, the factor is used as it is, with one step of iterative refinement. */
 #define MG_LCP_REGULAR ((mg_real)1e4 * MG_LCP_TIKHONOV)
 
+/* If all pivots of A are above this part of their diagonal entries, A is taken as definite: its rank is no question,
+   and refinement in the same precision would not change the order of the error. */
+#define MG_LCP_DEFINITE ((mg_real)1e-2)
+
+/* Most unknowns of mg_solve_definite: four contacts with friction. */
+enum { MG_DEFINITE_MAX = 12 };
+
 /* Factors of a symmetric positive semidefinite k by k matrix S: P' S P = L L', and L = Q R where the rank is below k.
  */
 typedef struct {
@@ -63,6 +70,9 @@ MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
 
 /* Scalar product of two vectors of six components. */
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
+
+/* y += s x, of six components. */
+MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y);
 
 /* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);
@@ -111,6 +121,10 @@ MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L);
 
 /* Replaces x by the solution of L L' z = x for a factor of mg_cholesky. */
 MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x);
+
+/* Solves A z = -b by A = L D L^T for at most MG_DEFINITE_MAX unknowns; A symmetric, of which the lower triangle is
+   read. Returns 0 where a pivot is not above MG_LCP_DEFINITE times its diagonal entry; z is then undefined. */
+MG_INTERNAL int mg_solve_definite(int n, const mg_real *A, const mg_real *b, mg_real *z);
 
 /* Replaces L, full and symmetric, by the lower trapezoid of P' S P, k by rank. Returns the rank, the number of
    pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */

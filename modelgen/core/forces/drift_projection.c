@@ -44,7 +44,7 @@ MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
     if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;
     for (int k = 0; k < 3; k++) q[k] += change[k];
-    if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
+    if (c->bodies.motion[b] == MG_FREE) mg_rotate_quaternion(q + 3, change + 3);
   }
   mg_normalise_quaternions(c, c->run->x);
   mg_clear_body_corrections(c);

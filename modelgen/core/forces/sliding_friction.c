@@ -23,10 +23,11 @@ MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
 
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = 0; i < c->system->n_contact; i++)
-    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->active[i] && c->run->friction_mode[g] == MG_STICKING;
-           k++)
-        list[n++] = mg_first_friction_row(c, i, g) + k;
+    for (int g = c->system->contact_friction[i]; c->run->active[i] && g < c->system->contact_friction[i + 1]; g++) {
+      if (c->run->friction_mode[g] != MG_STICKING) continue;
+      const int first = mg_first_friction_row(c, i, g), rows = mg_friction_row_count(c, g);
+      for (int k = 0; k < rows; k++) list[n++] = first + k;
+    }
   return mg_append_sticking_patch_rows(c, list, n);
 }
 
@@ -72,10 +73,21 @@ static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
   return c->run->active[contact] && c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
 }
 
+/* True if any friction constraint slips; that of patches is not looked at. */
+static int mg_may_slip(const mg_context *c) {
+  if (c->system->n_patch_slot) return 1;
+  for (int i = 0; i < c->system->n_contact; i++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      if (mg_is_slipping(c, i, g)) return 1;
+  return 0;
+}
+
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   const mg_system *s = c->system;
-  mg_update_slip_velocities(c);
   for (int i = 0; i < s->n_friction_row; i++) c->friction.force_ratio[i] = 0;
+  c->friction.slips = mg_may_slip(c);
+  if (!c->friction.slips) return;
+  mg_update_slip_velocities(c);
   for (int i = 0; i < s->n_contact; i++)
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
@@ -115,9 +127,9 @@ MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list
 
 /* True if a listed row carries the friction of slip, so that the matrix is not symmetric. */
 static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
-  for (int j = 0; j < n; j++)
+  for (int j = 0; j < n && c->friction.slips; j++)
     if (mg_slipping_slot_of_row(c, list[j]) >= 0) return 1;
-  for (int j = 0; j < n; j++)
+  for (int j = 0; j < n && c->friction.slips; j++)
     for (int k = 0; k < mg_tangential_row_count(c, list[j]); k++)
       if (c->friction.force_ratio[c->system->contact_friction_row[list[j]] + k] != 0) return 1;
   return 0;
@@ -138,6 +150,7 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
 }
 
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
+  if (!c->friction.slips) return;
   for (int i = 0; i < c->system->n_contact; i++)
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
       const int row = c->layout.friction_row_begin + c->system->contact_friction_row[i] + k;
@@ -151,6 +164,7 @@ MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
 
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
+  if (!c->friction.slips && !c->layout.n_driven) return 0; /* what sticks to bodies that forces move does no work */
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) {
     if (c->solution.force[i] == 0) continue;
     power += c->solution.force[i] *

@@ -7,19 +7,101 @@
 #include "solve/lcp/solvers.h"
 #include "model/model.h"
 
+static int mg_root(int *parent, int body) {
+  while (parent[body] != body) body = parent[body] = parent[parent[body]];
+  return body;
+}
+
+/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
+ * else -1. */
+static void mg_chain(mg_context *c, int n) {
+  const mg_system *s = c->system;
+  for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
+  for (int r = 0; r < n; r++) {
+    const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
+    if (mg_is_moved_by_forces(c, o) && mg_is_moved_by_forces(c, f))
+      c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
+  }
+  for (int r = n - 1; r >= 0; r--) {
+    const int root = mg_root(c->islands.parent, mg_moving_body(c, c->lcp.rows[r]));
+    c->islands.next[c->lcp.rows[r]] = c->islands.head[root];
+    c->islands.head[root] = c->lcp.rows[r];
+  }
+}
+
+/* Forces of the n rows of c->islands.rows, of which the matrix is assembled. */
+static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
+  const int has_slip = c->friction.couples_normal && c->friction.slips,
+            has_reference = c->friction.couples_normal && c->run->forces_redundant;
+  for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
+  if (has_slip || has_reference) {
+    mg_solve_island_with_friction(c, n, amount);
+    return;
+  }
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
+                  c->lcp.z, c->lcp.work, c->lcp.iwork);
+  for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
+}
+
+static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
+  int n = 0;
+  for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
+  mg_assemble_delassus(c, c->islands.rows, n);
+  mg_solve_island(c, n, rate, amount);
+}
+
+/* The same for the n rows of c->lcp.rows, which act on one pair of bodies. */
+static void mg_hold_pair(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
+  for (int r = 0; r < n; r++) c->islands.rows[r] = c->lcp.rows[r];
+  mg_assemble_delassus_of_pair(c, c->islands.rows, n);
+  mg_solve_island(c, n, rate, amount);
+}
+
+/* True if the n rows of c->lcp.rows act on the same two bodies. */
+static int mg_is_one_pair(const mg_context *c, int n) {
+  const int *rows = c->lcp.rows, o = c->contacts.o[rows[0]], f = c->contacts.f[rows[0]];
+  for (int r = 1; r < n; r++)
+    if (c->contacts.o[rows[r]] != o || c->contacts.f[rows[r]] != f) return 0;
+  return 1;
+}
+
+/* Lists the marked contacts, joints and sticking friction rows in c->lcp.rows, and sets all amounts to zero. Returns
+   the number of rows. */
+static int mg_list_marked_rows(mg_context *c, const int *marked, mg_real *amount) {
+  int n = 0;
+  for (int i = 0; i < c->system->n_contact; i++) {
+    amount[i] = 0;
+    if (marked[i]) c->lcp.rows[n++] = i;
+  }
+  n = mg_append_joint_rows(c, c->lcp.rows, n);
+  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
+  return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
+}
+
+/* Solves for the amounts of the n rows of c->lcp.rows. */
+static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
+  if (n == 1 && !c->friction.couples_normal) {
+    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]);
+    amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
+  } else if (n > 0 && mg_is_one_pair(c, n)) mg_hold_pair(c, n, rate, amount);
+  else if (n > 0) {
+    mg_chain(c, n);
+    for (int b = 0; b < c->system->n_body; b++)
+      if (c->islands.head[b] >= 0) mg_hold_island(c, c->islands.head[b], rate, amount);
+  }
+}
+
 /* Solve the forces of the active contacts, joints and sticking friction, (J M^-1 J^T) f = -(J a + Gamma2), and
    add M^-1 J^T f to the unconstrained accelerations in c->bodies.acceleration. */
 static void mg_solve_contact_forces(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
-    if (c->run->active[i]) c->rows.row_rate[i] = mg_row_acceleration(c, i);
-  for (int i = c->layout.joint_row_begin; i < c->layout.friction_row_end; i++)
-    c->rows.row_rate[i] = mg_row_acceleration(c, i);
   c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
   c->patches.pressure_rounds = 0;
-  int n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.force);
+  const int n = mg_list_marked_rows(c, c->run->active, c->solution.force);
+  for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
+  mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
   while (c->friction.couples_normal && mg_has_changed_patch_pressures(c))
-    n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.force);
+    mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
   for (int r = 0; r < n; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
   if (c->friction.couples_normal) mg_apply_slip_forces(c);
@@ -53,7 +135,7 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   mg_update_poses(c, t, x);
   mg_free_accelerations(c, t, x, x_dot);
   mg_update_contact_rows(c, x);
-  mg_update_joint_rows(c, t);
+  if (s->n_joint) mg_update_joint_rows(c, t);
   mg_solve_contact_forces(c);
   for (int b = 0; b < s->n_body; b++)
     mg_copy_velocity(c, b, c->bodies.acceleration + 6 * b, x_dot + s->n_q + s->body_u[b]);
@@ -68,59 +150,9 @@ MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
   return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
 }
 
-static int mg_root(int *parent, int body) {
-  while (parent[body] != body) body = parent[body] = parent[parent[body]];
-  return body;
-}
-
-/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
- * else -1. */
-static void mg_chain(mg_context *c, int n) {
-  const mg_system *s = c->system;
-  for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
-  for (int r = 0; r < n; r++) {
-    const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
-    if (mg_is_moved_by_forces(c, o) && mg_is_moved_by_forces(c, f))
-      c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
-  }
-  for (int r = n - 1; r >= 0; r--) {
-    const int root = mg_root(c->islands.parent, mg_moving_body(c, c->lcp.rows[r]));
-    c->islands.next[c->lcp.rows[r]] = c->islands.head[root];
-    c->islands.head[root] = c->lcp.rows[r];
-  }
-}
-
-static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
-  int n = 0;
-  for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
-  mg_assemble_delassus(c, c->islands.rows, n);
-  for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
-  if (c->friction.couples_normal) {
-    mg_solve_island_with_friction(c, n, amount);
-    return;
-  }
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
-                  c->lcp.z, c->lcp.work, c->lcp.iwork);
-  for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
-}
-
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
-  int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
-    amount[i] = 0;
-    if (marked[i]) c->lcp.rows[n++] = i;
-  }
-  n = mg_append_joint_rows(c, c->lcp.rows, n);
-  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
-  if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
-  if (n == 1 && !c->friction.couples_normal) {
-    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]);
-    amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
-  } else if (n > 0) {
-    mg_chain(c, n);
-    for (int b = 0; b < c->system->n_body; b++)
-      if (c->islands.head[b] >= 0) mg_hold_island(c, c->islands.head[b], rate, amount);
-  }
+  const int n = mg_list_marked_rows(c, marked, amount);
+  mg_solve_listed_rows(c, n, rate, amount);
   return n;
 }
 

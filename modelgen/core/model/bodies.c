@@ -5,12 +5,10 @@
 
 MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
 
-MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) {
-  return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion >= MG_POINT;
-}
+MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) { return c->bodies.motion[body] >= MG_POINT; }
 
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to) {
-  const int motion = c->kernels->body_kinds[mg_body_kind_of(c, body)].motion;
+  const int motion = c->bodies.motion[body];
   if (motion < MG_POINT) return;
   to[0] = from[0], to[1] = from[1], to[2] = from[2];
   if (motion == MG_FREE) to[3] = from[3], to[4] = from[4], to[5] = from[5];
@@ -19,16 +17,18 @@ MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
-    const int kind = mg_body_kind_of(c, b), motion = c->kernels->body_kinds[kind].motion;
+    const int kind = mg_body_kind_of(c, b), motion = c->bodies.motion[b];
+    if (motion == MG_FIXED) continue;
     const mg_real *q = x + s->body_q[b], *u = x + s->n_q + s->body_u[b];
     mg_real *pose = c->bodies.pose + 12 * b, *twist = c->bodies.twist + 6 * b;
+    const int n_u = motion < MG_POINT ? 0 : c->kernels->body_kinds[kind].n_u;
+    for (int i = 0; i < n_u; i++) twist[i] = u[i];
     if (motion == MG_DRIVEN)
       c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], pose, twist,
                             c->bodies.acceleration + 6 * b);
     if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
     if (motion == MG_POINT)
       for (int i = 0; i < 3; i++) pose[i] = q[i];
-    mg_copy_velocity(c, b, u, twist);
   }
 }
 
@@ -74,7 +74,7 @@ MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *
 
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {
   for (int b = 0; b < c->system->n_body; b++) {
-    if (c->kernels->body_kinds[mg_body_kind_of(c, b)].motion != MG_FREE) continue;
+    if (c->bodies.motion[b] != MG_FREE) continue;
     mg_real *e = x + c->system->body_q[b] + 3;
     const mg_real inverse = 1 / sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
     for (int i = 0; i < 4; i++) e[i] *= inverse;
@@ -86,9 +86,7 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
   return mg_is_moved_by_forces(c, o) ? o : c->contacts.f[contact];
 }
 
-MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) {
-  return c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_FREE;
-}
+MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) { return c->bodies.motion[body] == MG_FREE; }
 
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {
   return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;

@@ -75,14 +75,25 @@ static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   return 1;
 }
 
+/* Copies the columns of one body: 6, 3 or 0. */
+static inline void mg_copy_columns(int n, const mg_real *from, mg_real *to) {
+  if (n == 6) to[0] = from[0], to[1] = from[1], to[2] = from[2], to[3] = from[3], to[4] = from[4], to[5] = from[5];
+  else
+    for (int k = 0; k < n; k++) to[k] = from[k];
+}
+
 /* Copies the rows that the kernel of a contact gave to the rows of all contacts. */
 static void mg_scatter_contact_rows(mg_context *c, int contact) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
+  const mg_real *from = c->rows.kernel_rows;
+  const int n_o = kind->n_o, n_f = kind->n_f, use_gamma = c->settings->use_gamma,
+            before = c->layout.friction_row_begin + c->system->contact_friction_row[contact] - 1;
   for (int i = 0; i < kind->rows; i++) {
-    const int row = i ? c->layout.friction_row_begin + c->system->contact_friction_row[contact] + i - 1 : contact;
-    for (int k = 0; k < kind->n_o; k++) c->rows.J[12 * row + k] = c->rows.kernel_rows[kind->n_o * i + k];
-    for (int k = 0; k < kind->n_f; k++) c->rows.J[12 * row + 6 + k] = c->rows.kernel_rows[36 + kind->n_f * i + k];
-    c->rows.gamma[row] = c->settings->use_gamma ? c->rows.kernel_rows[72 + i] : 0;
+    const int row = i ? before + i : contact;
+    mg_real *J = c->rows.J + 12 * row;
+    mg_copy_columns(n_o, from + n_o * i, J);
+    mg_copy_columns(n_f, from + 36 + n_f * i, J + 6);
+    c->rows.gamma[row] = use_gamma ? from[72 + i] : 0;
   }
   for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
@@ -106,20 +117,18 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
 }
 
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->contacts.kind[contact];
   const mg_real *J = c->rows.J + 12 * contact;
+  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real sum = 0;
-  if (contact >= c->layout.joint_row_begin)
-    return mg_dot6(J, per_body + 6 * c->contacts.o[contact]) + mg_dot6(J + 6, per_body + 6 * c->contacts.f[contact]);
-  if (kind->n_o) sum = mg_dot6(J, per_body + 6 * c->contacts.o[contact]);
-  if (kind->n_f) sum += mg_dot6(J + 6, per_body + 6 * c->contacts.f[contact]);
+  if (c->bodies.motion[o] != MG_FIXED) sum = mg_dot6(J, per_body + 6 * o);
+  if (c->bodies.motion[f] != MG_FIXED) sum += mg_dot6(J + 6, per_body + 6 * f);
   return sum;
 }
 
 /* MJ = M^-1 J^T of one body, w its mass_inverse. */
 static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {
   const mg_real x = J[3], y = J[4], z = J[5];
-  for (int k = 0; k < 3; k++) MJ[k] = w[0] * J[k];
+  MJ[0] = w[0] * J[0], MJ[1] = w[0] * J[1], MJ[2] = w[0] * J[2];
   if (w[2] == 0 && w[3] == 0 && w[6] == 0) {
     MJ[3] = w[1] * x, MJ[4] = w[5] * y, MJ[5] = w[9] * z;
     return;
@@ -140,10 +149,8 @@ MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   const mg_real *MJ = c->rows.MJ + 12 * contact;
-  if (mg_is_moved_by_forces(c, o))
-    for (int k = 0; k < 6; k++) per_body[6 * o + k] += MJ[k] * amount;
-  if (mg_is_moved_by_forces(c, f))
-    for (int k = 0; k < 6; k++) per_body[6 * f + k] += MJ[6 + k] * amount;
+  if (mg_is_moved_by_forces(c, o)) mg_add_multiple6(amount, MJ, per_body + 6 * o);
+  if (mg_is_moved_by_forces(c, f)) mg_add_multiple6(amount, MJ + 6, per_body + 6 * f);
 }
 
 /* The six columns of a row that belong to a body. */
@@ -170,11 +177,34 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
     if (list[r] >= c->layout.spring_row_begin) c->lcp.A[r + n * r] += 1;
 }
 
+/* Sets MJ of one body of n listed rows, and adds J MJ to c->lcp.A, or sets it if it is the first. */
+static inline void mg_add_side_of_pair(mg_context *c, const int *list, int n, int side, int body, int is_first) {
+  const mg_real *w = c->system->mass_inverse + 10 * body;
+  mg_real *A = c->lcp.A;
+  for (int r = 0; r < n; r++) {
+    const mg_real *row = c->rows.J + 12 * list[r] + 6 * side, J[6] = {row[0], row[1], row[2], row[3], row[4], row[5]};
+    mg_multiply_inverse_mass(w, J, c->rows.MJ + 12 * list[r] + 6 * side);
+    for (int k = 0; k <= r; k++) {
+      const mg_real part = mg_dot6(J, c->rows.MJ + 12 * list[k] + 6 * side);
+      A[r + n * k] = A[k + n * r] = is_first ? part : A[r + n * k] + part;
+    }
+  }
+}
+
+MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n) {
+  const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]], o_moves = mg_is_moved_by_forces(c, o),
+            f_moves = mg_is_moved_by_forces(c, f);
+  for (int k = 0; k < n * n && !o_moves && !f_moves; k++) c->lcp.A[k] = 0;
+  if (o_moves) mg_add_side_of_pair(c, list, n, 0, o, 1);
+  if (f_moves && o_moves) mg_add_side_of_pair(c, list, n, 1, f, 0);
+  if (f_moves && !o_moves) mg_add_side_of_pair(c, list, n, 1, f, 1);
+}
+
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
     const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
-    if (c->kernels->body_kinds[mg_body_kind_of(c, body)].motion == MG_DRIVEN)
+    if (c->bodies.motion[body] == MG_DRIVEN)
       rate += mg_dot6(c->rows.J + 12 * contact + 6 * side, c->bodies.twist + 6 * body);
   }
   return rate;

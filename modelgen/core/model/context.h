@@ -179,6 +179,7 @@ typedef struct {
 typedef struct {
   mg_real *force_ratio;    /* [per friction row] friction force of slip over minus the normal force */
   mg_real *slip_angle;     /* [per friction constraint] direction of slip, rad from run->slip_direction */
+  int slips;               /* 1: slip may have a force at the state evaluated last; else all force ratios are zero */
   int couples_normal;      /* 1 while forces are sought: friction of slip is proportional to the normal force */
   int follows_angle;       /* 1 while forces are sought: slip has the direction of slip_angle */
   int *triggered;          /* [per friction constraint] 1: its event has triggered */
@@ -290,6 +291,7 @@ typedef struct {
 
 /* Bodies at the state evaluated last. */
 typedef struct {
+  int *motion;           /* [per body] MG_FIXED .. MG_FREE */
   mg_real *pose;         /* [12 per body] position of the centre of mass, m, and rotation matrix by columns */
   mg_real *twist;        /* [6 per body] velocity, world axes, m/s, and angular velocity, body axes, rad/s */
   mg_real *acceleration; /* [6 per body] rate of the twist; without contact forces until those are found */

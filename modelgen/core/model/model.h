@@ -151,6 +151,9 @@ MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount,
    moving body have zero entries. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 
+/* The same for rows that all act on one pair of bodies; exactly symmetric. */
+MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n);
+
 /* Part of d_dot that prescribed motions of bodies and joints cause. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 

@@ -98,7 +98,7 @@ MG_API long mg_work_size(const mg_system *s) {
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
   return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 2L * s->n_joint_row + 4 +
-         mg_search_int_memory_size(s) + 2 * k + mg_lcp_iwork_size((int)k) + 3L * s->n_body + 1 +
+         mg_search_int_memory_size(s) + 2 * k + mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 +
          mg_friction_int_memory_size(s);
 }
 
@@ -182,6 +182,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
+  c->bodies.motion = mg_take_ints(&iwork, b);
   c->events.broken_condition = mg_take_ints(&iwork, m), c->events.within_border = mg_take_ints(&iwork, m);
   c->contacts.n_eta = mg_take_ints(&iwork, m);
   c->contacts.kind = mg_take_ints(&iwork, r), c->contacts.parameters = mg_take_ints(&iwork, m + 1);
@@ -218,7 +219,7 @@ static void mg_set_constant_poses(mg_context *c) {
   const mg_system *s = c->system;
   c->layout.n_driven = c->layout.n_moving = 0;
   for (int b = 0; b < s->n_body; b++) {
-    const int motion = c->kernels->body_kinds[mg_body_kind_of(c, b)].motion;
+    const int motion = c->bodies.motion[b];
     mg_real *pose = c->bodies.pose + 12 * b;
     c->layout.n_driven += motion == MG_DRIVEN, c->layout.n_moving += motion >= MG_POINT;
     if (motion == MG_FIXED)
@@ -237,8 +238,9 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);
   c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + system->n_joint_row,
   c->layout.spring_row_begin = c->layout.friction_row_end = c->layout.friction_row_begin + system->n_friction_row,
-  c->friction.couples_normal = c->friction.follows_angle = 0;
+  c->friction.slips = c->friction.couples_normal = c->friction.follows_angle = 0;
   mg_set_arrays(c, work, iwork);
+  for (int b = 0; b < system->n_body; b++) c->bodies.motion[b] = c->kernels->body_kinds[system->body_kind[b]].motion;
   for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
   mg_zero_reals(c->bodies.pose, 30L * system->n_body);
   mg_zero_reals(c->rows.J, 24L * c->layout.spring_row_end); /* J and MJ: the columns a kind lacks stay zero */

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.manifest import Manifest
-from modelgen.runtime.accuracy import RESOLVED
+from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
@@ -21,6 +22,7 @@ from modelgen.runtime.tables.planar_contacts import (
 )
 
 Array = np.ndarray[Any, Any]
+INTEGER = np.dtype(np.intc)  # C's int
 
 KERNELS = "kernels"  # the table of the scene's library, first field of what the core is given
 SYSTEM_INTEGERS = (
@@ -194,6 +196,7 @@ RECORD_ARRAYS = (
     *("patch", "pressure", "patch_friction", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work"),
 )
+EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 MINIMA = 24  # MG_MINIMA
@@ -212,7 +215,7 @@ SEARCHES = ("never", "moved", "always", "ahead", "apart")  # MG_SEARCH_NEVER ..
 
 
 class Tables:
-    """The structures of one library's real type (modelgen.h)."""
+    """The structures of one real type (modelgen.h)."""
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
         self.dtype = np.dtype(dtype)
@@ -247,8 +250,7 @@ class Tables:
         )
         self.Events = structure(
             "Events",
-            [("capacity", integer), ("count", integer)]
-            + [(n, pointer) for n in ("t", "kind", "contact", "feature_pair", "speed")],
+            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
         )
         self.Queries = _queries(real)
         self.MinimaQueries = structure(
@@ -257,6 +259,12 @@ class Tables:
             + [("effort", ctypes.c_long), ("gap", real), ("depth", real)]
             + [(n, pointer) for n in MINIMA_GIVEN + MINIMA_FOUND],
         )
+
+
+@cache
+def tables_of(dtype: np.dtype[Any]) -> Tables:
+    """The structures of a real type, made once."""
+    return Tables(dtype)
 
 
 def _queries(real: Any) -> Any:
@@ -394,11 +402,18 @@ def _row_count(manifest: Manifest) -> int:
     return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.instance["joints"])
 
 
-def fill_settings(tables: Tables, accuracy: Any, instance: Mapping[str, Any]) -> Any:
-    """The mg_settings of an Accuracy; tolerances below the resolution of the real type are raised.
+def settings_of(tables: Tables, accuracy: Accuracy, instance: Mapping[str, Any]) -> Any:
+    """The mg_settings of an Accuracy for a scene, shared by the runs that ask for the same: the core reads
+    them and never writes them.
 
     Patches are of event-driven runs whose contacts are all struck at once.
     """
+    return _settings(tables, accuracy, any(_impact_laws(instance)))
+
+
+@lru_cache(maxsize=64)
+def _settings(tables: Tables, accuracy: Accuracy, has_impact_law: bool) -> Any:
+    """Tolerances below the resolution of the real type are raised to it."""
     settings = tables.Settings()
     epsilon = float(np.finfo(tables.dtype).eps)
     for name in ("newton", "project", "fallback", *SETTINGS_COUNTS):
@@ -409,7 +424,7 @@ def fill_settings(tables: Tables, accuracy: Any, instance: Mapping[str, Any]) ->
     settings.stepping_friction_law = LAWS[accuracy.solver]
     settings.sequential = int(accuracy.impacts == "sequential")
     settings.use_gamma = int(accuracy.use_gamma)
-    at_once = not (settings.sequential or any(_impact_laws(instance)))
+    at_once = not (settings.sequential or has_impact_law)
     settings.planar_contacts = int(
         accuracy.planar_contacts and accuracy.method != "time-stepping" and at_once
     )

@@ -13,6 +13,13 @@ static int mg_active_one(mg_real a, mg_real b, mg_real *z) {
   return a > 0;
 }
 
+/* True if all n entries are set. */
+static int mg_are_all_active(int n, const int *active) {
+  for (int i = 0; i < n; ++i)
+    if (!active[i]) return 0;
+  return 1;
+}
+
 /* The same for two unknowns with positive diagonal. */
 static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
   mg_real d0 = (mg_real)sqrt(A[0]), d1 = (mg_real)sqrt(A[3]), c[2];
@@ -48,6 +55,7 @@ MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const
                                 mg_real *work, int *iwork) {
   int k = 0;
   if (n == 1 && active[0]) return mg_active_one(A[0], b[0], z);
+  if (n <= MG_DEFINITE_MAX && mg_are_all_active(n, active) && mg_solve_definite(n, A, b, z)) return n;
   if (n == 2 && active[0] && active[1] && A[0] > 0 && A[3] > 0) return mg_active_two(A, b, z);
   for (int i = 0; i < n; ++i) {
     z[i] = 0;

@@ -1,0 +1,84 @@
+"""The library of a scene file that was built before, found without reading the scene or deriving anything.
+
+`remember` leaves in the folder of a library what it was built from, as one hash: text and name of the scene
+file, the files of this package and of CasADi, Python, compiler and processor. `recall` loads the library if
+all this is as it was, and manifest, instance and record are the files that were written then.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import json
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from modelgen.codegen.compiler import compiler_words, cpu_target
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE, record_name
+from modelgen.errors import LibraryError
+
+NAME = "scene.json"  # beside the library
+PACKAGE = Path(__file__).parents[1]
+
+
+def scene_key(scene: Path, *choices: str) -> str | None:
+    """SHA-256 (hex) of all that decides which library `build` gives for a scene file; None where it cannot be
+    read. `choices`: what the caller changes in the scene."""
+    try:
+        text = scene.read_bytes()
+    except (OSError, ValueError):
+        return None
+    digest = hashlib.sha256(text)
+    for part in (scene.name, *choices, sys.version, cpu_target(), *_tools()):
+        digest.update(f"{len(part)}:{part}".encode())
+    return digest.hexdigest()
+
+
+def recall(folder: Path, key: str) -> Library | None:
+    """The library in a folder, if it was remembered under this key and its files are those of then."""
+    try:
+        known = json.loads((folder / NAME).read_text(encoding="utf-8"))
+        real = known["real"]
+        if known != {"key": key, "real": real, "files": _hash_of_files(folder, real)}:
+            return None
+        return Library.load(folder, real)
+    except (OSError, ValueError, TypeError, KeyError, LibraryError):
+        return None
+
+
+def remember(library: Library, key: str) -> None:
+    """Leave the key in the folder of a library that was just built."""
+    folder = library.path.parent
+    known = {"key": key, "real": library.real, "files": _hash_of_files(folder, library.real)}
+    scratch = folder / f".{NAME}.{os.getpid()}"
+    scratch.write_text(json.dumps(known, sort_keys=True, indent=1) + "\n", encoding="utf-8")
+    os.replace(scratch, folder / NAME)
+
+
+def _hash_of_files(folder: Path, real: str) -> str:
+    digest = hashlib.sha256()
+    for name in (STRUCTURE, INSTANCE, record_name(real)):
+        text = (folder / name).read_bytes()
+        digest.update(f"{len(text)}:".encode() + text)
+    return digest.hexdigest()
+
+
+def _tools() -> Iterator[str]:
+    """The files that make a library, each with size and time of its last change."""
+    casadi = importlib.util.find_spec("casadi")
+    for word in compiler_words():
+        yield _stamp(word) if os.path.isfile(word) else word
+    yield _stamp(casadi.origin) if casadi and casadi.origin else ""
+    for place, folders, names in os.walk(PACKAGE):
+        folders[:] = sorted(name for name in folders if name != "__pycache__")
+        for name in sorted(names):
+            if name.endswith((".py", ".c", ".h")):
+                yield _stamp(os.path.join(place, name))
+
+
+def _stamp(path: str) -> str:
+    found = os.stat(path)
+    return f"{path}:{found.st_size}:{found.st_mtime_ns}"

@@ -1,0 +1,148 @@
+"""What all runs of a library share: its mg_system, the names in results, the sizes of the arrays of a run.
+
+Made at the first run of a library and kept as long as the library: the core reads an mg_system and never
+writes it, so that runs, also of several threads, may share it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from modelgen.codegen.library import Library, kernel_table
+from modelgen.runtime.tables.array_block import ArrayBlock
+from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
+from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
+
+EVENT_PREFIX = "event_"
+_MADE: WeakKeyDictionary[Library, LibraryTables] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryTables:
+    """Shared by all runs of a library; arrays are read-only."""
+
+    tables: Tables
+    system: Any  # mg_system
+    arrays: tuple[Array, ...]  # to which it points
+    start: Array  # (n_x,) the state at t = 0, with eta and work zero
+    contact_names: tuple[str, ...]  # contacts with shapes, then the limits of joints
+    feature_pair_names: tuple[str, ...]
+    joint_names: tuple[str, ...]
+    kind_names: tuple[str, ...]
+    instructions: Mapping[str, int]  # of each generated function
+    n_patch_slot: int
+    n_contact: int  # with limits and support points
+    n_event: int  # events that fit into the list of a run
+    reals: ArrayBlock  # of the arrays of an mg_run and of its mg_events, which have EVENT_PREFIX
+    integers: ArrayBlock
+    work_size: int
+    iwork_size: int
+
+
+def library_tables(library: Library) -> LibraryTables:
+    """The tables of a library, made at the first call."""
+    made = _MADE.get(library)
+    if made is None:
+        made = _MADE[library] = _make(library)
+    return made
+
+
+GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results list them
+
+
+def _make(library: Library) -> LibraryTables:
+    manifest, instance = library.manifest, library.manifest.instance
+    tables = tables_of(library.dtype)
+    system, arrays = fill_system(tables, manifest, kernel_table(library.cdll), _scales(tables, instance))
+    for array in arrays:
+        array.setflags(write=False)
+    names = tuple(c["name"] for c in (*instance["contacts"], *instance["limits"]))
+    slots = slot_count(instance)
+    n_contact, limits = len(names) + SUPPORT_POINTS * slots, len(instance["limits"])
+    n_event = 64 + 8 * n_contact
+    reals, integers = _sizes_of_run(instance, system, n_contact, slots)
+    work, iwork = _scratch_sizes(library.cdll, system)
+    return LibraryTables(
+        tables=tables,
+        system=system,
+        arrays=tuple(arrays),
+        start=_start(tables, instance),
+        contact_names=names,
+        feature_pair_names=(*(str(pair["name"]) for pair in instance["feature_pairs"]), *[""] * limits),
+        joint_names=tuple(joint["name"] for joint in instance["joints"]),
+        kind_names=tuple(kind["name"] for group in GROUPS for kind in manifest.kinds[group]),
+        instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
+        n_patch_slot=slots,
+        n_contact=n_contact,
+        n_event=n_event,
+        reals=_block(reals, n_event, ("t", "speed")),
+        integers=_block(integers, n_event, ("kind", "contact", "feature_pair")),
+        work_size=work,
+        iwork_size=iwork,
+    )
+
+
+def _start(tables: Tables, instance: Mapping[str, Any]) -> Array:
+    n_q, n_u = instance["n_q"], instance["n_u"]
+    x = np.zeros(n_q + n_u + instance["n_eta"] + 1, dtype=tables.dtype)
+    x[:n_q], x[n_q : n_q + n_u] = instance["initial_q"], instance["initial_u"]
+    x.setflags(write=False)
+    return x
+
+
+def _block(sizes: Mapping[str, int], n_event: int, of_events: tuple[str, ...]) -> ArrayBlock:
+    columns = dict.fromkeys((EVENT_PREFIX + name for name in of_events), n_event)
+    return ArrayBlock({name: (size,) for name, size in (*sizes.items(), *columns.items())})
+
+
+def _sizes_of_run(
+    instance: Mapping[str, Any], system: Any, n_contact: int, slots: int
+) -> tuple[dict[str, int], dict[str, int]]:
+    """Lengths of the arrays of an mg_run, with one entry to spare, reals and integers."""
+    m, groups = n_contact + 1, int(system.n_friction)
+    states = instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1
+    reals = {
+        "x": states,
+        "point": 3 * n_contact + 1,
+        "moved_since_search": len(instance["pairs"]) + len(instance["limits"]) + 1,
+        "unfollowed_gap": len(instance["pairs"]) + len(instance["limits"]) + 1,
+        "slip_direction": 3 * groups + 1,
+        "patch_slip_direction": 4 * slots + 1,
+        "reference_force": m + int(system.n_joint_row) + int(system.n_friction_row),
+        "force": m,
+        "margin": m,
+        "tilt_direction": 3 * n_contact + 3,
+    }
+    integers = {
+        **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
+        "friction_mode": groups + 1,
+        "patch_mode": slots + 1,
+    }
+    return reals, integers
+
+
+def _scales(tables: Tables, instance: Mapping[str, Any]) -> Array:
+    """The scale of each state in the error norm; the core sets that of eta."""
+    scales = instance["scales"]
+    length, time = scales["length"], scales["time"]
+    sizes = np.ones(instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1, dtype=tables.dtype)
+    for body in instance["bodies"]:
+        u = instance["n_q"] + body["u"]
+        if body["motion"] in ("point", "free"):
+            sizes[body["q"] : body["q"] + 3] = length
+            sizes[u : u + 3] = length / time
+        if body["motion"] == "free":
+            sizes[u + 3 : u + 6] = 1.0 / time
+    sizes[-1] = scales["mass"] * (length / time) ** 2
+    return sizes
+
+
+def _scratch_sizes(cdll: ctypes.CDLL, system: Any) -> tuple[int, int]:
+    cdll.mg_work_size.restype = cdll.mg_iwork_size.restype = ctypes.c_long
+    return int(cdll.mg_work_size(ctypes.byref(system))), int(cdll.mg_iwork_size(ctypes.byref(system)))

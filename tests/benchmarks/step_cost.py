@@ -1,0 +1,181 @@
+"""The cost of a right-hand side beside a prototype: `python -m tests.benchmarks.step_cost`.
+
+The prototype (`prototype.c`) holds the generated kernels of a scene with one free body on one fixed plane,
+and around them nothing but its mass, one or three equations solved in closed form, and RK4. Both take the
+same steps in one run; the instructions of both are counted where valgrind is installed.
+
+`python -m tests.benchmarks.step_cost core|prototype FOLDER N` takes N steps, for callgrind.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import numpy as np
+
+import modelgen
+from modelgen.codegen.compiler import find_compiler
+from modelgen.codegen.library import Library
+from modelgen.runtime.session import Session
+from modelgen.runtime.start import begin
+from modelgen.runtime.tables.ctypes_structures import Array, address
+from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable
+
+SCENES_OF_ONE_BODY = ("ellipsoid_on_plane", "rolling_disc", "rolling_ellipsoid")
+SCENES = Path(__file__).parents[2] / "scenes"
+STEP, STEPS, REPEATS = 1e-5, 1000, 600  # short runs in turn: the least of many is undisturbed
+STAGES = 4
+COUNTED = 100_000  # steps under callgrind
+
+
+class Kernels(ctypes.Structure):
+    """What the prototype takes: addresses of numbers of the scene (`scene` in prototype.c)."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in ("place", "gravity", "body", "contact", "mass_inverse")]
+
+
+def library_of(name: str) -> Library:
+    scene = modelgen.read(SCENES / f"{name}.toml")
+    return modelgen.build(modelgen.emit(modelgen.derive(modelgen.require(scene))))
+
+
+def start(library: Library) -> Session:
+    """A session at the start of the scene, in contact, sticking where there is friction."""
+    session = Session(library, modelgen.Accuracy.tight().fixed_step(STEP))
+    begin(session)
+    assert session.active[0]
+    assert (session.friction_mode[:-1] == 1).all()
+    return session
+
+
+def compiled_prototype(library: Library, folder: Path, cpu: str) -> Path:
+    """The prototype of a scene, compiled with the flags of its library."""
+    instance = library.manifest.instance
+    (pair,) = instance["feature_pairs"]
+    kinds = library.manifest.kinds
+    fixed_o = instance["bodies"][pair["o"]]["motion"] == "fixed"
+    moved = instance["bodies"][pair["f" if fixed_o else "o"]]
+    defines = {
+        "BODY_KIND": moved["kind"],
+        "CONTACT_KIND": pair["kind"],
+        "ROWS": kinds["contact"][pair["kind"]].get("rows", 1),
+        "N_ETA": instance["n_eta"],
+        "BODY_IS_O": int(not fixed_o),
+    }
+    compiler, target = find_compiler(), folder / "prototype.so"
+    flags = [cpu if flag == "-march=native" else flag for flag in compiler.flags("double")]
+    source = Path(__file__).parent / "prototype.c"
+    named = [f"-I{library.path.parent}", *(f"-D{name}={value}" for name, value in defines.items())]
+    subprocess.run(
+        [*compiler.command, *flags, *named, "-shared", str(source), "-o", str(target), "-lm"], check=True
+    )
+    return target
+
+
+class Prototype:
+    """The prototype of a scene at the state of a session."""
+
+    def __init__(self, session: Session, path: Path) -> None:
+        instance, system = session.instance, session.system
+        (pair,) = instance["feature_pairs"]
+        fixed, moved = sorted(
+            (pair["o"], pair["f"]), key=lambda b: instance["bodies"][b]["motion"] != "fixed"
+        )
+        bodies = instance["bodies"]
+        offsets = np.ctypeslib.as_array(
+            ctypes.cast(system.body_parameters, ctypes.POINTER(ctypes.c_int)), (len(bodies),)
+        )
+        of_pair = ctypes.cast(system.feature_pair_parameters, ctypes.POINTER(ctypes.c_int))[0]
+        mass = np.array(bodies[moved]["mass_inverse"])
+        self.mass_inverse = mass[[0, 1, 5, 9]].copy()
+        self.gravity = np.array(instance["gravity"])
+        self.kernels = Kernels(
+            system.parameters + 8 * int(offsets[fixed]),
+            address(self.gravity),
+            system.parameters + 8 * int(offsets[moved]),
+            system.parameters + 8 * of_pair,
+            address(self.mass_inverse),
+        )
+        self.state = session.x[:-1].copy()
+        self.session = session  # keeps the parameters
+        self.call = ctypes.CDLL(str(path)).prototype_steps
+
+    def steps(self, n: int) -> None:
+        self.call(
+            ctypes.byref(self.kernels),
+            ctypes.c_void_p(address(self.state)),
+            ctypes.c_double(STEP),
+            ctypes.c_long(n),
+        )
+
+
+def both(library: Library, folder: Path, cpu: str) -> tuple[Session, Prototype]:
+    session = start(library)
+    return session, Prototype(session, compiled_prototype(library, folder, cpu))
+
+
+def seconds(call: Callable[[int], None]) -> float:
+    begun = perf_counter()
+    call(STEPS)
+    return perf_counter() - begun
+
+
+def difference(a: Array, b: Array) -> float:
+    return float(np.abs(a - b).max())
+
+
+def times(name: str) -> None:
+    """Wall time of one stage of RK4, the least of many short runs of both in turn."""
+    with TemporaryDirectory() as folder:
+        session, prototype = both(library_of(name), Path(folder), "-march=native")
+        session.smooth(1000), prototype.steps(1000)
+        apart = difference(session.x[:-1], prototype.state)
+        pairs = [(seconds(session.smooth), seconds(prototype.steps)) for _ in range(REPEATS)]
+        ours, theirs = (1e9 * min(column) / STEPS / STAGES for column in zip(*pairs, strict=True))
+    ratio = f"ratio {ours / theirs:.2f}; apart by {apart:.0e}"
+    print(f"{name}: core {ours:.0f} ns, prototype {theirs:.0f} ns, {ratio}")
+
+
+def counts(name: str) -> None:
+    """Instructions of one stage of RK4: the difference of a long and a short run."""
+    library = library_of(name)
+    with TemporaryDirectory() as text:
+        folder = Path(text)
+        countable(library, folder)
+        compiled_prototype(library, folder, COUNTED_CPU)
+        ours, theirs = (counted(which, folder) for which in ("core", "prototype"))
+    print(f"{name}: instructions: core {ours:.0f}, prototype {theirs:.0f}, ratio {ours / theirs:.2f}")
+
+
+def counted(which: str, folder: Path) -> float:
+    few, many = (callgrind("tests.benchmarks.step_cost", which, folder, n) for n in (1000, 1000 + COUNTED))
+    return (many - few) / COUNTED / STAGES
+
+
+def taken(which: str, folder: Path, n: int) -> None:
+    session = start(Library.load(folder))
+    if which == "core":
+        session.smooth(n)
+    else:
+        Prototype(session, folder / "prototype.so").steps(n)
+
+
+def main() -> None:
+    for name in SCENES_OF_ONE_BODY:
+        times(name)
+    for name in SCENES_OF_ONE_BODY if shutil.which("valgrind") else ():
+        counts(name)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        taken(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
+    else:
+        main()
