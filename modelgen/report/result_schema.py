@@ -189,6 +189,23 @@ _PROPERTIES = {
         "searches for the closest points of two features that were given up before all were found, as where "
         "surfaces conform; above 0 a contact may be missed",
     ),
+    "undeclared": entry(
+        "array",
+        "pairs of shapes that no contact lists and that passed through each other, in order of time",
+        items=record(
+            "a pair of shapes",
+            {
+                "between": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "minItems": 2,
+                    "maxItems": 2,
+                    "description": "as `between` of [[contact]] names them",
+                },
+                "t": entry(NUMBER, "when an overlap was first seen, s"),
+            },
+        ),
+    ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
     "contacts": entry(
         "object",

@@ -88,6 +88,14 @@ class Event:
     speed: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """Two shapes that passed through each other because no contact lists them."""
+
+    between: tuple[str, str]  # as [[contact]] names them
+    t: float  # s, when an overlap was first seen
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
     """Samples at times t (n,), for nb bodies and nc contacts, in SI and world axes; the last is the state
@@ -155,6 +163,7 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     warnings: tuple[str, ...] = ()
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
@@ -218,6 +227,7 @@ class Trajectory:
             "redundant_max": self.redundant_max,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
+            "undeclared": [{"between": list(each.between), "t": each.t} for each in self.undeclared],
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
                 for e in self.events
