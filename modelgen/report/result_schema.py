@@ -60,9 +60,11 @@ _ESTIMATE = record(
         "statement": entry("string", "all of it in words"),
         "position": entry(NUMBER, "of a body's centre up to the last sample that is predicted, m"),
         "rotation": entry(NUMBER, "of a body's rotation, rad"),
+        "velocity": entry(NUMBER, "of the velocity of a body's centre, m/s"),
+        "spin": entry(NUMBER, "of a body's angular velocity, rad/s"),
         "gap": entry(NUMBER, "m"),
         "force": entry(NUMBER, "root mean square over that of the forces"),
-        "events": entry(NUMBER, "of event times, s"),
+        "events": entry(NUMBER, "of event times, s; of those after the horizon if none comes before"),
         "events_unmatched": entry(["integer", "null"], "events that one of the two runs has alone"),
         "horizon": entry(NUMBER, "the last sample that is predicted, s; null: all are"),
         "uncertified": {

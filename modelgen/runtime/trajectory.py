@@ -173,12 +173,30 @@ class Trajectory:
     @property
     def position_error(self) -> Array:
         """(n,) m, the estimated error of a body's centre up to each sample; infinite where unknown."""
-        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.position
+        return self._error("position")
 
     @property
     def rotation_error(self) -> Array:
         """(n,) rad, the estimated error of a body's rotation up to each sample; infinite where unknown."""
-        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
+        return self._error("rotation")
+
+    @property
+    def velocity_error(self) -> Array:
+        """(n,) m/s, the estimated error of the velocity of a body's centre up to each sample; infinite where
+        unknown."""
+        return self._error("velocity")
+
+    @property
+    def spin_error(self) -> Array:
+        """(n,) rad/s, the estimated error of a body's angular velocity up to each sample; infinite where
+        unknown."""
+        return self._error("spin")
+
+    def _error(self, kind: str) -> Array:
+        if self.estimate is None:
+            return np.full(len(self.t), np.inf)
+        found: Array = getattr(self.estimate, kind)
+        return found
 
     @property
     def is_trusted(self) -> bool:
