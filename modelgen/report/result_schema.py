@@ -152,6 +152,7 @@ _PROPERTIES = {
         "description": "what the user should know of the run, such as a margin that fell low",
     },
     "estimate": _ESTIMATE,
+    "trusted": entry("boolean", "whether nothing speaks against the run"),
     "doubts": {
         "type": "array",
         "items": {"type": "string"},

@@ -232,6 +232,7 @@ class Trajectory:
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
             "estimate": self.estimate and self.estimate.as_json(),
+            "trusted": self.is_trusted,
             "doubts": list(self.doubts),
             "steps": self.steps,
             "rejected": self.rejected,
