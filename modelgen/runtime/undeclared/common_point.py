@@ -10,7 +10,7 @@ import numpy as np
 from modelgen.runtime.undeclared.material import Array, Depth
 
 FIRST = 4  # cells along each side of the cube that is searched first
-CELLS = 256  # most cells that are divided at a time, the deepest ones
+CELLS = 128  # most cells that are divided at a time, the deepest ones
 HALVES = np.array(list(product((-0.5, 0.5), repeat=3)))
 DIAGONAL = 3**0.5
 

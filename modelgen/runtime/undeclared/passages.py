@@ -1,8 +1,9 @@
 """Pairs of shapes that overlapped in a run although no contact lists them.
 
 Balls around the shapes are compared at the samples, with the motion between them. Where they meet, a point in
-both materials is searched: at samples, and between two samples at the poses to which both lead at their
-velocities, so that neither an impact nor an acceleration in between makes an overlap of none.
+both materials is searched: at samples, and between two samples at interpolated poses. There it must be deeper
+by how far the interpolation is from the poses to which each of the samples leads at its velocity, so that
+neither an impact nor an acceleration in between makes an overlap of none.
 """
 
 from __future__ import annotations
@@ -10,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from modelgen.rotations import rotation_of
+from modelgen.rotations import quaternion_of, rotation_of
 from modelgen.runtime.trajectory import Passage, Trajectory
 from modelgen.runtime.undeclared.common_point import Found, deepest
 from modelgen.runtime.undeclared.material import Array, Depth, depth_of, points_of
@@ -42,6 +43,15 @@ class _Solid:
         return float(np.linalg.norm(self.centre)) + self.radius
 
 
+class _Placed(NamedTuple):
+    """A pose, and how far it is from those to which the samples before and after it lead."""
+
+    p: Array  # (3,) m
+    R: Array  # (3, 3)
+    far: float  # m
+    turned: float  # rad
+
+
 @dataclass(frozen=True, slots=True)
 class _Motion:
     """The poses and twists of all bodies at the samples, world axes."""
@@ -52,12 +62,22 @@ class _Motion:
     v: Array  # (n, nb, 3) m/s
     w: Array  # (n, nb, 3) rad/s
 
-    def pose(self, sample: int, body: int, after: float) -> tuple[Array, Array]:
-        """p (3,) and R (3, 3) of a body `after` s from a sample, at its velocity there."""
-        p, R = self.p[sample, body], self.R[sample, body]
+    def pose(self, body: int, sample: int, after: float) -> _Placed:
+        """The pose of a body `after` s from a sample, before the next: position by the cubic with the
+        velocities at both, orientation by a turn about one axis."""
         if not after:
-            return p, R
-        return p + after * self.v[sample, body], _rotation(after * self.w[sample, body]) @ R
+            return _Placed(self.p[sample, body], self.R[sample, body], 0.0, 0.0)
+        (p, q), (R, S), (v, u), (w, z) = (
+            column[sample : sample + 2, body] for column in (self.p, self.R, self.v, self.w)
+        )
+        h = float(self.t[sample + 1] - self.t[sample])
+        share, left = after / h, h - after
+        turn = _rotation_vector(S @ R.T)
+        cubic = (1 + 2 * share) * p + after * v
+        cubic = (1 - share) ** 2 * cubic + share**2 * ((3 - 2 * share) * q - left * u)
+        far = max(np.linalg.norm(cubic - p - after * v), np.linalg.norm(cubic - q + left * u))
+        turned = max(np.linalg.norm(share * turn - after * w), np.linalg.norm((1 - share) * turn - left * z))
+        return _Placed(cubic, _rotation(share * turn) @ R, float(far), float(turned))
 
 
 def passages(path: Trajectory, instance: Mapping[str, Any], depth: float) -> tuple[Passage, ...]:
@@ -200,7 +220,7 @@ def _first_overlap(motion: _Motion, a: _Solid, b: _Solid, clear: Array, depth: f
                 return _refined(motion, a, b, k - 1, seen, deep)
         before, slack = slack, max(slack - way, clear[k])
         if slack <= 0:
-            is_deep, slack = _overlap(motion, a, b, (k, 0.0), deep)
+            is_deep, slack = _overlap(motion, a, b, k, 0.0, deep)
             if is_deep and not k:
                 return float(motion.t[0])
             if is_deep:
@@ -218,16 +238,15 @@ def _overlap_between(
         way: m, how far they move up to the next sample.
         apart: m, how far they can move from each of the two samples without an overlap.
     """
-    h = float(motion.t[k + 1] - motion.t[k])
-    gone, end = apart[0], way - apart[1]
-    step = max(STEP * b.radius, (end - gone) / PARTS)
-    last = 0.0
+    h, end = float(motion.t[k + 1] - motion.t[k]), way - apart[1]
+    step = max(STEP * b.radius, (end - apart[0]) / PARTS)
+    last, gone = 0.0, max(apart[0], step)
     while gone < end:
         after = float(h * gone / way)
-        found = [_overlap(motion, a, b, when, deep) for when in _ends(k, h, after)]
-        if all(each.is_deep for each in found):
+        is_deep, slack = _overlap(motion, a, b, k, after, deep)
+        if is_deep:
             return last, after
-        gone, last = gone + max(step, min(each.slack for each in found)), after
+        gone, last = gone + max(step, slack), after
     return None
 
 
@@ -235,19 +254,14 @@ def _refined(
     motion: _Motion, a: _Solid, b: _Solid, k: int, between: tuple[float, float], deep: float
 ) -> float:
     """The time, s, at which an overlap begins that is seen between two times after sample k, by bisection."""
-    h, (low, high) = float(motion.t[k + 1] - motion.t[k]), between
+    low, high = between
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        if all(_overlap(motion, a, b, when, deep).is_deep for when in _ends(k, h, middle)):
+        if _overlap(motion, a, b, k, middle, deep).is_deep:
             high = middle
         else:
             low = middle
     return float(motion.t[k] + high)
-
-
-def _ends(k: int, h: float, after: float) -> tuple[tuple[int, float], tuple[int, float]]:
-    """One time between samples k and k + 1, seen from each of them."""
-    return (k, after), (k + 1, after - h)
 
 
 def _moved(motion: _Motion, a: _Solid, b: _Solid) -> Array:
@@ -259,10 +273,22 @@ def _moved(motion: _Motion, a: _Solid, b: _Solid) -> Array:
     return np.asarray(np.diff(motion.t) * np.maximum(speed[1:], speed[:-1]))
 
 
-def _overlap(motion: _Motion, a: _Solid, b: _Solid, when: tuple[int, float], deep: float) -> Found:
-    """Whether the materials have a point in common deeper than `deep`, at (sample, s after it)."""
-    (p_a, R_a), (p_b, R_b) = (motion.pose(when[0], solid.body, when[1]) for solid in (a, b))
-    R, p = R_a.T @ R_b, R_a.T @ (p_b - p_a)  # from b's axes to a's
+def _overlap(motion: _Motion, a: _Solid, b: _Solid, k: int, after: float, deep: float) -> Found:
+    """Whether the materials have a point in common deeper than `deep` and than the poses are uncertain,
+    `after` s from sample k."""
+    of_a, of_b = (motion.pose(solid.body, k, after) for solid in (a, b))
+    unsure = of_a.far + of_b.far + (of_a.turned + of_b.turned) * _reach(of_a, of_b, b)
+    found = _common(a, b, of_a.R.T @ of_b.R, of_a.R.T @ (of_b.p - of_a.p), deep + unsure)
+    return Found(found.is_deep, max(found.slack - 2 * unsure, 0.0))
+
+
+def _reach(of_a: _Placed, of_b: _Placed, b: _Solid) -> float:
+    """m: the largest distance of a point of b from both centres of mass."""
+    return float(np.linalg.norm(of_b.p - of_a.p)) + b.extent
+
+
+def _common(a: _Solid, b: _Solid, R: Array, p: Array, deep: float) -> Found:
+    """Whether two materials have a point in common deeper than `deep`; R and p lead from b's axes to a's."""
     if a.depth is not None and b.depth is not None:
         of_a, of_b = a.depth, b.depth
         return deepest(lambda x: np.maximum(of_a(x), of_b((x - p) @ R)), p + R @ b.centre, b.radius, deep)
@@ -274,6 +300,17 @@ def _overlap(motion: _Motion, a: _Solid, b: _Solid, when: tuple[int, float], dee
         return Found(False, np.inf)
     least = float(value.min())
     return Found(least < -deep, max(least - spacing / 2 + deep, 0.0))
+
+
+def _rotation_vector(R: Array) -> Array:
+    """(3,) rad: the axis of a rotation (3, 3), as long as its angle, which is at most half a turn."""
+    quaternion = np.array(quaternion_of(R))
+    w, axis = quaternion[0], quaternion[1:]
+    sine = float(np.linalg.norm(axis))
+    if not sine:
+        return np.zeros(3)
+    angle = 2 * np.arctan2(sine, abs(w)) * (1.0 if w >= 0 else -1.0)
+    return np.asarray(angle / sine * axis)
 
 
 def _rotation(vector: Array) -> Array:
