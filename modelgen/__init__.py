@@ -3,6 +3,7 @@
 The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
 Their modules load when a verb is first asked for.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
+`normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
+    from modelgen.report.normal_rates import normal_rates as normal_rates
     from modelgen.report.run_plot import draw as draw
     from modelgen.report.run_record import record_of as record_of
     from modelgen.runtime.accuracy import Accuracy as Accuracy
@@ -44,6 +46,7 @@ __all__ = [
     "linearise",
     "load",
     "measure",
+    "normal_rates",
     "read",
     "record_of",
     "require",
@@ -70,6 +73,7 @@ _HOMES = {
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",
     "draw": "modelgen.report.run_plot",
+    "normal_rates": "modelgen.report.normal_rates",
     "Accuracy": "modelgen.runtime.accuracy",
     "ModelgenError": "modelgen.errors",
 }

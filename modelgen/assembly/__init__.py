@@ -109,7 +109,7 @@ def require(scene: Scene) -> Model:
 def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
     pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
-    warnings = soundness(scene)
+    warnings = (*scene.remarks, *soundness(scene))
     body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
     touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
     scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])

@@ -42,7 +42,8 @@ def print_measurement(found: Measurement, console: Console) -> None:
         markup=False,
         soft_wrap=True,
     )
-    _print_front(found.subject.scene.name, found.front, found.knobs, console)
+    cited = [point for peer in found.peers for point in peer.cited(found.points)]
+    _print_front(found.subject.scene.name, found.front, found.knobs, cited, console)
     for peer in found.peers:
         _print_peer(peer, found, console)
     if why_not_counted():
@@ -81,9 +82,15 @@ def _print_reference(found: Measurement, console: Console) -> None:
         )
 
 
-def _print_front(title: str, points: Sequence[Point], knobs: dict[str, list[Any]], console: Console) -> None:
-    """Rows of the front, each with the knobs that are not at their first value."""
-    shown = spaced(points, SHOWN)
+def _print_front(
+    title: str,
+    points: Sequence[Point],
+    knobs: dict[str, list[Any]],
+    cited: Sequence[Point],
+    console: Console,
+) -> None:
+    """Rows of the front, those cited among them, each with the knobs that are not at their first value."""
+    shown = spaced(points, SHOWN, cited)
     kinds = [kind for kind in KINDS if any(point.errors.get(kind) is not None for point in shown)]
     costs = [cost for cost in COSTS if any(point.costs.get(cost) is not None for point in shown)]
     heads = (*(COSTS[cost][0] for cost in costs), *(KINDS[kind] for kind in kinds))
@@ -120,12 +127,22 @@ def _print_peer(peer: PeerPoints, found: Measurement, console: Console) -> None:
         console.print(f"{peer.name} cannot represent this scene: {'; '.join(peer.cannot)}", soft_wrap=True)
         return
     first = {name: [value] for point in reversed(peer.points) for name, value in point.settings.items()}
-    _print_front("; ".join([peer.name, *peer.differs]), peer.front, first, console)
+    cited = peer.cited(found.points)
+    _print_front("; ".join([peer.name, *peer.differs]), peer.front, first, cited, console)
+    if peer.left:
+        others = ", ".join(name for name in peer.left if name not in peer.turned)
+        console.print(
+            f"--knobs names none of the settings of {peer.name}: {', '.join(peer.turned)} alone is varied, "
+            "so that its cost says nothing of the two programs; add some of "
+            f"{others or ', '.join(peer.left)} to --knobs, or leave --knobs out",
+            soft_wrap=True,
+        )
     facts = peer.advantage(found.points)
     if facts:
         console.print(
-            f"at the best error of {peer.name} within 1 s per simulated second, {facts['error']:.1e}: "
-            f"{facts['cheaper']:.3g} times cheaper here; {facts['digits']:.1f} more digits at its cost",
+            f"at the best error of {peer.name} within 1 s per simulated second, {facts['error']:.1e} at "
+            f"{facts['their_cost_ns_per_s'] / 1e3:.4g} µs: {facts['cheaper']:.3g} times cheaper here "
+            f"({facts['our_cost_ns_per_s'] / 1e3:.4g} µs); {facts['digits']:.1f} more digits at its cost",
             soft_wrap=True,
         )
 

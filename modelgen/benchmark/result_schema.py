@@ -53,11 +53,12 @@ _PEER = record(
         "version": entry("string", "of the simulator"),
         "cannot": TEXTS | {"description": "what of the scene it cannot represent; then it has no points"},
         "differs": TEXTS | {"description": "what it represents otherwise"},
+        "knobs": TEXTS | {"description": "its settings that were varied"},
         "advantage": entry(
             ["object", "null"],
             "at its best error within 1 s of CPU time per simulated second: both costs, how many times "
             "cheaper the scene runs here at no more error, the digits gained at no more cost; null: "
-            "no such point",
+            "no such point, or --knobs names none of its knobs",
         ),
         "front": _POINTS,
         "points": _POINTS,

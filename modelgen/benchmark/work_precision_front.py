@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
-from math import log10
+from math import inf, log10
 from typing import Any
 
 from modelgen.benchmark.knobs import Settings
@@ -54,12 +54,17 @@ def front(points: Iterable[Point]) -> list[Point]:
     return best
 
 
-def spaced(points: Sequence[Point], factor: float) -> list[Point]:
+def spaced(points: Sequence[Point], factor: float, cited: Sequence[Point] = ()) -> list[Point]:
     """Points of a front to show: the cheapest, then each whose error is smaller than that of the last by a
-    factor."""
+    factor; and those that are cited elsewhere."""
     shown: list[Point] = []
+    last = inf
     for point in points:
-        if not shown or place(point)[1] * factor <= place(shown[-1])[1]:
+        error = place(point)[1]
+        if error * factor <= last:
+            last = error
+            shown.append(point)
+        elif point in cited:
             shown.append(point)
     return shown
 
@@ -86,23 +91,33 @@ def finest(points: Iterable[Point], budget: float) -> Point | None:
     return max(fitting, key=place, default=None)
 
 
+def compared(
+    ours: Sequence[Point], theirs: Sequence[Point], budget: float
+) -> tuple[Point, Point, Point] | None:
+    """Their most accurate point within a budget, ns per simulated second; our cheapest that errs no more; our
+    most accurate that costs no more. None where either has no point for it."""
+    best = finest(theirs, budget)
+    if best is None:
+        return None
+    cost, error = place(best)
+    equal, finer = cheapest(ours, error), finest(ours, cost)
+    return None if equal is None or finer is None else (best, equal, finer)
+
+
 def advantage(ours: Sequence[Point], theirs: Sequence[Point], budget: float) -> dict[str, float] | None:
     """Our front against theirs, at the best error that they reach within a budget, ns per simulated second.
 
     `cheaper`: their cost there over ours at no more error; `digits`: the decimals by which we err less at no
     more than their cost. None where either has no point for it.
     """
-    best = finest(theirs, budget)
-    if best is None:
+    points = compared(ours, theirs, budget)
+    if points is None:
         return None
-    cost, error = place(best)
-    equal, finer = cheapest(ours, error), finest(ours, cost)
-    if equal is None or finer is None:
-        return None
+    (cost, error), (equal, _), (_, finer) = map(place, points)
     return {
         "error": error,
         "their_cost_ns_per_s": cost,
-        "our_cost_ns_per_s": place(equal)[0],
-        "cheaper": cost / place(equal)[0],
-        "digits": log10(error / place(finer)[1]),
+        "our_cost_ns_per_s": equal,
+        "cheaper": cost / equal,
+        "digits": log10(error / finer),
     }

@@ -13,6 +13,7 @@ from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of
+from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import expect
 from modelgen.notation import unit_of
@@ -138,11 +139,13 @@ def without_null_tests(text: str, counts: Mapping[str, tuple[int, int]]) -> str:
 
 def _entry(formula: Formula) -> Json:
     function = formula.function
+    unused = unused_inputs(function)
     return {
         "inputs": [_argument(name, function.numel_in(name)) for name in function.name_in()],
         "outputs": [_argument(name, function.numel_out(name)) for name in function.name_out()],
         "instructions": formula.instructions,
         "citation": formula.citation,
+        **({"unused": unused} if unused else {}),
     }
 
 

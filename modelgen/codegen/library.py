@@ -102,7 +102,11 @@ class Library:
 
 
 class Kernel:
-    """One kernel: takes arrays of the manifest's shapes and the library's type, returns new arrays."""
+    """One kernel: takes arrays of the manifest's shapes and the library's type, returns new arrays.
+
+    `unused` names the poses and twists, or parts of them, that change no result: "rotation of pose_f" of a
+    sphere about its centre of mass that touches without friction.
+    """
 
     def __init__(self, library: Library, name: str) -> None:
         entry = library.manifest.functions[name]
@@ -110,6 +114,7 @@ class Kernel:
         self.dtype = library.dtype
         self.inputs = [(argument["name"], tuple(argument["shape"])) for argument in entry["inputs"]]
         self.outputs = [(argument["name"], tuple(argument["shape"])) for argument in entry["outputs"]]
+        self.unused: tuple[str, ...] = tuple(entry.get("unused", ()))
         self._function = library.cdll[name]
         self._function.argtypes = [ctypes.c_void_p] * 4 + [ctypes.c_int]
 

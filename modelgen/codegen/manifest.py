@@ -27,7 +27,8 @@ STRUCTURE, INSTANCE = "manifest.json", "instance.json"  # names of the files
 class Manifest:
     """Names, shapes, units, sources and counts of the functions; the kinds; the instance over them.
 
-    `functions[name]` = {inputs: [{name, shape, unit}], outputs: [...], instructions, citation}.
+    `functions[name]` = {inputs: [{name, shape, unit}], outputs: [...], instructions, citation, unused}, the
+    last being the poses, twists, or parts of them that no output depends on, if there are any.
     `composed[name]` = the same of a function that is derived and counted, but not compiled.
     `kinds` = {body, contact, load, shape: [...]} in the order of their indices.
     `instance` = the scene as tables: bodies, contacts, loads, sizes, scales, initial state, gravity, run.

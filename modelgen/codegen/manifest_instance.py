@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
+from modelgen.codegen.manifest_unlisted import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.separation import has_separation
 from modelgen.geometry.coordinate_domains import domain_of
@@ -209,6 +210,7 @@ def instance_of(model: Model) -> dict[str, Any]:
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
         "warnings": list(model.warnings),
+        "unlisted": unlisted_of(model),
         "run": scene.run.said(),
     }
 

@@ -60,9 +60,11 @@ _ESTIMATE = record(
         "statement": entry("string", "all of it in words"),
         "position": entry(NUMBER, "of a body's centre up to the last sample that is predicted, m"),
         "rotation": entry(NUMBER, "of a body's rotation, rad"),
+        "velocity": entry(NUMBER, "of the velocity of a body's centre, m/s"),
+        "spin": entry(NUMBER, "of a body's angular velocity, rad/s"),
         "gap": entry(NUMBER, "m"),
         "force": entry(NUMBER, "root mean square over that of the forces"),
-        "events": entry(NUMBER, "of event times, s"),
+        "events": entry(NUMBER, "of event times, s; of those after the horizon if none comes before"),
         "events_unmatched": entry(["integer", "null"], "events that one of the two runs has alone"),
         "horizon": entry(NUMBER, "the last sample that is predicted, s; null: all are"),
         "uncertified": {
@@ -150,6 +152,7 @@ _PROPERTIES = {
         "description": "what the user should know of the run, such as a margin that fell low",
     },
     "estimate": _ESTIMATE,
+    "trusted": entry("boolean", "whether nothing speaks against the run"),
     "doubts": {
         "type": "array",
         "items": {"type": "string"},
@@ -191,6 +194,23 @@ _PROPERTIES = {
         "integer",
         "searches for the closest points of two features that were given up before all were found, as where "
         "surfaces conform; above 0 a contact may be missed",
+    ),
+    "undeclared": entry(
+        "array",
+        "pairs of shapes that no contact lists and that passed through each other, in order of time",
+        items=record(
+            "a pair of shapes",
+            {
+                "between": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "minItems": 2,
+                    "maxItems": 2,
+                    "description": "as `between` of [[contact]] names them",
+                },
+                "t": entry(NUMBER, "when an overlap was first seen, s"),
+            },
+        ),
     ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
     "contacts": entry(

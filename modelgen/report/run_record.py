@@ -20,7 +20,7 @@ COLUMNS = (
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates"),
     *("patch", "patch_force", "patch_point", "patch_friction", "patch_torque", "patch_slip", "patch_spin"),
-    *("position_error", "rotation_error"),
+    *("position_error", "rotation_error", "velocity_error", "spin_error"),
 )
 
 

@@ -138,6 +138,8 @@ class Accuracy:
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
         energy_error_max: a run is not trusted if its energy drift exceeds this.
+        overlap_depth: two shapes that no contact lists have passed through each other where a point of both
+            lies deeper in them than this times the radius of the smaller one's ball.
     """
 
     name: str = "balanced"
@@ -195,6 +197,7 @@ class Accuracy:
     prediction_error_max: float = 1e-2
     gap_error_max: float = 1e-9
     energy_error_max: float = 1e-6
+    overlap_depth: float = 1e-4
 
     def __post_init__(self) -> None:
         check_name("method", self.method, get_args(Method))

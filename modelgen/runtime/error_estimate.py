@@ -56,13 +56,15 @@ def estimate_of(
         instance: of the manifest.
     """
     length, last = instance["scales"]["length"], len(path.t)
-    position, rotation = np.full(last, np.inf), np.full(last, np.inf)
+    errors = {key: np.full(last, np.inf) for key in ("position", "rotation", "velocity", "spin")}
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
     if twin is not None:
-        position[:n], rotation[:n] = (safe * apart + tiny for apart, tiny in _errors(path, twin, n, instance))
-    predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
+        for key, (apart, tiny) in _errors(path, twin, n, instance).items():
+            errors[key][:n] = safe * apart + tiny
+    position = errors["position"]
+    predicted = _predicted(position / length, errors["rotation"], n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
-    other = _other(path, twin, predicted, slow, safe)
+    other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy, instance))
     reasons = [*_reasons(path, twin, accuracy, instance, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
@@ -70,7 +72,9 @@ def estimate_of(
         reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), instance)
     return Estimate(
         position=position,
-        rotation=rotation,
+        rotation=errors["rotation"],
+        velocity=errors["velocity"],
+        spin=errors["spin"],
         **other,
         predicted=predicted,
         horizon=float(path.t[predicted - 1]) if predicted < n else None,
@@ -95,19 +99,38 @@ def _safe(path: Trajectory, accuracy: Accuracy) -> float:
 
 def _errors(
     path: Trajectory, twin: Trajectory, n: int, instance: Mapping[str, Any]
-) -> tuple[tuple[Array, float], tuple[Array, float]]:
-    """(n,) m and rad: the largest differences up to each sample, with a bound of rounding."""
+) -> dict[str, tuple[Array, float]]:
+    """(n,) m, rad, m/s and rad/s: the largest differences up to each sample, with a bound of rounding."""
     bodies = list(enumerate(instance["bodies"]))
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
-    tiny = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    size = max(instance["scales"]["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
-    apart = distance_between(path, twin, moving)[:n]
-    turned = angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning])
-    return (
-        (np.maximum.accumulate(apart), tiny * size),
-        (np.maximum.accumulate(turned), tiny if turning else 0.0),
-    )
+    tiny, scales = ROUNDED * float(np.finfo(path.p.dtype).eps), instance["scales"]
+    size = max(scales["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
+    fast = max(scales["length"] / scales["time"], float(np.abs(path.v[:n, moving]).max(initial=0.0)))
+    turns = max(1 / scales["time"], float(np.abs(path.w[:n, turning]).max(initial=0.0)))
+    found = {
+        "position": (distance_between(path.p, twin.p, moving)[:n], tiny * size),
+        "rotation": (
+            angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning]),
+            tiny if turning else 0.0,
+        ),
+        "velocity": (distance_between(path.v, twin.v, moving)[:n], tiny * fast),
+        "spin": (distance_between(path.w, twin.w, turning)[:n], tiny * turns if turning else 0.0),
+    }
+    return {key: (np.maximum.accumulate(apart), least) for key, (apart, least) in found.items()}
+
+
+def _resolution(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
+    """s: the step at whose end time-stepping tells events; 0 where none is told by it."""
+    if accuracy.method == "time-stepping":
+        return accuracy.step or 0.0
+    is_stepping, told = False, 0
+    for event in path.events:
+        if event.kind in ("fallback-start", "fallback-end"):
+            is_stepping = event.kind == "fallback-start"
+        else:
+            told += is_stepping
+    return accuracy.fallback_step * float(instance["scales"]["time"]) if told else 0.0
 
 
 def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
@@ -116,18 +139,24 @@ def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> 
     return max(int(lost[0]) if lost.size else n, 1)
 
 
-def _other(path: Trajectory, twin: Trajectory | None, n: int, slow: float, safe: float) -> dict[str, Any]:
-    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s."""
+def _other(
+    path: Trajectory, twin: Trajectory | None, n: int, slow: float, safe: float, resolution: float
+) -> dict[str, Any]:
+    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s; where no
+    event is told up to there, in the times of later ones."""
     if twin is None:
         return {"gap": None, "force": None, "events": None, "events_unmatched": None}
     end = float(path.t[n - 1])
     gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
     told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
     times = events_between(told[0], told[1], end)
+    worst = times["events"]
+    if worst is None and told[0]:
+        worst = events_between(told[0], told[1], min(path.t_end, twin.t_end))["events"]
     return {
         "gap": None if gap is None else safe * gap,
         "force": None if force is None else safe * force,
-        "events": None if times["events"] is None else safe * times["events"],
+        "events": None if worst is None else safe * worst + resolution,
         "events_unmatched": times["events_unmatched"],
     }
 

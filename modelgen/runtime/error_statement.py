@@ -18,8 +18,11 @@ class Estimate:
         position: (n,) m, the largest error of a body's centre up to each sample; infinite where the
             companion did not come.
         rotation: (n,) rad, of a body's rotation.
+        velocity: (n,) m/s, of the velocity of a body's centre.
+        spin: (n,) rad/s, of a body's angular velocity.
         gap, force, events: m; root mean square, relative; s, with `events_unmatched`, those without their
-            like: up to the last sample that is predicted. None where the run has none.
+            like: up to the last sample that is predicted. None where the run has none. Where no event comes
+            before that sample, `events` is of the later ones.
         predicted: how many samples are predicted, at least one.
         horizon: s, the last of them, if there are others: later errors exceed
             `Accuracy.prediction_error_max`.
@@ -30,6 +33,8 @@ class Estimate:
 
     position: Array
     rotation: Array
+    velocity: Array
+    spin: Array
     gap: float | None
     force: float | None
     events: float | None
@@ -56,21 +61,22 @@ class Estimate:
         last = self.predicted - 1
         if not np.isfinite(self.position[last]):
             return "; ".join(f"uncertified: {reason}" for reason in self.uncertified)
-        turned = f", {self.rotation[last]:.2g} rad" if self.rotation[last] else ""
-        parts = [f"estimated error {self.position[last]:.2g} m{turned}"]
+        units = {"m": self.position, "rad": self.rotation, "m/s": self.velocity, "rad/s": self.spin}
+        known = [f"{errors[last]:.2g} {unit}" for unit, errors in units.items() if errors[last]]
+        parts = [f"estimated error {', '.join(known)}"]
         if self.horizon is not None:
             parts = [f"beyond predictable horizon ({self.horizon:.6g} s)", f"{parts[0]} up to there"]
         return "; ".join([*parts, *(f"uncertified: {reason}" for reason in self.uncertified)])
 
     def as_json(self) -> dict[str, Any]:
-        """The entry `estimate` of a summary; position and rotation at the last sample that is predicted."""
+        """The entry `estimate` of a summary; errors of samples are those at the last that is predicted."""
         last = self.predicted - 1
         known = bool(np.isfinite(self.position[last]))
+        samples = {key: getattr(self, key)[last] for key in ("position", "rotation", "velocity", "spin")}
         return {
             "status": self.status,
             "statement": self.statement,
-            "position": float(self.position[last]) if known else None,
-            "rotation": float(self.rotation[last]) if known else None,
+            **{key: float(error) if known else None for key, error in samples.items()},
             "gap": self.gap,
             "force": self.force,
             "events": self.events,

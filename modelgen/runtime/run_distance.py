@@ -12,10 +12,10 @@ from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
 
-def distance_between(a: Trajectory, b: Trajectory, moving: Sequence[int]) -> Array:
-    """(n,) m: the largest distance of the centres of the bodies `moving`."""
-    n, bodies = min(len(a.t), len(b.t)), list(moving)
-    apart = np.linalg.norm((a.p[:n, bodies] - b.p[:n, bodies]).astype(float), axis=-1)
+def distance_between(a: Array, b: Array, bodies: Sequence[int]) -> Array:
+    """(n,): the largest distance of the vectors (.., nb, 3) of some bodies at the samples that both have."""
+    n, chosen = min(len(a), len(b)), list(bodies)
+    apart = np.linalg.norm((a[:n, chosen] - b[:n, chosen]).astype(float), axis=-1)
     return np.asarray(apart.max(axis=1, initial=0.0), dtype=float)
 
 
@@ -42,16 +42,17 @@ def forces_between(a: Array, b: Array) -> float | None:
 
 
 def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
-    """Largest difference of event times, each matched with its like in order, and how many have none."""
+    """Largest difference of event times up to `end`, each matched with its like in order, None without any,
+    and how many have none."""
     if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
     times = [_by_kind(events, end) for events in (found, true)]
-    worst, unmatched = 0.0, 0
+    apart, unmatched = [], 0
     for key in times[0].keys() | times[1].keys():
         mine, theirs = times[0].get(key, []), times[1].get(key, [])
         unmatched += abs(len(mine) - len(theirs))
-        worst = max([worst, *(abs(a - b) for a, b in zip(mine, theirs, strict=False))])
-    return {"events": worst, "events_unmatched": unmatched}
+        apart += [abs(a - b) for a, b in zip(mine, theirs, strict=False)]
+    return {"events": max(apart, default=None), "events_unmatched": unmatched}
 
 
 def _by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:

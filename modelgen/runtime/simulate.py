@@ -25,6 +25,7 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Traject
 from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
+from modelgen.runtime.warnings.passages import passage_warnings
 
 KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
@@ -69,9 +70,20 @@ def simulate(
     doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
     path = _path(Session(library, chosen), end, np.linspace(0.0, end, intervals + 1), half)
+    if instance["unlisted"]["shapes"]:
+        path = _with_passages(path, chosen, instance)
     if doubled and len(path.t):
         path = replace(path, estimate=_estimate(library, chosen, path, _part(on_progress, 0.5, 1.0)))
     return replace(path, doubts=doubts(path, chosen, instance))
+
+
+def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:
+    """The run with the pairs that passed through each other because no contact lists them."""
+    from modelgen.runtime.undeclared.passages import passages  # scenes that list all pairs do not need it
+
+    found = passages(path, instance, accuracy.overlap_depth)
+    told = passage_warnings(found, path.t[0]) if found else ()
+    return replace(path, undeclared=found, warnings=(*path.warnings, *told))
 
 
 def _part(report: Report, start: float, end: float) -> Report:

@@ -36,8 +36,8 @@ class Outcome(Enum):
         "forces (Painleve); lower the friction"
     )
     PENETRATED = (
-        "bodies penetrate there: a contact was found too late or not at all; what was computed before is kept; "
-        "try a tighter accuracy, more `points` in the [[contact]] of the pair, and report the scene"
+        "bodies penetrate there: a contact was found too late or not at all; what was computed before is "
+        "kept; try a tighter accuracy, more `points` in the [[contact]] of the pair, and report the scene"
     )
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
@@ -91,6 +91,14 @@ class Event:
     contact: str
     features: str = ""  # that the contact is between after the event, where its shapes have several
     speed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """Two shapes that passed through each other because no contact lists them."""
+
+    between: tuple[str, str]  # as [[contact]] names them
+    t: float  # s, when an overlap was first seen
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -161,6 +169,7 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     warnings: tuple[str, ...] = ()
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
@@ -170,12 +179,30 @@ class Trajectory:
     @property
     def position_error(self) -> Array:
         """(n,) m, the estimated error of a body's centre up to each sample; infinite where unknown."""
-        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.position
+        return self._error("position")
 
     @property
     def rotation_error(self) -> Array:
         """(n,) rad, the estimated error of a body's rotation up to each sample; infinite where unknown."""
-        return np.full(len(self.t), np.inf) if self.estimate is None else self.estimate.rotation
+        return self._error("rotation")
+
+    @property
+    def velocity_error(self) -> Array:
+        """(n,) m/s, the estimated error of the velocity of a body's centre up to each sample; infinite where
+        unknown."""
+        return self._error("velocity")
+
+    @property
+    def spin_error(self) -> Array:
+        """(n,) rad/s, the estimated error of a body's angular velocity up to each sample; infinite where
+        unknown."""
+        return self._error("spin")
+
+    def _error(self, kind: str) -> Array:
+        if self.estimate is None:
+            return np.full(len(self.t), np.inf)
+        found: Array = getattr(self.estimate, kind)
+        return found
 
     @property
     def is_trusted(self) -> bool:
@@ -211,6 +238,7 @@ class Trajectory:
             "accuracy": self.accuracy,
             "warnings": list(self.warnings),
             "estimate": self.estimate and self.estimate.as_json(),
+            "trusted": self.is_trusted,
             "doubts": list(self.doubts),
             "steps": self.steps,
             "rejected": self.rejected,
@@ -225,6 +253,7 @@ class Trajectory:
             "redundant_max": self.redundant_max,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
+            "undeclared": [{"between": list(each.between), "t": each.t} for each in self.undeclared],
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
                 for e in self.events

@@ -21,13 +21,14 @@ def doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) ->
 
     Args:
         path: the run, with its estimate if there is one.
-        accuracy: its record; `gap_error_max` and `energy_error_max` are the thresholds of the ledger.
+        accuracy: its record; `gap_error_max`, `start_joint_gap` and `energy_error_max` are the thresholds of
+            the ledger.
         instance: of the manifest.
 
     Returns:
-        The reasons in words: the run ended early; a closed contact is open; bodies
-        penetrate; energy is out of
-        balance; the error is not predicted up to the end; the run is uncertified.
+        The reasons in words: the run ended early; a closed contact is open; bodies penetrate; a joint is
+        apart; energy is out of balance; the error is not predicted up to the end; the run is uncertified, and
+        why.
     """
     return tuple(_doubts(path, accuracy, instance))
 
@@ -40,6 +41,9 @@ def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -
         yield f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap_limit:.2g} m"
     if not path.penetration_max <= gap_limit:
         yield f"bodies penetrated by {path.penetration_max:.2g} m, above {gap_limit:.2g} m"
+    joint_limit = accuracy.start_joint_gap * instance["scales"]["length"]
+    if not path.joint_error_max <= joint_limit:
+        yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"
     if not path.energy_drift <= accuracy.energy_error_max:
         yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
     estimate = path.estimate
@@ -47,7 +51,7 @@ def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -
         yield f"nothing is predicted beyond {estimate.horizon:.6g} s"
     reasons = tuple(uncertified(path, accuracy, instance)) if estimate is None else estimate.uncertified
     if reasons:
-        yield (f"uncertified: {'; '.join(reasons)}" if estimate is None else "uncertified (see the estimate)")
+        yield f"uncertified: {'; '.join(reasons)}"
 
 
 def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Iterator[str]:

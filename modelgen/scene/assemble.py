@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
+from modelgen.scene.remarks import remark_on_gravity
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_types import Body, RunSettings, Scene
@@ -30,6 +31,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     known = {body.name: body for body in bodies}
     run = values["run"] or RUN.read({}, place.key("run"))
     check_run(run, place.key("run"))
+    remark_on_gravity(values["gravity"], place.key("gravity"))
     joined = joints.joints(values["joint"], known)
     observe = contacts_and_loads.observed(
         values["observe"], known, (each.name for each in joined), place.key("observe")
@@ -45,4 +47,5 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         observe=observe,
         fold=values["fold"],
         run=RunSettings(**run),
+        remarks=tuple(place.remarks),
     )

@@ -23,10 +23,20 @@ MAX_NUMBER = 1e30
 MAX_EXPONENT = 64.0  # of a constant exponent
 CONSTANTS: Mapping[str, float] = {"pi": pi, "e": euler}
 LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join(FUNCTIONS)
+CONDITIONS = "there are no comparisons and conditions: use max, min, abs or sign"
 UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
-NUMBER_WITH_UNIT = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-z][A-Za-z0-9_/*-]*")
+NUMBER_WITH_UNIT = re.compile(r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°µ%][A-Za-z0-9_/*^²³.-]*)")
+DEGREES = ("deg", "degs", "degree", "degrees", "°")
 
 _FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/()., \t\r\n]")
+FOREIGN_REMEDIES: Mapping[str, str] = {
+    "^": "write ** for a power",
+    **dict.fromkeys("<>=!?&|", CONDITIONS),
+    **dict.fromkeys("[]{}", "group with (...)"),
+    **dict.fromkeys("·×", "write * for a product"),
+    "÷": "write / for a quotient",
+    "−": "write - for a minus",
+}
 _OPERATORS: Mapping[type[ast.operator], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**",
 }  # fmt: skip
@@ -85,13 +95,34 @@ def parse_expression(text: str, names: Collection[str]) -> Expression:
             tree = ast.parse(flat.strip(), mode="eval").body
     except SyntaxError as error:
         column = error.offset - 1 if error.offset else len(flat.strip())  # no offset: the end came too early
-        remedy = UNITS if NUMBER_WITH_UNIT.fullmatch(flat.strip()) else ""
-        raise _error(text, "it is not an expression", column + indent, remedy=remedy) from None
+        found, remedy = _what_is_wrong(flat.strip(), frozenset(names))
+        raise _error(text, found, column + indent, remedy=remedy) from None
     except (RecursionError, MemoryError, ValueError):
         raise _error(text, "it is nested too deeply", None) from None
     walker = _Walker(text, frozenset(names), indent)
     node, _ = walker.visit(tree, 1)
     return Expression(text, node, frozenset(walker.used))
+
+
+def _what_is_wrong(text: str, names: Collection[str]) -> tuple[str, str]:
+    """What was found in a text that is no expression, and the remedy."""
+    product = re.search(r"([0-9.]+)\s*\(|([0-9.]+)\s*([A-Za-z_][A-Za-z0-9_]*)", text)
+    if product and (product[3] is None or product[3] in {*names, *CONSTANTS, *FUNCTIONS}):
+        factors = f"{product[1]}*(...)" if product[3] is None else f"{product[2]}*{product[3]}"
+        return "a product without its sign", f"write {factors}"
+    unit = NUMBER_WITH_UNIT.fullmatch(text)
+    if unit:
+        return f"a number with the unit {unit[2]!r}", _without_unit(unit)
+    if text.count("(") != text.count(")"):
+        missing = ")" if text.count("(") > text.count(")") else "("
+        return f"a bracket without its {missing!r}", f"add {missing}"
+    if re.search(r"\b(if|else|and|or|not)\b", text):
+        return "a condition", CONDITIONS
+    return "it is not an expression", ""
+
+
+def _without_unit(unit: re.Match[str]) -> str:
+    return f'write "{unit[1]}*pi/180"' if unit[2].lower() in DEGREES else UNITS
 
 
 def constant_expression(value: float) -> Expression:
@@ -133,8 +164,11 @@ def _check_characters(text: str) -> None:
     if len(text) > MAX_LENGTH:
         raise _error(text, f"it has {len(text)} characters", None, f"at most {MAX_LENGTH} are allowed")
     foreign = _FOREIGN.search(text)
+    unit = NUMBER_WITH_UNIT.fullmatch(text.strip())
+    if foreign and unit:
+        raise _error(text, f"a number with the unit {unit[2]!r}", 0, LANGUAGE, _without_unit(unit))
     if foreign:
-        remedy = "write ** for a power" if foreign.group() == "^" else ""
+        remedy = FOREIGN_REMEDIES.get(foreign.group(), "")
         raise _error(text, f"the character {foreign.group()!r}", foreign.start(), LANGUAGE, remedy)
 
 
@@ -172,6 +206,8 @@ class _Walker:
                 return self.binary(node, depth)
             case ast.Call():
                 return self.call(node, depth)
+        if isinstance(node, ast.IfExp | ast.Compare | ast.BoolOp):
+            raise self.error(node, "a condition", remedy=CONDITIONS)
         kind = re.sub(r"(?<!^)(?=[A-Z])", " ", type(node).__name__).lower()
         raise self.error(node, f"Python's {kind!r} construct")
 
@@ -216,7 +252,9 @@ class _Walker:
 
     def call(self, node: ast.Call, depth: int) -> Valued:
         if not isinstance(node.func, ast.Name):
-            raise self.error(node, "a call of something that is not a function")
+            name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+            remedy = f"write {name}(...) without what stands before it" if name in FUNCTIONS else ""
+            raise self.error(node, "a call of something that is not a function", remedy=remedy)
         name = node.func.id
         if name not in FUNCTIONS:
             raise self.error(

@@ -10,7 +10,7 @@ from modelgen.scene.list_types import Field, Sequence, Table
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import Real, Schema
 from modelgen.scene.scene_types import Friction
-from modelgen.scene.source_location import Place
+from modelgen.scene.source_location import Place, describe
 
 COEFFICIENT = Real(0.0, 1e6)
 _AXES = Sequence(COEFFICIENT, 2)
@@ -52,6 +52,11 @@ class FrictionValue:
     def read(self, value: object, place: Place) -> Friction | None:
         if isinstance(value, Mapping):
             return _from_table(_TABLE.read(value, place), place)
+        if isinstance(value, list | tuple):
+            remedy = (
+                "write { static = ..., kinetic = ... }, or { kinetic = [..., ...], direction = [x, y, z] }"
+            )
+            raise place.error(describe(value), "a number or a table is allowed", remedy)
         number = COEFFICIENT.read(value, place)
         return Friction((number, number), (number, number)) if number else None
 

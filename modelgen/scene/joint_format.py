@@ -16,7 +16,10 @@ NOT_NEGATIVE = Real(minimum=0.0)
 ORIENTATION = (ORIENTATIONS,)
 
 _BETWEEN = Field(
-    "between", Sequence(NAME, 2), 'names of two bodies; "world" is a body at rest', required=True
+    "between",
+    Sequence(NAME, 2, '["one", "other"]'),
+    'names of two bodies; "world" is a body at rest',
+    required=True,
 )
 _JOINT_FRAMES = (
     Field("name", NAME, "name of the joint, unique in the scene; its bodies' names and kind if absent"),

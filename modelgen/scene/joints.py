@@ -10,11 +10,13 @@ from modelgen.errors import nearest
 from modelgen.scene.checked_expressions import finite
 from modelgen.scene.pose_input import read_pose
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
+from modelgen.scene.remarks import remark_on_angles
 from modelgen.scene.scene_format import PATH_NAMES
 from modelgen.scene.scene_types import Body, Joint, Pose
 from modelgen.scene.source_location import Place
 
 WORLD = "world"
+TURNING = ("revolute", "universal")  # kinds whose first coordinate is an angle that may turn on
 _OPTIONAL = ("limits", "limits_y", "restitution", "stiffness", "damping", "rest")
 Written = Iterable[tuple[Place, Mapping[str, Any]]]
 
@@ -71,6 +73,8 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
     )
     _check_limits(joint, place)
     _check_idle(joint, place)
+    if joint.kind in TURNING:
+        remark_on_angles(joint.limits, place.key("limits"))
     return joint
 
 

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.errors import SYNONYMS, synonym
+from modelgen.scene.misplaced_keys import meant
 from modelgen.scene.scalar_types import NUMBER, Choice, Schema, Type
 from modelgen.scene.source_location import Place, describe
-
-OTHERWISE = {"mu": "did you mean 'friction'?"}  # keys often tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,16 +19,26 @@ class Sequence:
 
     item: Type
     length: int | None
+    example: str = ""  # as a remedy shows it
 
     def read(self, value: object, place: Place) -> tuple[Any, ...]:
         if not isinstance(value, list | tuple) or (self.length is not None and len(value) != self.length):
             size = "a list" if self.length is None else f"a list of {self.length}"
-            raise place.error(describe(value), f"{size} is allowed")
+            raise place.error(describe(value), f"{size} is allowed", self._remedy(value))
         return tuple(self.item.read(each, place.item(index)) for index, each in enumerate(value))
 
     def schema(self) -> Schema:
         schema: Schema = {"type": "array", "items": self.item.schema()}
         return schema if self.length is None else schema | {"minItems": self.length, "maxItems": self.length}
+
+    def _remedy(self, value: object) -> str:
+        """How to write it; twice as many whole numbers as there should be are numbers with decimal commas."""
+        if self.length is None:
+            return "write [a, b, ...]"
+        if isinstance(value, list) and len(value) == 2 * self.length and all(type(n) is int for n in value):
+            pairs = zip(value[::2], value[1::2], strict=True)
+            return f"decimals have a point: write [{', '.join(f'{whole}.{part}' for whole, part in pairs)}]"
+        return f"write {self.example or '[' + ', '.join('...' for _ in range(self.length)) + ']'}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +88,12 @@ class Table:
         for key in value:
             if key not in known:
                 shown = key if isinstance(key, str) and len(key) <= 60 else str(key)[:57] + "..."
-                remedy = OTHERWISE.get(shown) or nearest(shown, known)
-                raise place.error(f"unknown key {shown!r}", "allowed are " + ", ".join(known), remedy)
+                allowed = "allowed are " + ", ".join(known)
+                raise place.error(f"unknown key {shown!r}", allowed, meant(shown, known))
         for field in self.fields:
             if field.required and field.key not in value:
-                raise place.error(f"the key {field.key!r} is missing", "", f"add {field.key}: {field.doc}")
+                added = f"a [[{field.key}]]" if isinstance(field.type, Several) else field.key
+                raise place.error(f"the key {field.key!r} is missing", "", f"add {added}: {field.doc}")
         for group in self.exclusive:
             written = [key for key in group if key in value]
             if len(written) > 1:
@@ -105,7 +115,9 @@ class Tagged:
         if not isinstance(value, Mapping):
             raise place.error(describe(value), "a table is allowed", f'write {{ {self.tag} = "...", ... }}')
         if self.tag not in value and self.default is None:
-            raise place.error(f"the key {self.tag!r} is missing", allowed, f"add {self.tag}: {self.doc}")
+            others = [key for key in value if self.tag in SYNONYMS.get(str(key).lower(), ())]
+            remedy = f"write {self.tag} in place of {others[0]}" if others else f"add {self.tag}: {self.doc}"
+            raise place.error(f"the key {self.tag!r} is missing", allowed, remedy)
         written = value.get(self.tag, self.default)
         tag = Choice(tuple(self.tables)).read(written, place.key(self.tag))
         rest = {key: each for key, each in value.items() if key != self.tag}
@@ -123,7 +135,7 @@ class Tagged:
             if homes and key not in own:
                 found = f"the key {key!r} where {self.tag} is {tag!r}"
                 allowed = f"it belongs to {self.tag} = " + " or ".join(map(repr, homes))
-                raise place.error(found, allowed, f"allowed here are {', '.join(own)}")
+                raise place.error(found, f"{allowed}; allowed here are {', '.join(own)}", synonym(key, own))
 
     def _branch(self, name: str, table: Table) -> Schema:
         schema = table.schema()
@@ -145,8 +157,7 @@ class Several:
         if self.single and isinstance(value, Mapping):
             return ((place, self.item.read(value, place)),)
         if not isinstance(value, list | tuple):
-            remedy = f"write [[{place.path}]]" if isinstance(value, Mapping) else ""
-            raise place.error(describe(value), "a list of tables is allowed", remedy)
+            raise place.error(describe(value), "a list of tables is allowed", self._remedy(value, place))
         places = [self._place(each, place.item(index)) for index, each in enumerate(value)]
         return tuple((at, self.item.read(each, at)) for at, each in zip(places, value, strict=True))
 
@@ -154,6 +165,14 @@ class Several:
         item = self.item.schema()
         items = {"type": "array", "items": item}
         return {"anyOf": [item, items]} if self.single else items
+
+    def _remedy(self, value: object, place: Place) -> str:
+        if isinstance(value, Mapping):
+            return f"write [[{place.path}]]"
+        item = self.item.type if isinstance(self.item, Defined) else self.item
+        if isinstance(item, Tagged) and isinstance(value, str) and value in item.tables:
+            return f'write {{ {item.tag} = "{value}", ... }}'
+        return ""
 
     def _place(self, value: object, place: Place) -> Place:
         name = value.get("name") if isinstance(value, Mapping) else None

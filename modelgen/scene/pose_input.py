@@ -7,13 +7,14 @@ from math import cos, hypot, sin
 from typing import Any
 
 from modelgen.scene.list_types import Field, Sequence, Table
+from modelgen.scene.remarks import remark_on_orientation
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Matrix, Pose, Vector
 from modelgen.scene.source_location import Place
 
 Quaternion = tuple[float, float, float, float]
 
-VECTOR = Sequence(NUMBER, 3)
+VECTOR = Sequence(NUMBER, 3, "[x, y, z]")
 ORIENTATIONS = ("quaternion", "axis_angle", "rpy", "rotation")
 SHORTEST = 1e-9  # length of a quaternion or an axis that still has a direction
 ROUNDING = 1e-6  # of a rotation matrix written in decimals, per entry of R^T R
@@ -27,7 +28,11 @@ _AXIS_ANGLE = Table(
 
 POSE_FIELDS = (
     Field("position", VECTOR, "position [x, y, z] of the frame, m", default=(0.0, 0.0, 0.0)),
-    Field("quaternion", Sequence(NUMBER, 4), "orientation [w, x, y, z]; its length is divided out"),
+    Field(
+        "quaternion",
+        Sequence(NUMBER, 4, "[w, x, y, z]"),
+        "orientation [w, x, y, z]; its length is divided out",
+    ),
     Field("axis_angle", _AXIS_ANGLE, "orientation as a turn about one axis"),
     Field("rpy", VECTOR, "orientation [roll, pitch, yaw], rad: R = Rz(yaw) Ry(pitch) Rx(roll)"),
     Field("rotation", Sequence(VECTOR, 3), "orientation as a rotation matrix, a list of rows"),
@@ -40,6 +45,7 @@ def read_pose(values: Mapping[str, Any], place: Place) -> Pose:
 
 
 def _orientation(values: Mapping[str, Any], place: Place) -> Quaternion:
+    remark_on_orientation(values, place)
     if values["quaternion"] is not None:
         return _unit(values["quaternion"], place.key("quaternion"))
     if values["axis_angle"] is not None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import tomllib
+from difflib import get_close_matches
 from os import strerror
 from pathlib import Path
 
-from modelgen.errors import nearest, path_of
+from modelgen.errors import path_of
 from modelgen.scene.assemble import scene_from_tables
 from modelgen.scene.scene_name import scene_name
 from modelgen.scene.scene_types import Scene
@@ -14,6 +15,7 @@ from modelgen.scene.source_location import Place
 from modelgen.scene.toml_errors import syntax_fault
 
 LARGEST = 4 * 2**20  # bytes
+ALIKE = 0.7  # of two names of files, from 0 to 1, for one to be meant by the other
 
 
 def read(path: str | Path) -> Scene:
@@ -33,6 +35,8 @@ def read_text(text: str, source: str = "<text>") -> Scene:
     except (RecursionError, ValueError):
         found = "not TOML: a value is nested too deeply or has too many digits"
         raise Place(source).error(found, "", "simplify it") from None
+    if not tables:
+        raise Place(source).error("an empty file", "a scene has one body or more", "add a [[body]]")
     return scene_from_tables(scene_name(source), tables, source)
 
 
@@ -42,15 +46,16 @@ def _text(path: Path) -> str:
         if not path.exists():
             raise place.error("no such file", "", _near(path))
         if not path.is_file():
-            raise place.error("not a file", "a scene is a TOML file", "give the path of a file")
+            found = "it is a folder" if path.is_dir() else "not a file"
+            raise place.error(found, "a scene is a TOML file", "give the path of a file")
         size = path.stat().st_size
         if size > LARGEST:
             raise place.error(f"{size} bytes", f"a scene file has at most {LARGEST}", "is it a scene?")
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise place.error(
-            f"byte {error.start} is not UTF-8 text", "a scene is a TOML file", "is it?"
-        ) from None
+        line = error.object[: error.start].count(b"\n") + 1
+        found = f"line {line} is not UTF-8 text"
+        raise place.error(found, "a scene is a TOML file", "if it is one, save it as UTF-8") from None
     except (OSError, ValueError) as error:
         reason = strerror(error.errno) if isinstance(error, OSError) and error.errno else "not a path"
         raise place.error(f"cannot be read: {reason}", "", "check the path and its permissions") from None
@@ -58,5 +63,8 @@ def _text(path: Path) -> str:
 
 def _near(path: Path) -> str:
     folder = path.parent
-    names = [each.name for each in folder.glob("*.toml")] if folder.is_dir() else []
-    return nearest(path.name, names) or "check the path"
+    names = {each.stem: each.name for each in folder.glob("*.toml")} if folder.is_dir() else {}
+    close = get_close_matches(path.stem, names, n=1, cutoff=ALIKE)
+    if close:
+        return f"did you mean {names[close[0]]!r}?"
+    return "check the path" if folder.is_dir() else f"there is no folder {str(folder)!r}"

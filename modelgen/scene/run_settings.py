@@ -24,10 +24,17 @@ FORMS = (
     *("centre_surface", "centre_curve", "edge_edge"),
 )
 
+_TOLERANCE = "a number is written tolerance = ..., without accuracy"
+
 RUN = Table(
     (
         Field("until", POSITIVE, "end of the run, s", default=1.0),
-        Field("accuracy", Choice(ACCURACIES), "how tightly every tolerance is set", default="balanced"),
+        Field(
+            "accuracy",
+            Choice(ACCURACIES, _TOLERANCE),
+            "how tightly every tolerance is set",
+            default="balanced",
+        ),
         Field("tolerance", Real(1e-18, 1e-2), "relative tolerance in place of the accuracy's"),
         Field(
             "imaginary_edge",

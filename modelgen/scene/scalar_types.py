@@ -93,10 +93,11 @@ class Switch:
 @dataclass(frozen=True, slots=True)
 class Choice:
     options: tuple[str, ...]
+    number: str = ""  # the remedy for a number in place of a name
 
     def read(self, value: object, place: Place) -> str:
         if value not in self.options:
-            remedy = nearest(value, self.options) if isinstance(value, str) else ""
+            remedy = nearest(value, self.options) if isinstance(value, str) else self.number
             raise place.error(describe(value), "allowed are " + ", ".join(self.options), remedy)
         return str(value)
 

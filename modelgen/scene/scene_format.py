@@ -28,6 +28,7 @@ ZERO = (0.0, 0.0, 0.0)
 STILL = ("0.0", "0.0", "0.0")
 
 SCENE_NAME = Text(r"^[A-Za-z0-9_-]{1,64}$", "letters, digits, _ and - are allowed, at most 64")
+_TWO = '["one", "other"]'
 _PARTNER = Text(
     r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z][A-Za-z0-9_]{0,63})?$",
     "the name of a body, or body/shape, is allowed",
@@ -133,7 +134,10 @@ _FEATURE = Text(r"^[A-Za-z][A-Za-z0-9_.]{0,63}$", "the name of a feature is allo
 
 CONTACT = Table(
     (
-        Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
+        Field(
+            "between", Sequence(_PARTNER, 2, _TWO), 'two partners, each "body" or "body/shape"',
+            required=True,
+        ),
         Field(
             "restitution",
             RestitutionValue(),
@@ -176,7 +180,7 @@ TORQUE = Table((_LOADED, Field("torque", _formulas(_LOAD_DOC), "components, N m"
 
 SPRING = Table(
     (
-        Field("between", Sequence(NAME, 2), "names of two bodies", required=True),
+        Field("between", Sequence(NAME, 2, _TWO), "names of two bodies", required=True),
         Field(
             "anchors", Sequence(VECTOR, 2), "a point of each, body axes from its origin, m",
             default=(ZERO, ZERO),
@@ -195,7 +199,12 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
-        Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
+        Field(
+            "gravity",
+            Sequence(NUMBER, 3, "[0.0, 0.0, -9.81]"),
+            "gravitational acceleration, m/s^2",
+            default=(0.0, 0.0, -9.81),
+        ),
         Field(
             "observe",
             Sequence(Text(r"^[A-Za-z][^.\s]*\.[a-z_]+$", "name.quantity is allowed"), None),

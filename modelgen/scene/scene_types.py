@@ -259,3 +259,4 @@ class Scene:
     observe: tuple[str, ...] = ()  # names such as "ball.position"; empty: everything
     fold: bool = False  # numbers become constants of the generated code
     run: RunSettings = field(default_factory=RunSettings)
+    remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words

@@ -72,7 +72,9 @@ def _curve(kind: str, doc: str, parameters: tuple[str, ...], fields: tuple[Field
     return ShapeSpec(kind, doc, parameters, fields, closed=False, implicit=False, curve=True)
 
 
-_SEMI_AXES = Field("semi_axes", Sequence(POSITIVE, 3), "semi-axes [a, b, c] along x, y, z, m", required=True)
+_SEMI_AXES = Field(
+    "semi_axes", Sequence(POSITIVE, 3, "[a, b, c]"), "semi-axes [a, b, c] along x, y, z, m", required=True
+)
 _RADIUS = Field("radius", POSITIVE, "radius, m", required=True)
 _COMPONENT = ExpressionText("expression of u, v and the parameters, m")
 

@@ -8,6 +8,7 @@ from typing import Any
 from modelgen.scene.checked_expressions import finite, triple
 from modelgen.scene.custom_solid import read_solid
 from modelgen.scene.pose_input import read_pose
+from modelgen.scene.remarks import remark_on_density
 from modelgen.scene.scene_format import PATH_NAMES, ZERO
 from modelgen.scene.scene_types import Body, Path, Shape
 from modelgen.scene.shape_catalogue import SHAPES
@@ -82,6 +83,7 @@ def _check_unique(noun: str, names: Iterable[str], place: Place) -> None:
 def _check_mass(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) -> None:
     if values["density"] is not None:
         _check_solid(shapes, place.key("density"))
+        remark_on_density(values["density"], place.key("density"))
         return
     for key, other in (("mass", "inertia"), ("inertia", "mass")):
         if values[key] is None:
@@ -102,8 +104,16 @@ def _check_solid(shapes: tuple[Shape, ...], place: Place) -> None:
             what = "the cavity" if each.cavity else f"the {each.kind}"
             raise place.error(
                 f"a density, but {what} {each.name!r} bounds no finite solid",
-                "density needs closed shapes", "give mass and inertia instead",
+                "density needs closed shapes", _closing(each),
             )  # fmt: skip
+
+
+def _closing(shape: Shape) -> str:
+    """How to get a mass for a body with an open shape: some end where a further number is given."""
+    ends = [field.key for field in SHAPES[shape.kind].optional] if shape.kind in SHAPES else []
+    if shape.cavity or not ends:
+        return "give mass and inertia instead"
+    return f"add {' and '.join(ends)}, or give mass and inertia instead"
 
 
 def _is_closed(shape: Shape) -> bool:

@@ -165,7 +165,7 @@ def _meet(p: tuple[Point, Point], q: tuple[Point, Point]) -> bool:
 _COMPOSITES = (
     ShapeSpec(
         "box", "a box centred at the origin", ("x", "y", "z"),
-        (Field("size", Sequence(POSITIVE, 3), "edges [x, y, z], m", required=True),),
+        (Field("size", Sequence(POSITIVE, 3, "[x, y, z]"), "edges [x, y, z], m", required=True),),
         closed=True, implicit=False,
     ),
     ShapeSpec(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
@@ -16,6 +16,7 @@ class Place:
     source: str
     path: str = ""
     label: str = ""  # such as "body 'egg'"
+    remarks: list[str] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -33,6 +34,11 @@ class Place:
     def error(self, found: str, allowed: str = "", remedy: str = "") -> SceneError:
         return SceneError(str(self), found, allowed, remedy)
 
+    def remark(self, found: str, remedy: str) -> None:
+        """Keep a remark on what is allowed but seldom meant; it becomes a warning of the scene."""
+        where = f"{self.path} ({self.label})" if self.label else self.path
+        self.remarks.append(f"{where}: {found}; {remedy}")
+
     def expression(self, text: str, names: Collection[str]) -> Expression:
         """The expression `text` over `names`; a refusal names this place."""
         try:
@@ -42,7 +48,12 @@ class Place:
 
     def number(self, text: str) -> float:
         """The value of an expression without names, such as `pi/2`."""
-        return evaluate(self.expression(text, ()), {})
+        try:
+            return evaluate(self.expression(text, ()), {})
+        except SceneError as error:
+            raise SceneError(
+                error.where, error.found, error.allowed, error.remedy or "write a number"
+            ) from None
 
 
 def describe(value: object) -> str:

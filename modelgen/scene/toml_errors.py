@@ -10,6 +10,7 @@ _POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _NUMBER = r"[-+]?\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?"
 _DECIMAL_COMMA = re.compile(r"[-+]?\d[\d.]*,\d+(?![\w,])")
 _WITH_UNIT = re.compile(rf"({_NUMBER})\s*([A-Za-zµ°%][\w/^*²]*)")
+LISTS = ("body", "contact", "joint", "force", "torque", "spring")  # tables of which there may be several
 _CASE = {"true": "true", "false": "false", "nan": "nan", "inf": "inf", "none": "", "null": ""}
 
 
@@ -39,7 +40,8 @@ def _explained(message: str, line: str, column: int) -> tuple[str, str]:
     key = line.partition("=")[0].strip()
     if declared := re.fullmatch(r"Cannot declare \((.*)\) twice", message):
         name = ".".join(re.findall(r"'([^']*)'", declared[1]))
-        return f"the table [{name}] is written twice", f"merge the two, or write [[{name}]] for a list"
+        remedy = f"write [[{name}]] for each of them" if name in LISTS else "merge the two"
+        return f"the table [{name}] is written twice", remedy
     if line.lstrip().startswith("[") and message.startswith("Cannot overwrite"):
         name = line.strip().strip("[]")
         return f"{name!r} is already a table or a value", f"write [[{name}]] for every entry of a list"
@@ -53,11 +55,21 @@ def _explained(message: str, line: str, column: int) -> tuple[str, str]:
     if message.startswith("Expected '=' after a key"):
         return _no_equals_sign(line, column)
     if message.startswith("Invalid statement"):
+        if line.lstrip().startswith(("{", "<")):
+            return (
+                f"the line {_short(line.strip())!r}",
+                "a scene is TOML, no JSON and no XML",
+            )
         if line.lstrip().startswith(("//", "/*", "%", ";", "--")):
             return f"the line {line.strip()!r}", "begin comments with #"
         return f"the line {line.strip()!r}", "write key = value, or a table such as [run]"
     if "array declaration" in message or "table declaration" in message:
         return f"the header {line.strip()!r} lacks a closing bracket", "write [name] or [[name]]"
+    if message.startswith("Unclosed inline table"):
+        return (
+            "a table in braces without closing brace, or without a comma between two entries",
+            "write { a = 1, b = 2 } on one line",
+        )
     if message.startswith("Unclosed array") or "array" in message:
         return (
             "a list without closing bracket, or without a comma between two entries",
@@ -75,6 +87,10 @@ def _explained(message: str, line: str, column: int) -> tuple[str, str]:
     if "'\\'" in message:
         return "a backslash in a text", r"write \\, or put the text in single quotes"
     return message, "mend the text there"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else f"{text[:37]}..."
 
 
 def _after_value(line: str, column: int) -> tuple[str, str]:

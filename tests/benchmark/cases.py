@@ -110,7 +110,7 @@ def _compared(blank: Verdict, path: Trajectory, real: Trajectory, truth: Library
     length = instance["scales"]["length"]
     size = max(length, float(np.abs(path.p[:n, moving]).max(initial=0.0)))
     least = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    far = float(distance_between(path, real, moving)[:n].max(initial=0.0))
+    far = float(distance_between(path.p, real.p, moving)[:n].max(initial=0.0))
     turned = float(angle_between(path.quaternion[:n, turning], real.quaternion[:n, turning]).max(initial=0.0))
     ratios = [max(estimate.position[n - 1], least * size) / max(far, least * size)]
     if turning:
@@ -130,7 +130,7 @@ def _predictable(real: Trajectory, truth: Library, until: float) -> int:
     twin = simulate(nudged(truth), until=until, samples=SAMPLES, accuracy=Accuracy.finest(), estimate=False)
     instance = truth.manifest.instance
     moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
-    apart = distance_between(real, twin, moving) / instance["scales"]["length"]
+    apart = distance_between(real.p, twin.p, moving) / instance["scales"]["length"]
     turned = angle_between(real.quaternion[: len(apart), moving], twin.quaternion[: len(apart), moving])
     lost = np.flatnonzero(np.maximum(apart, turned) > PREDICTABLE)
     return max(int(lost[0]), 1) if lost.size else len(real.t)

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from modelgen.benchmark.work_precision_front import (
     Point,
+    advantage,
     cheapest,
+    compared,
     finest,
     front,
     improves,
@@ -73,3 +75,29 @@ def test_rows_that_are_shown_are_of_the_front_and_apart(points: list[Point]) -> 
     assert all(point in best for point in shown)
     assert shown[:1] == best[:1]
     assert all(place(a)[1] >= 2 * place(b)[1] for a, b in itertools.pairwise(shown))
+
+
+@given(POINTS, st.integers(0, 20))
+def test_a_point_that_is_cited_is_shown_and_the_others_stay(points: list[Point], k: int) -> None:
+    best = front(points)
+    cited = best[k : k + 2]
+    shown = spaced(best, 2.0, cited)
+    assert all(point in shown for point in (*cited, *spaced(best, 2.0)))
+    assert len(shown) <= len(spaced(best, 2.0)) + len(cited)
+
+
+@given(POINTS, POINTS, SIZES)
+def test_an_advantage_is_that_of_the_points_compared(
+    ours: list[Point], theirs: list[Point], budget: float
+) -> None:
+    points, found = compared(ours, theirs, 1e6 * budget), advantage(ours, theirs, 1e6 * budget)
+    assert (points is None) == (found is None)
+    if points is None or found is None:
+        return
+    best, equal, finer = points
+    assert best in front(theirs)
+    assert equal in front(ours)
+    assert finer in front(ours)
+    assert found["cheaper"] == place(best)[0] / place(equal)[0]
+    assert place(equal)[1] <= place(best)[1] == found["error"]
+    assert place(finer)[0] <= place(best)[0]

@@ -13,9 +13,10 @@ from rich.console import Console
 from modelgen import derive, emit, require
 from modelgen.benchmark import setting_evaluation as program
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.measurement import SHOWN, measure
+from modelgen.benchmark.measurement import SHOWN, Measurement, measure
 from modelgen.benchmark.measurement_store import NAME
 from modelgen.benchmark.measurement_table import print_measurement, print_tuned
+from modelgen.benchmark.peers import PeerPoints
 from modelgen.benchmark.peers.scene_description import _solid
 from modelgen.benchmark.sampled_motion import Bodies
 from modelgen.benchmark.scene_under_measurement import Subject
@@ -178,3 +179,37 @@ def test_tuning_some_knobs_keeps_what_the_scene_says_of_the_others(root: Path) -
     out = StringIO()
     print_measurement(tuned.measurement, Console(file=out, width=200))
     assert "knobs: method dop853 (not turned), tolerance, level O1 (not turned);" in out.getvalue()
+
+
+THEIRS = [  # of a simulator; the most accurate within 1 s a second errs nearly as much as the one before
+    Point({"timestep": step}, error, cost)
+    for step, error, cost in ((1e-2, 1e-2, 1e6), (1e-3, 1e-4, 1e7), (1e-4, 9e-5, 1e8), (1e-5, 1e-8, 1e10))
+]
+
+
+def table(found: Measurement, peer: PeerPoints) -> list[str]:
+    out = StringIO()
+    print_measurement(replace(found, peers=[peer]), Console(file=out, width=200))
+    return out.getvalue().splitlines()
+
+
+def test_the_rows_that_a_closing_line_is_about_stand_in_the_tables(root: Path) -> None:
+    found = measure(thrown(), knobs=["tolerance"], root=root)
+    lines = table(found, PeerPoints("other", [], THEIRS, turned=["timestep"]))
+    (closing,) = (line for line in lines if line.startswith("at the best error of other"))
+    assert "9.0e-05 at 1e+05 µs" in closing
+    assert any(line.startswith("9.0e-05") and "timestep 0.0001" in line for line in lines)
+    cost = closing.split("cheaper here (")[1].split(" µs")[0]
+    assert any(cost in line.split() for line in lines[: lines.index("other")])
+
+
+def test_a_simulator_whose_knobs_are_left_alone_is_compared_by_no_ratio(root: Path) -> None:
+    found = measure(thrown(), knobs=["tolerance"], root=root)
+    peer = PeerPoints("other", [], THEIRS, turned=["timestep"], left=["timestep", "contact"])
+    lines = table(found, peer)
+    assert not [line for line in lines if "times cheaper" in line]
+    (closing,) = (line for line in lines if line.startswith("--knobs names none of the settings of other"))
+    assert "timestep alone is varied" in closing
+    assert "add some of contact to --knobs" in closing
+    assert peer.as_json(found.points)["advantage"] is None
+    assert peer.as_json(found.points)["knobs"] == ["timestep"]

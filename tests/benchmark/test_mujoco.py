@@ -146,3 +146,15 @@ restitution = 0.9
 )
 def test_what_it_cannot_represent_is_said_by_name(name: str, words: list[str]) -> None:
     assert unlike(read(SCENES / f"{name}.toml")) == words
+
+
+def test_knobs_that_turn_none_of_its_settings_give_no_ratio(tmp_path: Path) -> None:
+    scene = read(SCENES / "ellipsoid_on_plane.toml")
+    options = {"until": 0.02, "samples": 2, "against": ["mujoco"], "count": False, "root": tmp_path}
+    (peer,) = measure(scene, knobs=["tolerance"], **options).peers  # type: ignore[arg-type]
+    assert peer.turned == ["timestep"]
+    assert "contact" in peer.left
+    assert peer.advantage(peer.points) is None
+    (peer,) = measure(scene, knobs=["tolerance", "solver"], **options).peers  # type: ignore[arg-type]
+    assert peer.turned == ["timestep", "solver"]
+    assert peer.advantage(peer.points) is not None

@@ -2,11 +2,11 @@
 
     python -m tests.benchmarks.non_convex_scenes --first 0 --count 1000
 
-Each seed draws two or three bodies: solids that fly at each other, fall on each other, or move in a hollow, in
-a tube or on a post with a clearance of 1e-5 to 0.3 of their size. Dense points of the faces and edges of each
-body, refined where they are deepest, are put into the signed distance of the other. A run fails if it is `done`
-and trusted, and penetrates by more than TOLERANCE. One line for each seed that fails or is not trusted, then a
-summary.
+Each seed draws two or three bodies: solids that fly at each other, fall on each other, or move in a
+hollow, in a tube or on a post with a clearance of 1e-5 to 0.3 of their size. Dense points of the faces
+and edges of each body, refined where they are deepest, are put into the signed distance of the other. A
+run fails if it is `done` and trusted, and penetrates by more than TOLERANCE. One line for each seed that
+fails or is not trusted, then a summary.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def ball_on_table(n: int = 41) -> Record:
         **{"points_o": touching, "points_f": touching, "normals": np.tile([[[0.0, 0.0, 1.0]]], (n, 1, 1))},
         **{"energy": np.full(n, 0.5), "work": np.zeros(n), "coordinates": np.zeros((n, 0))},
         **{"joint_force": np.zeros((n, 0, 3)), "joint_torque": np.zeros((n, 0, 3))},
-        **{"position_error": np.full(n, 1e-9), "rotation_error": np.full(n, 1e-9)},
+        **{f"{kind}_error": np.full(n, 1e-9) for kind in ("position", "rotation", "velocity", "spin")},
         **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_spin": np.zeros((n, 0))},
         **{name: np.zeros((n, 0, 3)) for name in ("patch_point", "patch_friction", "patch_slip")},
         "patch_torque": np.zeros((n, 0)),

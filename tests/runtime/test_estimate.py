@@ -10,11 +10,12 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.error_estimate import estimate_of
+from modelgen.runtime.run_distance import distance_between
 from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
 from tests.benchmark.cases import Verdict, judged, scene_named, true_form
 from tests.benchmark.test_reference import BILLIARD
-from tests.running import library_of, scene_of
+from tests.running import NAMES, library_of, scene_of
 
 CASES, SEED = 16, 6
 
@@ -27,6 +28,53 @@ def test_an_estimate_is_within_ten_times_of_the_error(name: str) -> None:
     assert not [verdict for verdict in verdicts if verdict.under]
     assert len([verdict for verdict in verdicts if verdict.over]) <= 1
     assert len([verdict for verdict in verdicts if verdict.status == "estimated"]) > CASES // 2
+
+
+QUICK = ("bouncing_ellipsoid", "double_pendulum", "glass_on_table", "sliding_puck", "ball_in_bowl")
+OTHERS = [pytest.param(name, marks=pytest.mark.slow) for name in NAMES if name not in QUICK]
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "balanced"])
+@pytest.mark.parametrize("name", [*QUICK, *OTHERS])
+def test_each_kind_of_error_of_the_samples_is_covered(name: str, accuracy: str) -> None:
+    """Position, velocity and spin against a run at 1e-13, whose own error counts as known: never less than a
+    third of the error, and not more than a hundred times."""
+    library = scene_of(name)
+    path, true = (simulate(library, accuracy=each) for each in (accuracy, "tight"))
+    assert path.estimate is not None
+    assert true.estimate is not None
+    bodies = list(enumerate(library.manifest.instance["bodies"]))
+    moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
+    turning = [k for k, body in bodies if body["motion"] == "free"]
+    n = min(path.estimate.predicted, true.estimate.predicted)
+    for key, column, some in (("position", "p", moving), ("velocity", "v", moving), ("spin", "w", turning)):
+        apart = distance_between(getattr(path, column), getattr(true, column), some)[:n].max()
+        stated, known = (float(getattr(run.estimate, key)[n - 1]) for run in (path, true))
+        assert (apart - known) / 3 <= stated <= 100 * max(apart, known), key
+        assert stated == getattr(path, f"{key}_error")[n - 1]
+
+
+@pytest.mark.parametrize("step", [1e-2, 1e-3])
+@pytest.mark.parametrize("name", ["ball_leaves_sphere", "double_pendulum"])
+def test_event_times_told_by_time_stepping_are_covered(name: str, step: float) -> None:
+    """First events, which a step tells at its end; the motion is wrong by more than is predicted before."""
+    path = simulate(scene_of(name), accuracy=Accuracy.balanced().time_stepping(step))
+    true = simulate(scene_of(name), accuracy="tight", estimate=False)
+    assert path.estimate is not None
+    assert path.estimate.horizon is not None
+    told, real = (next(e for e in run.events if e.contact == true.events[0].contact) for run in (path, true))
+    error = abs(told.t - real.t)
+    assert error > 1e-4
+    assert path.estimate.events is not None
+    assert error / 3 < path.estimate.events
+    if len(path.events) == 1:
+        assert path.estimate.events < 100 * error
+
+
+def test_a_run_without_events_states_no_error_of_their_times() -> None:
+    path = simulate(scene_of("ellipsoid_on_plane"), until=0.1)
+    assert path.estimate is not None
+    assert path.estimate.events is None
 
 
 def test_a_verdict_knows_what_is_too_low_and_too_high() -> None:

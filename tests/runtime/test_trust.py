@@ -48,6 +48,8 @@ def test_a_certified_run_is_trusted_with_and_without_its_estimate() -> None:
         ({"outcome": Outcome.STEP_TOO_SMALL}, "it ended early: step_too_small"),
         ({"gap_max": 1.01e-9}, "gap"),
         ({"gap_max": float("nan")}, "gap"),
+        ({"joint_error_max": 1.01e-6}, "a joint was apart"),
+        ({"joint_error_max": float("nan")}, "a joint was apart"),
         ({"energy_drift": 1.01e-6}, "energy drift"),
         ({"energy_drift": float("nan")}, "energy drift"),
     ],
@@ -55,8 +57,8 @@ def test_a_certified_run_is_trusted_with_and_without_its_estimate() -> None:
 def test_each_figure_beyond_its_threshold_is_named(
     changes: dict[str, Any], word: str, estimated: bool
 ) -> None:
-    if "gap_max" in changes:
-        changes = {"gap_max": changes["gap_max"] * instance()["scales"]["length"]}
+    if "energy_drift" not in changes and "outcome" not in changes:
+        changes = {key: value * instance()["scales"]["length"] for key, value in changes.items()}
     run = replace(path(), **changes)
     (reason,) = doubted(run if estimated else replace(run, estimate=None))
     assert word in reason
@@ -64,7 +66,8 @@ def test_each_figure_beyond_its_threshold_is_named(
 
 def test_figures_at_their_thresholds_are_trusted() -> None:
     length = instance()["scales"]["length"]
-    assert not doubted(replace(path(), gap_max=0.99e-9 * length, energy_drift=1e-6))
+    ledger = {"gap_max": 0.99e-9 * length, "joint_error_max": 0.99e-6 * length, "energy_drift": 1e-6}
+    assert not doubted(replace(path(), **ledger))
     assert not doubted(replace(path(), gap_max=0.99e-6 * length, energy_drift=1e-3), Accuracy.fast())
 
 
@@ -76,4 +79,4 @@ def test_an_uncertified_run_is_doubted_by_the_estimate_or_by_its_own_reasons() -
     horizon = replace(path(), estimate=replace(estimate, horizon=0.2))
     assert doubted(horizon) == ("nothing is predicted beyond 0.2 s",)
     shared = replace(path(), estimate=replace(estimate, uncertified=("something",)))
-    assert doubted(shared) == ("uncertified (see the estimate)",)
+    assert doubted(shared) == ("uncertified: something",)

@@ -26,7 +26,7 @@ def chart(z: str, rest: str = "") -> str:
 Case = tuple[str, str, list[str]]
 
 STRUCTURAL: list[Case] = [
-    ("no body", "", ["'body' is missing", "add body"]),
+    ("no body", "fold = true", ["'body' is missing", "add a [[body]]"]),
     ("body as one table", "[body]\nname = 'egg'\n", ["body: a table", "write [[body]]"]),
     ("no name", SOUND.replace('name = "egg"\n', ""), ["body[1]: the key 'name' is missing", "add name"]),
     ("unknown key", egg("frixion = 1"), ["body[1] (body 'egg'): unknown key 'frixion'", "allowed are"]),
@@ -43,7 +43,11 @@ STRUCTURAL: list[Case] = [
     ("another word for a box", shaped('kind = "Cube"'), ["shape.kind", "'Cube'", "did you mean 'box'?"]),
     ("another word for a sphere", shaped('kind = "ball"'), ["'ball'", "did you mean 'sphere'?"]),
     ("a height", shaped('kind = "cylinder", radius = 1, height = 2'), ["'height'", "did you mean 'length'?"]),
-    ("a diameter", shaped('kind = "sphere", diameter = 2'), ["'diameter'", "did you mean 'radius'?"]),
+    (
+        "a diameter",
+        shaped('kind = "sphere", diameter = 2'),
+        ["'diameter'", "did you mean 'radius', half the diameter?"],
+    ),
     ("Greek friction", SOUND + "mu = 0.3\n", ["'mu'", "did you mean 'friction'?"]),
     ("a time step", SOUND + "[run]\ndt = 0.3\n", ["'dt'", "did you mean 'step'?"]),
     ("another word for a cylinder with ends", shaped('kind = "can"'), ["did you mean 'disc'?"]),

@@ -147,12 +147,14 @@ class TestFiles:
             read(tmp_path / "dorp.toml")
 
     def test_a_directory_is_not_a_scene(self, tmp_path: Path) -> None:
-        with pytest.raises(SceneError, match=r"not a file; .*; give the path of a file"):
+        with pytest.raises(SceneError, match=r"it is a folder; .*; give the path of a file"):
             read(tmp_path)
 
     def test_binary_junk_is_not_a_scene(self, tmp_path: Path) -> None:
         (tmp_path / "x.toml").write_bytes(b"\x7fELF\xff\xfe")
-        with pytest.raises(SceneError, match=r"x\.toml: byte 4 is not UTF-8 text; a scene is a TOML file"):
+        with pytest.raises(
+            SceneError, match=r"x\.toml: line 1 is not UTF-8 text; a scene is a TOML file; .* save it"
+        ):
             read(tmp_path / "x.toml")
 
     def test_a_very_large_file_is_not_read(self, tmp_path: Path) -> None:

@@ -68,7 +68,8 @@ def test_a_broken_scene_is_refused(
 
 
 @pytest.mark.parametrize(
-    ("argument", "words"), [("none.toml", "no such file"), ("folder", "not a file"), ("junk.toml", "UTF-8")]
+    ("argument", "words"),
+    [("none.toml", "no such file"), ("folder", "it is a folder"), ("junk.toml", "UTF-8")],
 )
 def test_what_is_no_scene_file_is_refused(
     argument: str, words: str, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

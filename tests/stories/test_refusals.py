@@ -68,7 +68,7 @@ def files(folder: Path) -> set[Path]:
             "sunk.toml: 'sunk.toml' is a file; a folder for the generated",
         ),
         (("build", EGG, "--out", "sunk.toml/a/b"), "sunk.toml' is a file; a folder for the generated"),
-        (("check", "folder.npz/folder.png"), "folder.npz/folder.png: not a file; a scene is a TOML file"),
+        (("check", "folder.npz/folder.png"), "folder.npz/folder.png: it is a folder; a scene is a TOML file"),
         (("simulate", EGG, "--until", "-1"), "--until: the number -1; a positive number"),
         (("simulate", EGG, "--until", "soon"), "--until: in 'soon'"),
         (("simulate", EGG, "--samples", "0"), "--samples: the number 0; a whole number from 1"),

@@ -164,10 +164,23 @@ def test_the_last_line_says_whether_the_run_is_trusted(modelgen: Modelgen) -> No
     alone = modelgen("simulate", EGG, "--until", 0.2, "--no-estimate").out.splitlines()[-1]
     assert alone == "trusted; its error was not estimated"
     coarse = modelgen("simulate", EGG, "--until", 0.2, "--method", "rk4", "--step", 0.02, "--json").json
+    assert not coarse["trusted"]
     assert any("energy drift" in doubt for doubt in coarse["doubts"])
     stepped = modelgen("simulate", EGG, "--until", 0.2, "--method", "time-stepping", "--step", 0.01).out
-    assert stepped.splitlines()[-1].startswith("not trusted: ")
-    assert "uncertified" in stepped.splitlines()[-1]
+    assert re.match(r"not trusted: .*uncertified: ", stepped.splitlines()[-1])
+    assert "time-stepping locates no events" in stepped.splitlines()[-1]
+
+
+@pytest.mark.parametrize("more", [(), ("--no-estimate",)])
+def test_a_run_that_ends_early_says_so_in_its_last_line(
+    more: tuple[str, ...], modelgen: Modelgen, tmp_path: Path
+) -> None:
+    wild = tmp_path / "wild.toml"
+    load = '[[force]]\nbody = "egg"\nforce = ["1/(t - 0.1)", "0", "0"]\n'
+    wild.write_text(Path(EGG).read_text() + load)
+    answer = modelgen("simulate", wild, *more)
+    assert answer.code == 1
+    assert answer.out.splitlines()[-1].startswith("not trusted: it ended early: ")
 
 
 def test_numbers_of_options_are_those_of_scenes(modelgen: Modelgen) -> None:

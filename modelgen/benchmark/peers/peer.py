@@ -15,7 +15,7 @@ from modelgen.benchmark.knobs import Knob, Settings, Space
 from modelgen.benchmark.peers.scene_description import Setup
 from modelgen.benchmark.sampled_motion import Array, Motion
 from modelgen.benchmark.setting_evaluation import Bench
-from modelgen.benchmark.work_precision_front import Point, advantage, front
+from modelgen.benchmark.work_precision_front import Point, advantage, compared, front
 from modelgen.errors import ModelgenError
 
 PATIENCE = 4.0  # s of CPU time per simulated second, after which a run is given up
@@ -73,20 +73,28 @@ class PeerPoints:
     points: list[Point]
     differs: list[str] = field(default_factory=list)  # what it represents otherwise
     version: str = ""
+    turned: list[str] = field(default_factory=list)  # its knobs that are varied
+    left: list[str] = field(default_factory=list)  # its knobs if --knobs names none of them
 
     @property
     def front(self) -> list[Point]:
         return front(self.points)
 
     def advantage(self, ours: Sequence[Point]) -> dict[str, float] | None:
-        """Ratio of cost of our points to the peer's best within SLOW."""
-        return advantage(ours, self.points, SLOW * 1e9)
+        """Ratio of cost of our points to the peer's best within SLOW; None where --knobs names none of its
+        knobs."""
+        return None if self.left else advantage(ours, self.points, SLOW * 1e9)
+
+    def cited(self, ours: Sequence[Point]) -> tuple[Point, ...]:
+        """The points that `advantage` is about."""
+        return () if self.left else compared(ours, self.points, SLOW * 1e9) or ()
 
     def as_json(self, ours: Sequence[Point]) -> dict[str, Any]:
         return {
             "version": self.version,
             "cannot": self.cannot,
             "differs": self.differs,
+            "knobs": self.turned,
             "advantage": self.advantage(ours),
             "front": [point.as_json() for point in self.front],
             "points": [point.as_json() for point in self.points],
@@ -104,6 +112,10 @@ def peer_points(
     if theirs.cannot:
         return
 
+    free = bench.space.free
+    into.turned += [knob.name for knob in theirs.knobs if free is None or knob.ladder or knob.name in free]
+    if free is not None and not any(knob.name in free for knob in theirs.knobs):
+        into.left += [knob.name for knob in theirs.knobs]
     first = {k.name: k.values(bench.space.facts)[0] for k in theirs.knobs if not k.ladder}
 
     def evaluate(settings: Settings) -> Point:

@@ -1,0 +1,93 @@
+"""The shapes that no contact of the scene pairs with each other, as plain values for the manifest."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from modelgen.assembly.masses import pose_numbers
+from modelgen.geometry.composites.extrusions import outline_points
+from modelgen.geometry.coordinate_domains import dimension_of
+from modelgen.geometry.extent import bounding_ball
+from modelgen.geometry.features import is_composite
+from modelgen.geometry.shape_samples import samples_of
+from modelgen.model import Model
+from modelgen.scene.scene_types import Body, Shape
+
+OUTLINE = 256  # corners of the polygon in place of a smooth outline
+FORMULAS = (  # kinds whose material the runtime knows by a formula
+    *("plane", "sphere", "ellipsoid", "superellipsoid", "torus", "half_torus", "cylinder", "cone"),
+    *("paraboloid", "box", "capsule", "tube", "frustum", "polyhedron", "extrusion"),
+)
+THIN = ("disc", "bspline_curve", "polyline", "point")  # composites without material
+
+
+def unlisted_of(model: Model) -> dict[str, Any]:
+    """The shapes that some other body's shape may pass through unseen, and the pairs that are excepted.
+
+    Empty where every two shapes of bodies of which one can move are listed, or their bodies are joined.
+    """
+    scene = model.scene
+    of_body = [(k, shape) for k, body in enumerate(scene.bodies) for shape in body.shapes]
+    names = [(scene.bodies[k].name, shape.name) for k, shape in of_body]
+    index = {name: k for k, name in enumerate(names)}
+    listed = {_ordered(*(index[partner] for partner in pair.between)) for pair in scene.contacts}
+    bodies = {body.name: k for k, body in enumerate(scene.bodies)}
+    joined = {_ordered(*(bodies[name] for name in joint.between)) for joint in scene.joints}
+    involved: set[int] = set()
+    for (i, (a, _)), (j, (b, _)) in combinations(enumerate(of_body), 2):
+        if _may_meet(scene.bodies[a], scene.bodies[b]) and (a, b) not in joined and (i, j) not in listed:
+            involved |= {a, b}
+    kept = [k for k, (body, _) in enumerate(of_body) if body in involved]
+    place = {k: at for at, k in enumerate(kept)}
+    return {
+        "shapes": [_shape(model, *of_body[k]) for k in kept],
+        "listed": [[place[i], place[j]] for i, j in sorted(listed) if i in place and j in place],
+        "joined": [list(pair) for pair in sorted(joined) if set(pair) <= involved],
+    }
+
+
+def _ordered(a: int, b: int) -> tuple[int, int]:
+    return min(a, b), max(a, b)
+
+
+def _may_meet(a: Body, b: Body) -> bool:
+    return a is not b and "dynamic" in (a.motion, b.motion)
+
+
+def _shape(model: Model, body: int, shape: Shape) -> dict[str, Any]:
+    """One shape: by kind and lengths, or by samples of its surface."""
+    centre, radius = bounding_ball(shape)
+    entry = {
+        "body": body,
+        "name": shape.name,
+        "alone": len(model.scene.bodies[body].shapes) == 1,
+        "cavity": shape.cavity,
+        "placement": list(pose_numbers(shape.pose, model.bodies[body].centre_of_mass)),
+        "centre": list(centre),
+        "radius": float(radius) if np.isfinite(radius) else None,
+        "thin": shape.kind in THIN or (not is_composite(shape) and dimension_of(shape) < 2),
+    }
+    if shape.kind in FORMULAS:
+        return {**entry, "kind": shape.kind, "parameters": _parameters(shape)}
+    samples = samples_of(shape)
+    if samples is None:
+        return {**entry, "kind": "unknown", "parameters": []}
+    return {
+        **entry,
+        "kind": "sampled",
+        "parameters": [samples.spacing],
+        "points": samples.points.ravel().tolist(),
+        "normals": samples.normals.ravel().tolist(),
+    }
+
+
+def _parameters(shape: Shape) -> list[float]:
+    """Those of the catalogue; of a prism, the corners of its polygon and its length."""
+    if shape.profile is None:
+        return [float(value) for _, value in shape.parameters]
+    (_, length), *own = shape.parameters
+    t = np.linspace(*shape.profile.domain, OUTLINE, endpoint=False)
+    return [*outline_points(shape.profile, own, t).ravel().tolist(), float(length)]

@@ -1,0 +1,109 @@
+"""The depth of points in the material of a shape, as the search for passages takes it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from modelgen.assembly import require
+from modelgen.codegen.manifest_unlisted import FORMULAS, unlisted_of
+from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.surface_catalogue import SURFACES
+from modelgen.rotations import rotation_of
+from modelgen.runtime.undeclared.material import depth_of
+from modelgen.scene.read import read_text
+
+POINTS = 4000
+
+SPECIMENS = {
+    "plane": "",
+    "sphere": "radius = 0.7",
+    "ellipsoid": "semi_axes = [0.9, 0.6, 0.4]",
+    "superellipsoid": "semi_axes = [0.9, 0.6, 0.4], exponents = [3.0, 5.0]",
+    "torus": "major = 0.6, minor = 0.3",
+    "half_torus": "major = 0.6, minor = 0.3",
+    "cylinder": "radius = 0.5, length = 1.2",
+    "cone": "half_angle = 0.6",
+    "paraboloid": "radii = [0.5, 0.9]",
+    "box": "size = [1.5, 1.0, 0.7]",
+    "capsule": "radius = 0.4, length = 1.0",
+    "tube": "radius = 0.8, bore = 0.4, length = 1.1",
+    "frustum": "radius_bottom = 0.8, radius_top = 0.3, length = 1.2",
+    "polyhedron": "vertices = [[0.9, 0, 0], [-0.5, 0.8, 0], [-0.5, -0.8, 0], [0, 0, 0.9], [0, 0, -0.4]]",
+    "extrusion": "points = [[0, 0], [0.9, 0], [0.9, 0.9], [0.4, 0.3], [-0.7, 0.8]], length = 1.1",
+    "revolution": 'r = "sin(t)*(0.6 + 0.25*cos(2*t))", z = "-0.8*cos(t)", domain = [0.0, "pi"]',
+}
+
+
+def entry_of(kind: str, cavity: bool = False) -> tuple[Any, Any]:
+    """The entry of a specimen in the table, and its shape."""
+    hollow = ", cavity = true" if cavity else ""
+    comma = ", " if SPECIMENS[kind] else ""
+    shape = (
+        f'kind = "{kind}"{comma}{SPECIMENS[kind]}{hollow}, position = [0.1, 0.2, 0.3], rpy = [0.4, 0.5, 0.6]'
+    )
+    ball = 'density = 1.0, position = [5, 0, 0], shape = { kind = "sphere", radius = 0.1 }'
+    text = f"""
+run = {{ until = 1.0 }}
+body = [{{ name = "a", motion = "fixed", shape = {{ {shape} }} }}, {{ name = "b", {ball} }}]
+"""
+    made = read_text(text, "scene.toml")
+    return unlisted_of(require(made))["shapes"][0], made.bodies[0].shapes[0]
+
+
+def test_every_formula_has_a_specimen() -> None:
+    assert set(SPECIMENS) == {*FORMULAS, "revolution"}
+
+
+@pytest.mark.parametrize("kind", SPECIMENS)
+def test_the_depth_in_a_material_changes_no_faster_than_the_place(kind: str) -> None:
+    entry, _ = entry_of(kind)
+    depth = depth_of(entry)
+    assert depth is not None
+    random = np.random.default_rng(1)
+    x = random.uniform(-1, 1, (POINTS, 3))
+    y = x + random.normal(0, 0.1, (POINTS, 3))
+    moved = np.linalg.norm(x - y, axis=1)
+    near = (
+        np.minimum(np.abs(depth(x)), np.abs(depth(y))) < 0.3
+        if kind == "paraboloid"
+        else np.full(POINTS, True)
+    )
+    slack = 2 * entry["parameters"][0] if kind == "revolution" else 1e-12
+    assert (np.abs(depth(x) - depth(y)) <= moved + slack)[near].all()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SPECIMENS if kind in SURFACES and kind != "cylinder"])
+@pytest.mark.parametrize("cavity", [False, True])
+def test_the_sign_of_the_depth_is_that_of_the_implicit_function(kind: str, cavity: bool) -> None:
+    entry, shape = entry_of(kind, cavity)
+    depth, implicit = depth_of(entry), SURFACES[kind].implicit
+    assert depth is not None
+    assert implicit is not None
+    x, numbers = ca.SX.sym("x", 3), ca.DM([value for _, value in shape.parameters])
+    value = ca.Function("phi", [x], [implicit(x, ca.SX(numbers)).value])
+    points = np.random.default_rng(2).uniform(-1.2, 1.2, (POINTS, 3))
+    local = (points - shape.pose.position) @ rotation_of(shape.pose.quaternion)
+    phi = np.asarray(value(local.T)).ravel() * (-1 if cavity else 1)
+    known = local[:, 2] < 0 if kind == "cone" else np.full(POINTS, True)  # the nappe below the apex
+    assert ((phi < 0) == (depth(points) < 0))[known].all()
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["half_torus", "cylinder", "box", "capsule", "tube", "frustum", "polyhedron", "extrusion", "revolution"],
+)
+def test_the_points_of_negative_depth_fill_the_volume(kind: str) -> None:
+    """Within five standard deviations of their count; a sampled surface counts a layer less."""
+    entry, shape = entry_of(kind)
+    depth = depth_of(entry)
+    assert depth is not None
+    n, side = 200_000, 3.2
+    points = np.array([0.1, 0.2, 0.3]) + np.random.default_rng(3).uniform(-side / 2, side / 2, (n, 3))
+    layer = entry["parameters"][0] if kind == "revolution" else 0.0
+    share = float((depth(points) - layer < 0).mean())
+    true = mass_properties(shape, 1.0)[0] / side**3
+    assert abs(share - true) < 5 * np.sqrt(true / n) + (0.01 * true if layer else 0.0)
