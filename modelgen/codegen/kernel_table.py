@@ -9,7 +9,7 @@ import casadi as ca
 
 from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
 from modelgen.codegen.bounds_programs import programs_text
-from modelgen.codegen.manifest import FEET
+from modelgen.codegen.manifest import CENTRE_CURVES, FEET
 from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
@@ -133,7 +133,13 @@ def _tables(derivation: Derivation) -> list[str]:
     ]
     contact_names = [kind.name for kind in model.contact_kinds] + [kind.name for kind in model.limit_kinds]
     shapes = [
-        _row(dimension_of(kind), FEET.get(kind.kind, 0), int(may_bend(kind))) for kind in model.shape_kinds
+        _row(
+            dimension_of(kind),
+            FEET.get(kind.kind, 0),
+            int(may_bend(kind)),
+            CENTRE_CURVES.get(kind.kind, 0),
+        )
+        for kind in model.shape_kinds
     ]
     joints = [_joint_sizes(kind) for kind in model.joint_kinds]
     loads = [
@@ -150,7 +156,7 @@ def _tables(derivation: Derivation) -> list[str]:
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0, 0"),
-        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0"),
+        _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0, 0"),
     ]
 
 

@@ -19,6 +19,12 @@ FEET = {
     "plane": 1,
     "sphere": 2,
 }  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
+CENTRE_CURVES = {
+    "cylinder": 1,
+    "line": 1,
+    "torus": 2,
+    "circle": 2,
+}  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE: shapes at a constant distance from a line or a circle
 Json = dict[str, Any]
 STRUCTURE, INSTANCE = "manifest.json", "instance.json"  # names of the files
 

@@ -29,6 +29,12 @@ enum {
   MG_NEAREST_SPHERE = 2 /* a sphere about the origin of its axes */
 };
 
+/* Curves from which all points of a shape have the same distance, in its axes. */
+enum {
+  MG_CENTRE_LINE = 1,  /* the third axis: a cylinder, or that line */
+  MG_CENTRE_CIRCLE = 2 /* a circle about the third axis through the origin: a torus, or that circle */
+};
+
 /* Parametrisation: what describes the contact point of one feature in eta, and how many entries that takes. */
 enum {
   MG_NONE = 0,         /* 0: the point follows from the poses */
@@ -73,6 +79,7 @@ typedef struct {
   int dimension;     /* 2 surface, 1 curve, 0 point */
   int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE or 0 */
   int may_inflect;   /* 1: a curve that may have inflections */
+  int centre_curve;  /* MG_CENTRE_LINE, MG_CENTRE_CIRCLE or 0 */
 } mg_shape_kind;
 
 typedef struct {

@@ -2,7 +2,7 @@
 #include "modelgen.h"
 
 enum { EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC };
-static const mg_shape_kind shape_kinds[] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 1}, {1, 0, 1}};
+static const mg_shape_kind shape_kinds[] = {{1, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 1, 0}, {1, 0, 1, 0}};
 
 static void shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point, mg_real *direction) {
   const mg_real t = uv[0], *p = parameters;

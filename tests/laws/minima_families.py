@@ -56,6 +56,17 @@ def _knot(t: ca.SX) -> tuple[ca.SX, ...]:
     )
 
 
+def _round(radius: float, outward: float) -> Parametrised:
+    def at(turn: ca.SX, z: ca.SX) -> tuple[ca.SX, ...]:
+        return radius * ca.cos(turn), radius * ca.sin(turn), z
+
+    return Parametrised(f"cylinder {radius}", at, ((0.0, TURN), (-6.0, 6.0)), (True, False), outward)
+
+
+def _ring(t: ca.SX) -> tuple[ca.SX, ...]:
+    return 0.8 * ca.cos(t), 0.8 * ca.sin(t), 0 * t
+
+
 def _ellipse(t: ca.SX) -> tuple[ca.SX, ...]:
     return ca.cos(t), 0.5 * ca.sin(t), 0 * t
 
@@ -93,6 +104,9 @@ def sides() -> dict[str, Side]:
         "egg": Side(make.ellipsoid(1.0, 0.7, 0.4), _ellipsoid(1.0, 0.7, 0.4)),
         "hollow": Side(make.ellipsoid(3.0, 2.4, 2.0, cavity=True), _ellipsoid(3.0, 2.4, 2.0, -1.0)),
         "knot": Side(make.curve(*KNOT, domain=[0.0, TURN]), Parametrised("knot", _knot, curve, (True,), 0.0)),
+        "rod": Side(make.cylinder(0.4), _round(0.4, 1.0)),
+        "bore": Side(make.cylinder(1.6, cavity=True), _round(1.6, -1.0)),
+        "ring": Side(make.circle(0.8), Parametrised("ring", _ring, curve, (True,), 0.0)),
         "ellipse": Side(make.ellipse_curve(1.0, 0.5), Parametrised("ellipse", _ellipse, curve, (True,), 0.0)),
     }  # fmt: skip
 
@@ -100,7 +114,8 @@ def sides() -> dict[str, Side]:
 PAIRS = (
     ("torus", "torus"), ("wavy", "egg"), ("wavy", "wavy"), ("waist", "torus"), ("waist", "pear"),
     ("pear", "egg"), ("hollow", "egg"), ("hollow", "wavy"), ("hollow", "waist"), ("torus", "knot"),
-    ("wavy", "knot"), ("waist", "ellipse"), ("knot", "ellipse"),
+    ("wavy", "knot"), ("waist", "ellipse"), ("knot", "ellipse"), ("torus", "rod"), ("rod", "rod"),
+    ("bore", "torus"), ("bore", "ring"), ("rod", "ring"), ("bore", "egg"),
 )  # fmt: skip
 
 
@@ -116,6 +131,6 @@ def library(o: str, f: str) -> Library:
 
 def random_pose(o: str, rng: np.random.Generator) -> Array:
     """A pose of the second body in the axes of the first."""
-    spread = 0.5 if o == "hollow" else 1.2
+    spread = {"hollow": 0.5, "bore": 0.3}.get(o, 1.2)
     rotation = Rotation.random(random_state=rng.integers(2**31)).as_matrix()
     return np.append(spread * rng.normal(size=3), rotation.ravel(order="F"))

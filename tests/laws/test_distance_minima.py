@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen import ModelgenError, distance_minima
 from tests.laws.exhaustive_minima import Array, exhaustive
-from tests.laws.minima_families import PAIRS, library, random_pose, sides
+from tests.laws.minima_families import PAIRS, TURN, library, random_pose, sides
 
 HERE = np.append(np.zeros(3), np.eye(3).ravel())
 GAP, DEPTH = 0.5, 0.04  # m
@@ -82,3 +83,21 @@ def test_bounds_and_names_are_checked() -> None:
     ):
         with pytest.raises(ModelgenError, match=message):
             distance_minima(library("torus", "torus"), contact, HERE, HERE, **keys)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("decade", range(1, 10))
+def test_a_ring_that_is_almost_coaxial_with_a_bore_is_nearest_at_one_or_two_places(decade: int) -> None:
+    """The gap along a ring, off the axis and leaning by decades, against dense angles of the ring."""
+    rng = np.random.default_rng(decade)
+    away, lean, way = 10.0**-decade * rng.uniform(0.5, 1, 2), 10.0 ** -rng.uniform(1, 5), rng.uniform(0, TURN)
+    lean_by = Rotation.from_rotvec(lean * np.array([np.cos(way), np.sin(way), 0])).as_matrix()
+    pose = np.append([*away, 0.3], lean_by.ravel(order="F"))
+    found = distance_minima(library("bore", "ring"), "a-b", HERE, pose)
+    angle = np.linspace(0, TURN, 20_000, endpoint=False)
+    x = pose[:3] + 0.8 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) @ lean_by.T
+    gap = 1.6 - np.hypot(x[:, 0], x[:, 1])
+    least = (gap < np.roll(gap, 1)) & (gap <= np.roll(gap, -1))
+    assert found.complete.all()
+    resolved = np.ptp(gap) * (TURN / 20_000) ** 2  # by the dense angles
+    assert found.d[0] == pytest.approx(gap.min(), abs=resolved + 1e-13)
+    assert len(found.d) == np.count_nonzero(least) or np.ptp(gap) < 1e-7

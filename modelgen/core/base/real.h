@@ -24,6 +24,8 @@ typedef double mg_real;
 #define MG_MAX DBL_MAX
 #endif
 
+#define MG_PI ((mg_real)3.14159265358979323846264338327950288L)
+
 /* Linkage of the functions that files of the core share. The core is compiled as one unit, where they are static;
    -DMG_INTERNAL= compiles each file by itself. */
 #ifndef MG_INTERNAL

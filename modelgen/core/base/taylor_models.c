@@ -3,7 +3,6 @@
    rest. */
 #include "base/base.h"
 
-#define MG_PI ((mg_real)3.14159265358979323846264338327950288)
 
 static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
 

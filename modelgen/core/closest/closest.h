@@ -5,6 +5,17 @@
 
 #include "model/context.h"
 
+#define MG_EFFORT 100000 /* most pairs of cells looked at in one search of a feature pair during a run */
+
+/* What a search asks for, and where it is given up. */
+typedef struct {
+  mg_real gap, depth; /* -depth <= d <= gap, m */
+  long effort;        /* most pairs of cells looked at for one feature pair */
+} mg_search_limits;
+
+/* All gaps. */
+static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT};
+
 /* convex_separation.c */
 
 /* Ascends from v->normal, and if that ends below `floor`, from other normals too. v then is the first maximum
@@ -80,6 +91,15 @@ MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int
 /* True if all coordinates of a cell lie beyond the limits. */
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits);
 
+/* centre_curves.c */
+
+/* True if the critical points of a feature pair follow from lines or circles in closed form. */
+MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
+
+/* Adds the minima of such a feature pair with gaps within the limits and not below `least` to those kept. */
+MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
+                                         mg_minima *kept);
+
 /* far_sides.c */
 
 /* True if the points of the placement evaluated last, whose distance is negative, are on sides of the bodies that face
@@ -113,17 +133,6 @@ typedef struct {
   mg_real sphere_radius;   /* of a sphere, m; negative: a cavity */
 } mg_cell_view;
 
-#define MG_EFFORT 100000 /* most pairs of cells looked at in one search of a feature pair during a run */
-
-/* What a search asks for, and where it is given up. */
-typedef struct {
-  mg_real gap, depth; /* -depth <= d <= gap, m */
-  long effort;        /* most pairs of cells looked at for one feature pair */
-} mg_search_limits;
-
-/* All gaps. */
-static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT};
-
 /* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
 
@@ -136,8 +145,11 @@ MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int 
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
                               mg_real *eta);
 
+/* Rotation of a feature's shape in world axes, 9 numbers by columns. */
+MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
+
 /* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. Returns 0 if
-   there may be more. */
+   there may be more; where these are farther than a positive gap, notes it and returns 1. */
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept);
 
@@ -164,6 +176,12 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 /* Counts a minimum that no contact can follow, if it is within search_gap, in the report of the run. */
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found);
 
+/* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
+MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
+
+/* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
+MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
+
 /* Notes that a contact, or closest points of its pair, on a feature pair penetrate by `depth` at the state of the run.
    A rim that stands on three of its points because it is almost flat is lower elsewhere, which is no penetration. */
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth);
@@ -174,10 +192,6 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
 /* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
-
-/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may be
-   accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
-MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found);
 
 /* Gaps at which a contact may appear during a run. */
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c);

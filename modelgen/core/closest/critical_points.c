@@ -6,6 +6,8 @@
 #include "base/base.h"
 #include "model/model.h"
 
+#define MG_OPEN_CELLS 256 /* cells of search_gap over this show how far critical points are that were not found */
+
 /* A search of one feature pair. Side `first` has cells; views are in the axes of its shape. */
 typedef struct {
   mg_context *c;
@@ -60,8 +62,7 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
   }
 }
 
-/* Rotation of a feature's shape in world axes, 9 numbers by columns. */
-static void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R) {
+MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R) {
   const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT,
                 *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
   for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, R + 3 * k);
@@ -198,15 +199,13 @@ static void mg_sample_cell(const mg_critical_search *s, int side, int cell, cons
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
   mg_sample at[2];
-  mg_minimum found;
   mg_real eta[6] = {0};
   mg_sample_cell(s, s->first, a, 0, at + s->first);
   mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
   mg_add_known_point(s, eta);
-  if (mg_accept_minimum(c, s->feature_pair, eta, &found) && found.d >= s->least && !mg_was_minimum_abandoned(c, &found))
-    mg_insert_minimum(c, s->kept, &found);
+  mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   return 1;
 }
 
@@ -296,6 +295,41 @@ static int mg_is_flat_against_plane(mg_critical_search *s) {
   return 0;
 }
 
+/* Lower bound of the distance of points of two cells. */
+static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
+  const mg_real span[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
+  const mg_real both = a->radius + b->radius, distance = sqrt(mg_dot3(span, span));
+  if (b->kind == MG_VIEW_PLANE) return -mg_dot3(b->direction, span) - both;
+  return (b->sphere_radius < 0 ? -b->sphere_radius - distance : distance - b->sphere_radius) - both;
+}
+
+/* Lower bound of the distance of critical points that the search has not found, from cells that are coarser than those
+   of the search; -MG_MAX if it cannot be given. */
+static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
+  mg_context *c = s->c;
+  const mg_real coarse = c->settings->search_gap * c->system->length / MG_OPEN_CELLS;
+  mg_real least = MG_MAX;
+  int count = 1;
+  c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
+  for (long looked = 0; count > 0; looked++) {
+    const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
+    mg_cell_view A, B;
+    if (looked >= s->limits.effort) return -MG_MAX;
+    if (mg_is_cell_beyond(c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(c, b, s->allowed + 1))) continue;
+    mg_view_first(s, a, &A), mg_view_other(s, b, &B);
+    const int verdict = mg_judge_cells(&A, &B, &s->limits);
+    if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, &A, &B))) continue;
+    if (A.radius + B.radius <= coarse) {
+      least = fmin(least, mg_least_distance(&A, &B));
+      continue;
+    }
+    const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);
+    if (longer == count) return -MG_MAX;
+    count = longer;
+  }
+  return least;
+}
+
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept) {
   mg_critical_search s = {
@@ -328,6 +362,10 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
     if (looked < s.limits.effort) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
     else is_complete = 0, mg_converge_from_cells(&s, pair[0], pair[1]);
   }
-  if (!is_complete && s.best[0]) mg_converge_from_cells(&s, s.best[0], s.best[1]);
-  return is_complete;
+  if (is_complete) return 1;
+  if (s.best[0]) mg_converge_from_cells(&s, s.best[0], s.best[1]);
+  const mg_real open_gap = mg_bound_open_gap(&s, root);
+  if (!(open_gap > 0)) return 0;
+  mg_note_open_gap(c, open_gap);
+  return 1;
 }

@@ -126,7 +126,9 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
-MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found) {
+/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may be
+   accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
+static int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
     if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
@@ -134,6 +136,16 @@ MG_INTERNAL int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found)
       return 1;
   }
   return 0;
+}
+
+MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
+  if (gap < c->search.open_gap) c->search.open_gap = gap;
+}
+
+MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept) {
+  mg_minimum found;
+  if (mg_accept_minimum(c, feature_pair, eta, &found) && found.d >= least && !mg_was_minimum_abandoned(c, &found))
+    mg_insert_minimum(c, kept, &found);
 }
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
@@ -146,15 +158,16 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
                                         mg_minima *kept) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
   const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
+  if (!kind->is_convex && kind->n_eta > 0 && mg_has_centre_curves(c, feature_pair)) {
+    mg_search_centre_curves(c, feature_pair, limits, least, kept);
+    return;
+  }
   if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN) {
     if (!mg_search_critical_points(c, feature_pair, limits, least, kept)) mg_report_incomplete_search(c, feature_pair);
     return;
   }
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
-  mg_minimum found;
-  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
-  if (mg_accept_minimum(c, feature_pair, eta, &found) && found.d >= least && !mg_was_minimum_abandoned(c, &found))
-    mg_insert_minimum(c, kept, &found);
+  if (mg_converge_from_any_start(c, feature_pair, eta) >= 0) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
 /* True if the gap is not below -start_gap. */
@@ -224,12 +237,14 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
 }
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
+  for (int pair = 0; pair < c->system->n_pair; pair++) c->run->unfollowed_gap[pair] = MG_MAX;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = 0; pair < c->system->n_pair; pair++) {
-    c->run->unfollowed_gap[pair] = MG_MAX;
+    c->search.open_gap = MG_MAX;
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
+    c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(c->search.open_gap, (mg_real)0));
     c->run->moved_since_search[pair] = 0;
   }
   return MG_DONE;

@@ -10,6 +10,7 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
+#define MG_SEARCHES_IN_DEPTH 8   /* searches while a pair moves by appear_depth, at most */
 #define MG_FEATURE_CHANGES_MAX 8 /* most feature pairs passed at one time, as around a vertex */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
@@ -287,11 +288,12 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
   mg_minima found;
   int count = found.count = 0;
-  c->run->unfollowed_gap[pair] = MG_MAX;
+  c->search.open_gap = MG_MAX;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
         !mg_is_out_of_reach(c, feature_pair))
       mg_search_feature_pair(c, feature_pair, &limits, least, &found);
+  c->run->unfollowed_gap[pair] = fmax(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_accepted(c, each, seen.depth) || mg_is_minimum_ignored(c, each)) continue;
@@ -348,11 +350,11 @@ static int mg_is_search_needless(const mg_context *c, int pair) {
   return 0;
 }
 
-/* Movement of a pair, m, after which it is searched again: less where a contact is missing for closest points, so that
-   they are seen before they are deep. */
+/* Movement of a pair, m, after which it is searched again: at most the gap of closest points that no contact follows,
+   so that they are seen before they are deep. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
-  const mg_real length = c->system->length, seen = c->settings->appear_depth * length / 2;
-  return fmin(c->settings->search_movement * length, c->run->unfollowed_gap[pair] + seen);
+  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH, most = c->settings->search_movement;
+  return fmin(most * c->system->length, fmax(c->run->unfollowed_gap[pair], least * c->system->length));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
@@ -393,9 +395,8 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
-                length = c->system->length,
-                range = fmin(c->settings->search_gap * length,
-                             c->run->unfollowed_gap[pair] + c->settings->appear_depth * length);
+                reach = c->settings->search_gap * c->system->length,
+                range = c->run->unfollowed_gap[pair] < reach ? fmin(reach, 2 * most) : reach;
   return range - (moved < most ? moved : most);
 }
 
