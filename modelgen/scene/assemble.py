@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
+from modelgen.scene.constants import with_constants
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_types import Body, RunSettings, Scene
@@ -15,7 +16,7 @@ from modelgen.scene.source_location import Place
 
 def scene_from_tables(name: str, written: object, source: str) -> Scene:
     """The scene from plain tables, as a TOML file gives them; raises SceneError."""
-    place = Place(source)
+    place = with_constants(Place(source), written)
     values = SCENE.read(written, place)
     bodies = tuple(read_body(each, at) for at, each in values["body"])
     return scene_from_bodies(name, bodies, values, place)

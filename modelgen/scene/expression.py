@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import re
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import e as euler
 from math import isfinite, pi
@@ -17,11 +17,12 @@ from math import isfinite, pi
 from modelgen.errors import ExpressionError, nearest
 from modelgen.scene.expression_functions import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
 
-MAX_LENGTH = 2000  # characters
+MAX_LENGTH = 20_000  # characters
 MAX_DEPTH = 150  # nested operations
+LONGEST_SUM = 32  # terms of a sum that is added up from left to right
 MAX_NUMBER = 1e30
 MAX_EXPONENT = 64.0  # of a constant exponent
-CONSTANTS: Mapping[str, float] = {"pi": pi, "e": euler}
+CONSTANTS: dict[str, float] = {"pi": pi, "e": euler}
 LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join(FUNCTIONS)
 UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
 NUMBER_WITH_UNIT = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-z][A-Za-z0-9_/*-]*")
@@ -62,6 +63,13 @@ class Call:
 
 
 Node = Number | Name | Unary | Binary | Call
+
+
+def number(value: float) -> Node:
+    """A number of either sign."""
+    return Unary("-", Number(-value)) if value < 0 else Number(value)
+
+
 Valued = tuple[Node, float | None]  # a node and, where it has no names, its value
 
 
@@ -74,8 +82,13 @@ class Expression:
     names: frozenset[str]
 
 
-def parse_expression(text: str, names: Collection[str]) -> Expression:
-    """Parse `text` over the allowed `names`; raises ExpressionError with position, found, allowed, remedy."""
+def parse_expression(
+    text: str, names: Collection[str], constants: Mapping[str, float] | None = None
+) -> Expression:
+    """Parse `text` over the allowed `names` and the numbers that `constants` name beside pi and e.
+
+    Raises ExpressionError with position, found, allowed, remedy.
+    """
     _check_characters(text)
     flat = re.sub(r"\s", " ", text)
     indent = len(flat) - len(flat.lstrip())
@@ -89,7 +102,7 @@ def parse_expression(text: str, names: Collection[str]) -> Expression:
         raise _error(text, "it is not an expression", column + indent, remedy=remedy) from None
     except (RecursionError, MemoryError, ValueError):
         raise _error(text, "it is nested too deeply", None) from None
-    walker = _Walker(text, frozenset(names), indent)
+    walker = _Walker(text, frozenset(names), CONSTANTS | dict(constants or {}), indent)
     node, _ = walker.visit(tree, 1)
     return Expression(text, node, frozenset(walker.used))
 
@@ -146,12 +159,22 @@ def _error(
     return ExpressionError(f"{shown!r}{place}", found, allowed, remedy, position)
 
 
+def _terms(node: ast.expr) -> list[tuple[int, ast.expr]]:
+    """The terms of a sum written without parentheses, each with its sign."""
+    terms: list[tuple[int, ast.expr]] = []
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        terms.append((1 if isinstance(node.op, ast.Add) else -1, node.right))
+        node = node.left
+    return [(1, node), *reversed(terms)]
+
+
 class _Walker:
     """Walks Python's syntax tree by a table of node types and builds our own."""
 
-    def __init__(self, text: str, names: frozenset[str], indent: int) -> None:
+    def __init__(self, text: str, names: frozenset[str], constants: Mapping[str, float], indent: int) -> None:
         self.text = text
         self.names = names
+        self.constants = constants
         self.indent = indent
         self.used: set[str] = set()
 
@@ -190,9 +213,10 @@ class _Walker:
         if node.id in self.names:
             self.used.add(node.id)
             return Name(node.id), None
-        if node.id in CONSTANTS:
-            return Number(CONSTANTS[node.id]), CONSTANTS[node.id]
-        known = sorted(self.names) + [name for name in CONSTANTS if name not in self.names]
+        if node.id in self.constants:
+            value = self.constants[node.id]
+            return number(value), value
+        known = sorted(self.names) + [name for name in self.constants if name not in self.names]
         if node.id in FUNCTIONS:
             raise self.error(node, f"the function {node.id!r} without (...)")
         raise self.error(
@@ -200,6 +224,9 @@ class _Walker:
         )
 
     def binary(self, node: ast.BinOp, depth: int) -> Valued:
+        terms = _terms(node)
+        if len(terms) > LONGEST_SUM:
+            return self.sum(node, [(sign, self.visit(term, depth + 1)) for sign, term in terms])
         op = _OPERATORS.get(type(node.op))
         if op is None:
             raise self.error(node, f"the operator {type(node.op).__name__!r}", f"allowed are {BINARY}")
@@ -209,10 +236,23 @@ class _Walker:
             raise self.error(
                 node.right, f"the exponent {value_b:g}", f"exponents up to {MAX_EXPONENT:g} are allowed"
             )
-        if value_a is None or value_b is None:
-            return Binary(op, a, b), None
-        left, right = value_a, value_b
-        return Binary(op, a, b), self.constant(node, lambda: evaluate_binary(op, left, right))
+        return self.joined(node, op, (a, value_a), (b, value_b))
+
+    def joined(self, node: ast.BinOp, op: str, a: Valued, b: Valued) -> Valued:
+        tree, left, right = Binary(op, a[0], b[0]), a[1], b[1]
+        if left is None or right is None:
+            return tree, None
+        return tree, self.constant(node, lambda: evaluate_binary(op, left, right))
+
+    def sum(self, node: ast.BinOp, terms: Sequence[tuple[int, Valued]]) -> Valued:
+        """A long sum halved again and again, so that its tree is not deep; signs are those of the terms."""
+        if len(terms) == 1:
+            return terms[0][1]
+        half = (len(terms) + 1) // 2
+        flip = terms[half][0]
+        left = self.sum(node, terms[:half])
+        right = self.sum(node, [(sign * flip, term) for sign, term in terms[half:]])
+        return self.joined(node, "+" if flip > 0 else "-", left, right)
 
     def call(self, node: ast.Call, depth: int) -> Valued:
         if not isinstance(node.func, ast.Name):

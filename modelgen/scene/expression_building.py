@@ -10,11 +10,6 @@ _LEVELS: Mapping[str, int] = {"+": 1, "-": 1, "*": 2, "/": 2, "**": 4}
 _UNARY, _ATOM = 3, 5
 
 
-def number(value: float) -> Node:
-    """A number of either sign."""
-    return Unary("-", Number(-value)) if value < 0 else Number(value)
-
-
 def plus(a: Node, b: Node) -> Node:
     return Binary("+", a, b)
 

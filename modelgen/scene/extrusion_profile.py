@@ -7,8 +7,8 @@ from math import atan2, hypot, pi
 from typing import Any
 
 from modelgen.scene.checked_expressions import finite
-from modelgen.scene.expression import Expression, Name
-from modelgen.scene.expression_building import expression_of, minus, number, substitute
+from modelgen.scene.expression import Expression, Name, number
+from modelgen.scene.expression_building import expression_of, minus, substitute
 from modelgen.scene.scene_types import Profile
 from modelgen.scene.source_location import Place
 

@@ -11,7 +11,10 @@ from modelgen.errors import nearest
 from modelgen.scene.scalar_types import NUMBER, Choice, Schema, Type
 from modelgen.scene.source_location import Place, describe
 
-OTHERWISE = {"mu": "did you mean 'friction'?"}  # keys often tried
+OTHERWISE = {  # keys often tried: the known key that is meant, and what to do
+    "mu": ("friction", "did you mean 'friction'?"),
+    "pitch": ("lead", "write lead, the rise in a turn: 2*pi times that in a radian"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +82,8 @@ class Table:
         for key in value:
             if key not in known:
                 shown = key if isinstance(key, str) and len(key) <= 60 else str(key)[:57] + "..."
-                remedy = OTHERWISE.get(shown) or nearest(shown, known)
+                meant, remedy = OTHERWISE.get(shown, ("", ""))
+                remedy = remedy if meant in known else nearest(shown, known)
                 raise place.error(f"unknown key {shown!r}", "allowed are " + ", ".join(known), remedy)
         for field in self.fields:
             if field.required and field.key not in value:
@@ -182,12 +186,17 @@ class NamedNumbers:
     allowed: str
 
     def read(self, value: object, place: Place) -> tuple[tuple[str, float], ...]:
+        table = self.named(value, place)
+        return tuple((key, NUMBER.read(each, place.key(key))) for key, each in table.items())
+
+    def named(self, value: object, place: Place) -> Mapping[str, object]:
+        """The table, whose names are allowed; raises SceneError."""
         if not isinstance(value, Mapping):
             raise place.error(describe(value), "a table of names and numbers is allowed")
         for key in value:
             if not isinstance(key, str) or not re.fullmatch(self.pattern, key):
                 raise place.error(f"the name {str(key)[:60]!r}", self.allowed)
-        return tuple((key, NUMBER.read(each, place.key(key))) for key, each in value.items())
+        return value
 
     def schema(self) -> Schema:
         return {

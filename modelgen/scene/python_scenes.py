@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from modelgen.scene.assemble import scene_from_bodies
+from modelgen.scene.constants import with_constants
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
@@ -103,9 +104,9 @@ def ellipse_curve(a: float, b: float, **keys: object) -> Shape:
     return shape("ellipse_curve", semi_axes=[a, b], **keys)
 
 
-def helix(radius: float, pitch: float, **keys: object) -> Shape:
-    """The curve (radius cos t, radius sin t, pitch t); `pitch` in m per radian."""
-    return shape("helix", radius=radius, pitch=pitch, **keys)
+def helix(radius: float, lead: float, **keys: object) -> Shape:
+    """The curve (radius cos t, radius sin t, lead t/(2 pi)); in m, `lead` the rise in a turn."""
+    return shape("helix", radius=radius, lead=lead, **keys)
 
 
 def curve(x: str, y: str, z: str, *, domain: Pair, **keys: object) -> Shape:
@@ -220,7 +221,7 @@ def dynamic(name: str, *shapes: Shape, **keys: object) -> Body:
 
 def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
     """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
-    place = Place(SOURCE, name)
+    place = with_constants(Place(SOURCE, name), keys)
     SCENE_NAME.read(name, place)
     values = SCENE.read({"body": [], **keys}, place)
     written = tuple(read_body(each, at) for at, each in values["body"])

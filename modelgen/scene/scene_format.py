@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from modelgen.scene.constants import NAMED
 from modelgen.scene.custom_solid import own_fields
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
@@ -195,6 +196,7 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("constants", NAMED, "named numbers that expressions may use", default=()),
         Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
         Field(
             "observe",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
@@ -16,6 +16,7 @@ class Place:
     source: str
     path: str = ""
     label: str = ""  # such as "body 'egg'"
+    constants: Mapping[str, float] = field(default_factory=dict, compare=False)  # of the scene, by name
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -36,13 +37,20 @@ class Place:
     def expression(self, text: str, names: Collection[str]) -> Expression:
         """The expression `text` over `names`; a refusal names this place."""
         try:
-            return parse_expression(text, names)
+            return parse_expression(text, names, self.constants)
         except ExpressionError as error:
             raise self.error(f"in {error.where}: {error.found}", error.allowed, error.remedy) from None
 
     def number(self, text: str) -> float:
-        """The value of an expression without names, such as `pi/2`."""
-        return evaluate(self.expression(text, ()), {})
+        """The value of an expression without names but those of constants, such as `pi/2`."""
+        return self.value(self.expression(text, ()), {})
+
+    def value(self, expression: Expression, values: Mapping[str, float]) -> float:
+        """The finite value of an expression; a refusal names this place."""
+        try:
+            return evaluate(expression, values)
+        except ExpressionError as error:
+            raise self.error(f"in {error.where}: {error.found}", "a finite value is required") from None
 
 
 def describe(value: object) -> str:
