@@ -219,6 +219,11 @@ def dynamic(name: str, *shapes: Shape, **keys: object) -> Body:
     return _body(name, "dynamic", shapes, keys)
 
 
+def planar(name: str, *shapes: Shape, **keys: object) -> Body:
+    """A body that moves by forces in a plane with a `normal`, z unless given."""
+    return _body(name, "planar", shapes, keys)
+
+
 def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
     """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
     place = with_constants(Place(SOURCE, name), keys)

@@ -111,13 +111,18 @@ _DYNAMIC_FIELDS = (
     Field("angular_velocity", VECTOR, "angular velocity at t = 0, world, rad/s", default=ZERO),
 )
 
+_NORMAL = Field(
+    "normal", VECTOR, "of the plane in which the body moves, world axes, of any length",
+    default=(0.0, 0.0, 1.0),
+)  # fmt: skip
+
 _MASS_OR_DENSITY = (("mass", "density"), ("inertia", "density"), ("center_of_mass", "density"))
 
 BODY = Defined(
     "body",
     Tagged(
         "motion",
-        "fixed: at rest; driven: moves on a path; dynamic: moves by forces",
+        "fixed: at rest; driven: moves on a path; dynamic: moves by forces; planar: the same, in a plane",
         {
             "fixed": Table(_BODY_FIELDS, ORIENTATION),
             "driven": Table(
@@ -125,6 +130,7 @@ BODY = Defined(
                 ORIENTATION,
             ),
             "dynamic": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS), (*ORIENTATION, *_MASS_OR_DENSITY)),
+            "planar": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS, _NORMAL), (*ORIENTATION, *_MASS_OR_DENSITY)),
         },
         default="dynamic",
     ),

@@ -126,6 +126,7 @@ class Body:
     pose: Pose = Pose()  # of the body axes in the world, at t = 0
     velocity: Vector = (0.0, 0.0, 0.0)  # m/s, of the centre of mass, world
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
+    normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 
