@@ -205,7 +205,7 @@ def _touching(
             for feature_pair in feature_pairs
         )
         way = following(a.shape, b.shape, pair, feature_pairs, explicit)
-        feature_pairs = confined(feature_pairs) if way.own else feature_pairs
+        feature_pairs = confined(feature_pairs, first) if way.own else feature_pairs
         contacts = _contacts(name, index, feature_pairs, way, touching, room, kinds)
         normal = _turned_round(pair.normal) if feature_pairs[0].swapped else pair.normal
         ranges = (

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import re
 import warnings
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import e as euler
 from math import isfinite, pi
@@ -62,7 +62,68 @@ class Call:
     args: tuple[Node, ...]
 
 
-Node = Number | Name | Unary | Binary | Call
+@dataclass(frozen=True, slots=True)
+class Cubic:
+    """A derivative of a piecewise cubic of x with continuous second derivatives, as no text has it.
+
+    Between the parameters k_i and k_(i+1), with s the distance from k_i, the cubic is that at k_i plus
+    (c3_i s + c2_i) s^2 + c1_i s, of which the names begin with the axis. It is evaluated as a sum over all
+    pieces, each of s cut off at its ends: no piece depends on which of them x is in, and bounds over an
+    interval that has a knot within stay as narrow as it is.
+    """
+
+    x: Node
+    axis: str
+    pieces: int
+    order: int = 0  # of the derivative, up to 2
+
+    def tree(self) -> Node:
+        """The sum over all pieces."""
+        axis, order = self.axis, self.order
+        lead: Node = (Name(f"{axis}0"), Name(f"{axis}1_0"), _scaled(2, Name(f"{axis}2_0")))[order]
+        return Binary("+", lead, _halves([self._piece(i) for i in range(self.pieces)]))
+
+    def _piece(self, i: int) -> Node:
+        """What a piece adds to the value at its start; the first and the last go on beyond the ends."""
+        s: Node = Binary("-", self.x, Name(f"k_{i}"))
+        if i > 0:
+            s = Call("max", (s, Number(0.0)))
+        if i < self.pieces - 1:
+            s = Call("min", (s, Binary("-", Name(f"k_{i + 1}"), Name(f"k_{i}"))))
+        slope, square, cube = (Name(f"{self.axis}{k}_{i}") for k in (1, 2, 3))
+        if self.order == 2:
+            return Binary("*", _scaled(6, cube), s)
+        factors: tuple[Node, Node] = (square, cube)
+        if self.order == 1:
+            factors = _scaled(2, square), _scaled(3, cube)
+        inner: Node = Binary("+", factors[0], Binary("*", factors[1], s))
+        if self.order == 0:
+            inner = Binary("+", slope, Binary("*", inner, s))
+        return Binary("*", inner, s)
+
+    def numbers(
+        self, value: float, slopes: Iterable[float], squares: Iterable[float], cubes: Iterable[float]
+    ) -> dict[str, float]:
+        """The parameters beside the knots: the value at the first one, then the coefficients by piece."""
+        named = {f"{self.axis}0": value}
+        for k, column in enumerate((slopes, squares, cubes), start=1):
+            named |= {f"{self.axis}{k}_{i}": float(each) for i, each in enumerate(column)}
+        return named
+
+
+def _scaled(factor: int, x: Node) -> Node:
+    return Binary("*", Number(float(factor)), x)
+
+
+def _halves(terms: Sequence[Node]) -> Node:
+    """The terms added up in halves, so that the tree is not deep."""
+    if len(terms) == 1:
+        return terms[0]
+    half = len(terms) // 2
+    return Binary("+", _halves(terms[:half]), _halves(terms[half:]))
+
+
+Node = Number | Name | Unary | Binary | Call | Cubic
 
 
 def number(value: float) -> Node:
@@ -138,6 +199,8 @@ def _value(node: Node, values: Mapping[str, float]) -> float:
             return evaluate_binary(op, _value(a, values), _value(b, values))
         case Call(fn, args):
             return evaluate_call(fn, tuple(_value(arg, values) for arg in args))
+        case Cubic():
+            return _value(node.tree(), values)
 
 
 def _check_characters(text: str) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import atan2, hypot, pi
 from typing import Any
 
 from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, number
 from modelgen.scene.expression_building import expression_of, minus, substitute
+from modelgen.scene.point_splines import Parameters, check_points, check_reached, closed_spline
 from modelgen.scene.scene_types import Profile
 from modelgen.scene.source_location import Place
 
@@ -32,6 +33,19 @@ def read_profile(values: Mapping[str, Any], place: Place) -> Profile:
         points = points[::-1]
     _check_seen(points, place)
     return profile
+
+
+def spline_profile(points: Sequence[Point], place: Place) -> tuple[Profile, Parameters]:
+    """The closed spline through the points and its parameters; raises SceneError."""
+    check_points([*points, points[0]] if points else points, place)
+    if signed_area(list(points)) < 0:
+        points = points[::-1]
+    spline = closed_spline(points)
+    check_reached(spline, points, True, place)
+    x, y = spline.components
+    profile = Profile((x, y), (0.0, 1.0), spline.reach)
+    _check_seen(_samples(profile, dict(spline.parameters), place), place)
+    return profile, spline.parameters
 
 
 def signed_area(points: list[Point]) -> float:

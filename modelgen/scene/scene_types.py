@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from math import inf
 from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
@@ -53,6 +54,7 @@ class Profile:
 
     components: tuple[Expression, Expression]
     domain: tuple[float, float]  # (t_min, t_max), one turn
+    reach: float = inf  # of t beyond its domain, as far as the expressions go on around the outline
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.scene.extrusion_profile import read_profile
+from modelgen.scene.extrusion_profile import read_profile, spline_profile
 from modelgen.scene.list_types import Field, NamedNumbers, Sequence
 from modelgen.scene.pose_input import VECTOR
-from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import CURVE_PARAMETER_NAMES, ShapeSpec, torus_constraint
 from modelgen.scene.source_location import Place
 from modelgen.scene.user_chart import check_interval
@@ -70,6 +70,7 @@ _OF_T = ExpressionText("expression of t and the parameters, m")
 
 EXTRUSION_FIELDS = (
     Field("points", Sequence(Sequence(NUMBER, 2), None), "corners [x, y] of a polygon in order, m"),
+    Field("smooth", Switch(), "a closed spline through the points instead of the polygon", default=False),
     Field("x", _OF_T, "x(t) of a smooth closed outline, m"),
     Field("y", _OF_T, "y(t) of a smooth closed outline, m"),
     Field("domain", Sequence(NUMBER, 2), "[t_min, t_max] of one turn along the outline"),
@@ -83,7 +84,7 @@ EXTRUSION_FIELDS = (
     ),
     LENGTH,
 )
-POLYGON_OR_OUTLINE = (("points", "x"), ("points", "y"), ("points", "domain"), ("points", "parameters"))
+POLYGON_OR_OUTLINE = tuple((a, b) for a in ("points", "smooth") for b in ("x", "y", "domain", "parameters"))
 
 
 def read_polyhedron(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
@@ -105,6 +106,9 @@ def read_polyhedron(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
 def read_extrusion(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """parameters x0, y0, x1, ..., length of a polygon, or length and the user's own of a smooth outline."""
     length = ("length", values["length"])
+    if values["points"] is not None and values["smooth"]:
+        profile, own = spline_profile(values["points"], place.key("points"))
+        return {"parameters": (length, *own), "profile": profile}
     if values["points"] is not None:
         points = _polygon(values["points"], place.key("points"))
         names = (f"{axis}{index}" for index in range(len(points)) for axis in "xy")
