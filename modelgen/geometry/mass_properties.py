@@ -18,6 +18,7 @@ import numpy as np
 from modelgen.errors import SceneError
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.composites.moments import Moments, moments_of, prism
+from modelgen.geometry.composites.outlines import outline_moments
 from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
 from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
@@ -73,7 +74,13 @@ def _inertia(second: Array) -> Array:
 
 def _of_composite(shape: Shape) -> Moments | None:
     """The moments of a composite solid; None for a surface with one chart."""
-    parts = moments_of(shape) if shape.profile is None else _of_outline(shape, shape.profile)
+    parts: Moments | None
+    if shape.profile is not None:
+        parts = _of_outline(shape, shape.profile)
+    elif shape.kind == "outline_wall":
+        parts = outline_moments(shape)
+    else:
+        parts = moments_of(shape)
     if parts is not None and shape.cavity:
         raise _unbounded(shape, "its material lies outside of it", "give mass and inertia, or remove cavity")
     return parts

@@ -107,7 +107,7 @@ def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
         return ca.vertcat(*(lower(expression, symbols) for expression in chart.components))
 
     def jet_of_splines(uv: ca.SX, p: ca.SX) -> Jet:
-        columns = _spline_jet(chart, names)(uv, p)
+        columns = ca.horzsplit(_spline_jet(chart, names)(uv, p))
         return Jet(columns[0], ca.horzcat(*columns[1:3]), ca.horzcat(*columns[3:]))
 
     has_spline = any(has_cubic(each.tree) for each in chart.components)
@@ -122,14 +122,14 @@ def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
 
 @lru_cache(maxsize=64)
 def _spline_jet(chart: Chart, names: tuple[str, ...]) -> ca.Function:
-    """uv (2), parameters -> c, c_u, c_v, c_uu, c_uv, c_vv (3 each), by the derivatives of its splines."""
+    """uv (2), parameters -> (3,6) c, c_u, c_v, c_uu, c_uv, c_vv, by the derivatives of its splines."""
     uv, p = ca.SX.sym("uv", 2), ca.SX.sym("p", len(names))
     symbols = {"u": uv[0], "v": uv[1]} | {name: p[i] for i, name in enumerate(names)}
     columns = [
         ca.vertcat(*(lower(each, symbols) for each in derivatives(chart.components, order)))
         for order in ("", "u", "v", "uu", "uv", "vv")
     ]
-    return ca.Function("jet", [uv, p], ca.cse(columns))
+    return ca.Function("jet", [uv, p], ca.cse([ca.densify(ca.horzcat(*columns))]))
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,7 @@ import ast
 import re
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import e as euler
 from math import isfinite, pi
 
@@ -139,8 +139,8 @@ class Expression:
     """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it."""
 
     text: str
-    tree: Node
-    names: frozenset[str]
+    tree: Node = field(hash=False)
+    names: frozenset[str] = field(hash=False)
 
 
 def parse_expression(

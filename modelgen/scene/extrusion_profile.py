@@ -110,7 +110,7 @@ def _check_closed(
 
 def _check_seen(points: list[Point], place: Place) -> None:
     """Every point of the outline is seen from its centroid, so that its ends have a chart."""
-    _check_simple(points, place)
+    check_simple(points, place)
     area, size = signed_area(points), max(hypot(a[0] - b[0], a[1] - b[1]) for a, b in _sides(points))
     if not area > size * size:
         raise place.error("an outline that encloses next to nothing", "it must bound an area", "mend x or y")
@@ -124,7 +124,7 @@ def _check_seen(points: list[Point], place: Place) -> None:
             )
 
 
-def _check_simple(points: list[Point], place: Place) -> None:
+def check_simple(points: list[Point], place: Place) -> None:
     """An outline that turns about itself once: a figure of eight turns not at all, a loop in a loop twice."""
     steps = [(b[0] - a[0], b[1] - a[1]) for a, b in _sides(points)]
     turns = [

@@ -1,13 +1,15 @@
-"""Pieces of an outline in the x-y plane: line, arc, involute. Lengths in m, angles in rad, t from 0 to 1.
+"""Pieces of an outline in the x-y plane: line, arc, involute. Lengths in m, angles in rad.
 
-A piece runs from t = 0 to t = 1; on a closed outline with the material on its left.
+A piece runs from t = 0 to t = 1, on a closed outline counterclockwise, with the material on its left. All
+pieces of one kind have the same formula, and differ in its parameters alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from math import ceil, cos, hypot, pi, sin
+
+from modelgen.scene.expression import Expression, parse_expression
 
 Point = tuple[float, float]
 
@@ -16,91 +18,98 @@ WIDEST = 2 * pi / 3  # of an arc that is one piece
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    start: Point
-    end: Point
+    """(x0, y0) + ((x1, y1) - (x0, y0)) t."""
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
 
     def point(self, t: float) -> Point:
-        (a, b), (c, d) = self.start, self.end
-        return a + (c - a) * t, b + (d - b) * t
+        return self.x0 + (self.x1 - self.x0) * t, self.y0 + (self.y1 - self.y0) * t
 
-    def direction(self, t: float) -> Point:
-        """The unit tangent."""
-        return _unit((self.end[0] - self.start[0], self.end[1] - self.start[1]))
+    def velocity(self, t: float) -> Point:
+        """The derivative of the point by t."""
+        return self.x1 - self.x0, self.y1 - self.y0
 
     def turned(self, angle: float) -> Line:
-        return Line(rotated(self.start, angle), rotated(self.end, angle))
+        """The piece turned about the origin."""
+        return Line(*rotated((self.x0, self.y0), angle), *rotated((self.x1, self.y1), angle))
+
+    def scaled(self, factor: float) -> Line:
+        return Line(self.x0 * factor, self.y0 * factor, self.x1 * factor, self.y1 * factor)
 
 
 @dataclass(frozen=True, slots=True)
 class Arc:
-    """A piece of a circle between two angles, counterclockwise if they increase."""
+    """(cx, cy) + radius (cos a, sin a), a from angle_0 to angle_1: counterclockwise if that is larger."""
 
-    centre: Point
+    cx: float
+    cy: float
     radius: float
-    angles: tuple[float, float]
+    angle_0: float
+    angle_1: float
 
     def point(self, t: float) -> Point:
-        angle = self._angle(t)
-        return self.centre[0] + self.radius * cos(angle), self.centre[1] + self.radius * sin(angle)
+        angle = self.angle_0 + (self.angle_1 - self.angle_0) * t
+        return self.cx + self.radius * cos(angle), self.cy + self.radius * sin(angle)
 
-    def direction(self, t: float) -> Point:
-        angle, sign = self._angle(t), 1.0 if self.is_convex else -1.0
-        return -sign * sin(angle), sign * cos(angle)
+    def velocity(self, t: float) -> Point:
+        turn = self.angle_1 - self.angle_0
+        angle = self.angle_0 + turn * t
+        return -self.radius * turn * sin(angle), self.radius * turn * cos(angle)
 
     def turned(self, angle: float) -> Arc:
-        a, b = self.angles
-        return Arc(rotated(self.centre, angle), self.radius, (a + angle, b + angle))
+        cx, cy = rotated((self.cx, self.cy), angle)
+        return Arc(cx, cy, self.radius, self.angle_0 + angle, self.angle_1 + angle)
 
-    @property
-    def is_convex(self) -> bool:
-        """Whether the material is on the side of the centre."""
-        return self.angles[1] > self.angles[0]
-
-    @property
-    def parts(self) -> tuple[Arc, ...]:
-        """Arcs of at most WIDEST, one after the other."""
-        a, b = self.angles
-        count = max(1, ceil(abs(b - a) / WIDEST - 1e-9))
-        ends = [a + (b - a) * k / count for k in range(count)] + [b]
-        return tuple(replace(self, angles=(ends[k], ends[k + 1])) for k in range(count))
-
-    def _angle(self, t: float) -> float:
-        return self.angles[0] + (self.angles[1] - self.angles[0]) * t
+    def scaled(self, factor: float) -> Arc:
+        return replace(self, cx=self.cx * factor, cy=self.cy * factor, radius=self.radius * factor)
 
 
 @dataclass(frozen=True, slots=True)
 class Involute:
     """The curve that the end of a string draws which is unwound from a base circle about the origin.
 
-    With the signed roll r, counterclockwise, and e(a) = (cos a, sin a), the point is
-    radius (e(start + r) - r e'(start + r)) and its derivative by r is radius r e(start + r).
+    With the roll r from roll_0 to roll_1, positive counterclockwise, and e(a) = (cos a, sin a):
+    radius (e(start + r) - r e'(start + r)), whose derivative by r is radius r e(start + r).
     """
 
     radius: float  # of the base circle
     start: float  # angle at which the curve leaves the base circle
-    rolls: tuple[float, float]  # both positive or both negative
+    roll_0: float
+    roll_1: float
 
     def point(self, t: float) -> Point:
-        roll = self._roll(t)
+        roll = self.roll_0 + (self.roll_1 - self.roll_0) * t
         angle = self.start + roll
-        return (
-            self.radius * (cos(angle) + roll * sin(angle)),
-            self.radius * (sin(angle) - roll * cos(angle)),
-        )
+        x, y = cos(angle) + roll * sin(angle), sin(angle) - roll * cos(angle)
+        return self.radius * x, self.radius * y
 
-    def direction(self, t: float) -> Point:
-        angle = self.start + self._roll(t)
-        sign = 1.0 if (self.rolls[1] - self.rolls[0]) * self.rolls[0] > 0 else -1.0
-        return sign * cos(angle), sign * sin(angle)
+    def velocity(self, t: float) -> Point:
+        roll = self.roll_0 + (self.roll_1 - self.roll_0) * t
+        speed = self.radius * roll * (self.roll_1 - self.roll_0)
+        return speed * cos(self.start + roll), speed * sin(self.start + roll)
 
     def turned(self, angle: float) -> Involute:
         return replace(self, start=self.start + angle)
 
-    def _roll(self, t: float) -> float:
-        return self.rolls[0] + (self.rolls[1] - self.rolls[0]) * t
+    def scaled(self, factor: float) -> Involute:
+        return replace(self, radius=self.radius * factor)
 
 
 Piece = Line | Arc | Involute
+
+_ANGLE = "(angle_0 + (angle_1 - angle_0)*t)"
+_ROLL = "(roll_0 + (roll_1 - roll_0)*t)"
+_FORMULAS: dict[type[Piece], tuple[str, str]] = {
+    Line: ("x0 + (x1 - x0)*t", "y0 + (y1 - y0)*t"),
+    Arc: (f"cx + radius*cos{_ANGLE}", f"cy + radius*sin{_ANGLE}"),
+    Involute: (
+        f"radius*(cos(start + {_ROLL}) + {_ROLL}*sin(start + {_ROLL}))",
+        f"radius*(sin(start + {_ROLL}) - {_ROLL}*cos(start + {_ROLL}))",
+    ),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,20 +120,39 @@ class Side:
     piece: Piece
 
 
-Outline = tuple[Side, ...]  # closed, counterclockwise, end to start
+Outline = tuple[Side, ...]  # closed and counterclockwise, each from the end of the one before
+
+
+def formulas_of(piece: Piece) -> tuple[Expression, Expression]:
+    """x and y as expressions of t and the fields of the piece."""
+    names = ("t", *type(piece).__dataclass_fields__)
+    x, y = (parse_expression(text, names) for text in _FORMULAS[type(piece)])
+    return x, y
+
+
+def numbers_of(piece: Piece) -> tuple[tuple[str, float], ...]:
+    """The parameters of the formulas."""
+    return tuple(zip(type(piece).__dataclass_fields__, astuple(piece), strict=True))
+
+
+def direction(piece: Piece, t: float) -> Point:
+    """The unit tangent."""
+    x, y = piece.velocity(t)
+    length = hypot(x, y)
+    return x / length, y / length
+
+
+def parts_of(piece: Piece) -> tuple[Piece, ...]:
+    """The piece, or arcs of at most WIDEST in its place, one after the other."""
+    if not isinstance(piece, Arc):
+        return (piece,)
+    a, turn = piece.angle_0, piece.angle_1 - piece.angle_0
+    count = max(1, ceil(abs(turn) / WIDEST - 1e-9))
+    ends = [*(a + turn * k / count for k in range(count)), piece.angle_1]
+    return tuple(replace(piece, angle_0=ends[k], angle_1=ends[k + 1]) for k in range(count))
 
 
 def rotated(point: Point, angle: float) -> Point:
     """The point turned about the origin."""
     x, y = point
     return x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
-
-
-def samples(pieces: Sequence[Piece], count: int) -> list[Point]:
-    """`count` points of each piece, from its start on, without its end."""
-    return [piece.point(k / count) for piece in pieces for k in range(count)]
-
-
-def _unit(vector: Point) -> Point:
-    length = hypot(*vector)
-    return vector[0] / length, vector[1] / length

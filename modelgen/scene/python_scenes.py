@@ -194,6 +194,16 @@ def extrusion(length: float, **keys: object) -> Shape:
     return shape("extrusion", length=length, **keys)
 
 
+def outline(pieces: Sequence[Mapping[str, object]], **keys: object) -> Shape:
+    """An outline of pieces (lines, arcs, involutes) in z = 0, as of a thin plate."""
+    return shape("outline", pieces=pieces, **keys)
+
+
+def outline_wall(pieces: Sequence[Mapping[str, object]], length: float, **keys: object) -> Shape:
+    """The sides of an outline of pieces along z, without its ends; `length` in m."""
+    return shape("outline_wall", pieces=pieces, length=length, **keys)
+
+
 def solid(
     face: Sequence[Mapping[str, object]],
     edge: Sequence[Mapping[str, object]] = (),

@@ -136,7 +136,9 @@ BODY = Defined(
     ),
 )
 
-_FEATURE = Text(r"^[A-Za-z][A-Za-z0-9_.]{0,63}$", "the name of a feature is allowed")
+_FEATURE = Text(
+    r"^[A-Za-z][A-Za-z0-9_.]{0,63}\*?$", "the name of a feature, or the beginning of names and *, is allowed"
+)
 
 CONTACT = Table(
     (
@@ -154,7 +156,8 @@ CONTACT = Table(
         ),
         Field(
             "features", Sequence(_FEATURE, None),
-            "faces, edges and vertices that may touch, those of both shapes; without it all", default=(),
+            "faces, edges and vertices that may touch, those of both shapes; flank* is all that begin so; "
+            "without it all", default=(),
         ),
         Field(
             "points", Whole(1, 64),

@@ -7,6 +7,7 @@ from math import inf
 from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
+from modelgen.scene.outline_pieces import Outline
 from modelgen.scene.splines import Spline
 
 Vector = tuple[float, float, float]
@@ -71,6 +72,7 @@ class Shape:
     profile: Profile | None = None  # of an extrusion with a smooth outline
     solid: Composite | None = None  # a solid of the user's own
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
+    outline: Outline | None = None  # of pieces
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modelgen.scene.list_types import Field, Sequence
+from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
 from modelgen.scene.revolution_profile import read_revolution
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import REVOLUTION_PARAMETERS
@@ -85,6 +86,10 @@ FREE_SHAPES: Mapping[str, FreeShape] = {
         FreeShape(
             "polyline", "straight pieces with rounded corners", POLYLINE_FIELDS, _spline(read_polyline),
             curve=True,
+        ),
+        FreeShape(
+            "outline", "an outline of pieces in z = 0, as of a thin plate", OUTLINE_FIELDS,
+            lambda values, place: {"outline": read_outline(values, place)}, curve=True,
         ),
         FreeShape(
             "surface_line", "a boundary or parameter line of a surface", LINE_FIELDS, _line, curve=True,

@@ -15,6 +15,7 @@ import numpy as np
 
 from modelgen.scene.extrusion_profile import read_profile, spline_profile
 from modelgen.scene.list_types import Field, NamedNumbers, Sequence
+from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import CURVE_PARAMETER_NAMES, ShapeSpec, torus_constraint
@@ -44,6 +45,10 @@ class SolidSpec:
 
 LENGTH = Field("length", POSITIVE, "length along z, m", required=True)
 _RADIUS = Field("radius", POSITIVE, "radius, m", required=True)
+
+
+def _outline_wall(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    return {"parameters": (("length", values["length"]),), "outline": read_outline(values, place)}
 
 
 def _of_numbers(spec: ShapeSpec) -> Reader:
@@ -221,5 +226,9 @@ SOLIDS: Mapping[str, SolidSpec] = {
     "extrusion": SolidSpec(
         "extrusion", "a polygon or a smooth outline along z", EXTRUSION_FIELDS, read_extrusion,
         exclusive=POLYGON_OR_OUTLINE,
+    ),
+    "outline_wall": SolidSpec(
+        "outline_wall", "the sides of an outline of pieces along z, without its ends",
+        (*OUTLINE_FIELDS, LENGTH), _outline_wall,
     ),
 }  # fmt: skip
