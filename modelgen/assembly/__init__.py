@@ -264,7 +264,8 @@ def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], wher
     body = find_body(scene, partner[0], where)
     piece = pieces[body]
     shape = find_shape(piece.body, partner[1], where)
-    owner = Owner(body, piece.motion, piece.body.pose.is_identity, piece.centre, scene.fold)
+    at_world = piece.body.pose.is_identity and not piece.body.repeated
+    owner = Owner(body, piece.motion, at_world, piece.centre, scene.fold)
     return Whole(owner, shape)
 
 

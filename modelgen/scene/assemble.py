@@ -7,6 +7,7 @@ from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.constants import with_constants
+from modelgen.scene.patterns import repeated
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_types import Body, RunSettings, Scene
@@ -26,6 +27,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     """The scene of given bodies and the remaining values of the scene's table; raises SceneError."""
     if not bodies:
         raise place.key("body").error("no body", "a scene has one body or more", "add a [[body]]")
+    bodies = repeated(bodies, values["pattern"])
     unique_names(bodies, place.key("body"))
     bodies = joints.with_world(bodies, values["joint"])
     known = {body.name: body for body in bodies}

@@ -10,6 +10,7 @@ from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run_settings import FORMS, RUN
@@ -30,8 +31,8 @@ STILL = ("0.0", "0.0", "0.0")
 
 SCENE_NAME = Text(r"^[A-Za-z0-9_-]{1,64}$", "letters, digits, _ and - are allowed, at most 64")
 _PARTNER = Text(
-    r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z][A-Za-z0-9_]{0,63})?$",
-    "the name of a body, or body/shape, is allowed",
+    r"^[A-Za-z][A-Za-z0-9_]{0,63}\*?(/[A-Za-z][A-Za-z0-9_]{0,63}\*?)?$",
+    "the name of a body, or body/shape, is allowed, or the beginning of names and *",
 )
 
 
@@ -142,7 +143,10 @@ _FEATURE = Text(
 
 CONTACT = Table(
     (
-        Field("between", Sequence(_PARTNER, 2), 'two partners, each "body" or "body/shape"', required=True),
+        Field(
+            "between", Sequence(_PARTNER, 2),
+            'two partners, each "body" or "body/shape"; ball_* is all that begin so', required=True,
+        ),
         Field(
             "restitution",
             RestitutionValue(),
@@ -205,6 +209,7 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
         Field("constants", NAMED, "named numbers that expressions may use", default=()),
         Field("gravity", Sequence(NUMBER, 3), "gravitational acceleration, m/s^2", default=(0.0, 0.0, -9.81)),
         Field(

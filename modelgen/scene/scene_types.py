@@ -73,6 +73,7 @@ class Shape:
     solid: Composite | None = None  # a solid of the user's own
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
     outline: Outline | None = None  # of pieces
+    repeated: bool = False  # one of several copies, which differ in numbers alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +132,7 @@ class Body:
     velocity: Vector = (0.0, 0.0, 0.0)  # m/s, of the centre of mass, world
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
     normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
+    repeated: bool = False  # one of several copies, which differ in numbers alone
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 
