@@ -179,6 +179,11 @@ def frustum(radius_bottom: float, radius_top: float, length: float, **keys: obje
     return shape("frustum", radius_bottom=radius_bottom, radius_top=radius_top, length=length, **keys)
 
 
+def dome(radius: float, length: float, **keys: object) -> Shape:
+    """The part of a ball above z = 0 with its top at `length`, half of it if that is `radius`; in m."""
+    return shape("dome", radius=radius, length=length, **keys)
+
+
 def half_torus(major: float, minor: float, **keys: object) -> Shape:
     """The half y >= 0 of a torus about z; radii in m, `minor` of the tube."""
     return shape("half_torus", major=major, minor=minor, **keys)

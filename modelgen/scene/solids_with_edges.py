@@ -27,6 +27,7 @@ Reader = Callable[[Mapping[str, Any], Place], dict[str, Any]]
 
 THIN = 1e-6  # extent of a polyhedron in its thinnest direction, against that in its widest
 STRAIGHT = 1e-9  # sine of a corner of a polygon that is none
+THINNEST = 1e-3  # length of a dome, and of what is cut off from its ball, against the radius
 NEARLY_CYLINDRICAL = 1e-3  # tangent of the half angle of a cone whose apex is too far away
 
 
@@ -60,6 +61,12 @@ def _frustum_constraint(values: tuple[float, ...]) -> str:
     if bottom == top or abs(bottom - top) >= NEARLY_CYLINDRICAL * length:
         return ""
     return f"radius_bottom {bottom:.9g} and radius_top {top:.9g} differ by little"
+
+
+def _dome_constraint(values: tuple[float, ...]) -> str:
+    radius, length = values
+    within = THINNEST * radius <= length <= (2 - THINNEST) * radius
+    return "" if within else f"length {length:g} of a part of a ball of radius {radius:g}"
 
 
 def _tube_constraint(values: tuple[float, ...]) -> str:
@@ -200,6 +207,15 @@ _COMPOSITES = (
         ),
         closed=True, implicit=False, constraint=_frustum_constraint,
         rule=f"they are equal, or differ by {NEARLY_CYLINDRICAL:g} length at least",
+    ),
+    ShapeSpec(
+        "dome", "the part of a ball above z = 0: half of it if length is the radius", ("radius", "length"),
+        (
+            Field("radius", POSITIVE, "radius of the ball, m", required=True),
+            Field("length", POSITIVE, "length from the flat base to the top, m", required=True),
+        ),
+        closed=True, implicit=False, constraint=_dome_constraint,
+        rule=f"length is from {THINNEST:g} to {2 - THINNEST:g} times the radius",
     ),
     ShapeSpec(
         "half_torus", "the half y >= 0 of a ring about z", ("major", "minor"),
