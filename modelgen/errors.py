@@ -112,10 +112,12 @@ SYNONYMS: Mapping[
     **dict.fromkeys(("c", "damping_coefficient"), ("damping",)),
     **dict.fromkeys(("length", "natural_length", "l0"), ("rest_length",)),
     **dict.fromkeys(("points", "attachments"), ("anchors",)),
+    "pitch": ("lead",),
 }
 NOTES: Mapping[tuple[str, str], str] = {  # what changes where one word takes the place of another
     ("diameter", "radius"): "half the diameter",
     ("weight", "mass"): "in kg",
+    ("pitch", "lead"): "the rise in a turn: 2*pi times that in a radian",
     **{(key, "size"): "[x, y, z]" for key in ("x", "y", "z", "width", "height", "depth", "thickness")},
 }
 

@@ -123,6 +123,15 @@ REGISTRY: Mapping[str, Shipped] = {
         margin=1e-5,
         apart=1e-8,
     ),
+    "gears": Shipped(
+        kinds=(
+            *("free_diagonal", "free_diagonal_loaded", "fixed", "chart_curve_curve_block", "torque"),
+            *("revolute_moved", "revolute"),
+        ),
+        forms=("curve_block", "curve_paper", "curve_differentiated"),
+        reference="oracles/test_gears.py::test_two_gears_turn_at_the_ratio_of_their_teeth_under_load",
+        events={"touch-down": 12, "appear": 24, "vanish": 24},
+    ),
     "helix_on_cylinder": Shipped(
         kinds=("fixed", "free_diagonal", "cylinder_helix_curve_block"),
         forms=CURVE_ON_SURFACE,

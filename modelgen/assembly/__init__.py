@@ -205,7 +205,7 @@ def _touching(
             for feature_pair in feature_pairs
         )
         way = following(a.shape, b.shape, pair, feature_pairs, explicit)
-        feature_pairs = confined(feature_pairs) if way.own else feature_pairs
+        feature_pairs = confined(feature_pairs, first) if way.own else feature_pairs
         contacts = _contacts(name, index, feature_pairs, way, touching, room, kinds)
         normal = _turned_round(pair.normal) if feature_pairs[0].swapped else pair.normal
         ranges = (
@@ -264,7 +264,8 @@ def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], wher
     body = find_body(scene, partner[0], where)
     piece = pieces[body]
     shape = find_shape(piece.body, partner[1], where)
-    owner = Owner(body, piece.motion, piece.body.pose.is_identity, piece.centre, scene.fold)
+    at_world = piece.body.pose.is_identity and not piece.body.repeated
+    owner = Owner(body, piece.motion, at_world, piece.centre, scene.fold)
     return Whole(owner, shape)
 
 

@@ -63,7 +63,7 @@ def runs_on(shape: Shape) -> bool:
     features = features_of(shape).features
     dimensions = {feature.name: feature.dimension for feature in features}
     return any(
-        dimensions.get(condition.next or "") == feature.dimension
+        dimensions.get(condition.next or "") == feature.dimension and condition.next != feature.name
         for feature in features
         for condition in feature.conditions
     )
@@ -79,14 +79,17 @@ def _is_plane(shape: Shape) -> bool:
     return shape.kind == "plane"
 
 
-def confined(feature_pairs: Sequence[FeaturePairEntry]) -> tuple[FeaturePairEntry, ...]:
-    """The feature pairs with conditions under which a contact of its own ends where the feature pair ends."""
+def confined(feature_pairs: Sequence[FeaturePairEntry], first: int) -> tuple[FeaturePairEntry, ...]:
+    """The feature pairs, of which the first has that number, with conditions under which a contact of its own
+    ends where the feature pair ends, or goes on around it."""
     return tuple(
         replace(
             feature_pair,
             conditions=tuple(
-                replace(each, next=ENDS) for each in feature_pair.conditions if each.next != WATCHED
+                each if each.next == number else replace(each, next=ENDS)
+                for each in feature_pair.conditions
+                if each.next != WATCHED
             ),
         )
-        for feature_pair in feature_pairs
+        for number, feature_pair in enumerate(feature_pairs, start=first)
     )

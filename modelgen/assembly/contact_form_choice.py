@@ -36,7 +36,8 @@ class Partner:
 
     @property
     def side(self) -> Side:
-        placed = self.shape.pose.position != self.owner.centre or not self._is_straight
+        moved = self.shape.pose.position != self.owner.centre or not self._is_straight
+        placed = moved or self.shape.repeated
         return Side(
             self.kind,
             self.owner.motion,

@@ -103,30 +103,41 @@ def _candidates(
     _check_restriction(pair, sides, where)
     alone = len(sides[0]) == len(sides[1]) == 1
     found: dict[tuple[str, str], Candidate] = {}
+    places = (_Places(a, shapes), _Places(b, shapes))
+    joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
     for features in product(*sides):
         names = (features[0].name, features[1].name)
-        wanted = all(not name or not pair.features or name in pair.features for name in names)
+        wanted = all(not name or is_allowed(name, pair) for name in names)
         if not wanted or not (alone or _touch_in_points(*features)):
             continue
         features = _flattened(*features)
         (one, first), (two, second) = (
-            _place(whole, feature, shapes) for whole, feature in zip((a, b), features, strict=True)
+            place.of(feature) for place, feature in zip(places, features, strict=True)
         )
         forced = pair
         if not alone or pair.form == "auto":
             forced = _where_it_fits(pair, wish if pair.form == "auto" else pair.form, first, second)
         kind, swapped = pair_up(first, second, forced, where)
-        joined = _joined(one, sides[0]), _joined(two, sides[1])
-        found[names] = Candidate((one, two), (first, second), joined, kind, swapped)
+        faces = joined[0][names[0]], joined[1][names[1]]
+        found[names] = Candidate((one, two), (first, second), faces, kind, swapped)
     if not found:
         raise SceneError(where, "no two features of these shapes can touch in a point", "", "")
     return found
 
 
+def is_allowed(feature: str, pair: ContactPair) -> bool:
+    """Whether the scene lets a feature of that name touch."""
+    return not pair.features or any(_names(each, feature) for each in pair.features)
+
+
+def _names(written: str, feature: str) -> bool:
+    return feature.startswith(written[:-1]) if written.endswith("*") else feature == written
+
+
 def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], where: str) -> None:
     known = {feature.name for side in sides for feature in side if feature.name}
     for name in pair.features:
-        if name not in known:
+        if not any(_names(name, each) for each in known):
             raise SceneError(
                 f"{where}.features",
                 f"no feature {name!r}",
@@ -168,8 +179,8 @@ def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
     """The condition by which a rim or ring against a plane hands over to its support points where it lies
     flat."""
     return (
-        tilted(a) if lies_flat(a) and b.shape.kind == "plane" else a,
-        tilted(b) if lies_flat(b) and a.shape.kind == "plane" else b,
+        tilted(a) if b.shape.kind == "plane" and lies_flat(a) else a,
+        tilted(b) if a.shape.kind == "plane" and lies_flat(b) else b,
     )
 
 
@@ -178,6 +189,19 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
     faces = {each.name for each in all_of_it if each.dimension == 2}
     nexts = {each.next for each in feature.conditions if each.next}
     return frozenset(faces & nexts) if feature.dimension == 2 else frozenset()
+
+
+class _Places:
+    """The features of a shape in their places, each placed once."""
+
+    def __init__(self, whole: Whole, shapes: KindList[ShapeKind]) -> None:
+        self._whole, self._shapes = whole, shapes
+        self._known: dict[int, tuple[Feature, tuple[Feature, Partner]]] = {}
+
+    def of(self, feature: Feature) -> tuple[Feature, Partner]:
+        if id(feature) not in self._known:
+            self._known[id(feature)] = feature, _place(self._whole, feature, self._shapes)
+        return self._known[id(feature)][1]
 
 
 def _place(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:

@@ -8,7 +8,7 @@ from itertools import product
 from math import cos, pi, sin
 
 from modelgen.assembly.contact_form_choice import Partner, pair_up, shape_kind
-from modelgen.assembly.feature_pairs import Whole
+from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.support_points import SUPPORT_POINTS, rim_of
@@ -102,11 +102,7 @@ def patches_of(
 
 def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
     """The planar regions whose contact the scene allows."""
-    return (
-        region
-        for region in regions_of(whole.shape)
-        if not pair.features or not region.name or region.name in pair.features
-    )
+    return (region for region in regions_of(whole.shape) if not region.name or is_allowed(region.name, pair))
 
 
 def _lies_in(features: tuple[str, str], halves: tuple[Half, Half]) -> bool:

@@ -33,7 +33,7 @@ def _is_own_rim(feature: Feature) -> bool:
     if curve is None or not isinstance(curve.components[2].tree, Number):
         return False
     ends = [point_of(feature.shape, t) for t in domain_of(feature.shape)[0]]
-    whole = not any(condition.kind == "parameter" for condition in feature.conditions)
+    whole = not any(each.kind == "parameter" and each.next != feature.name for each in feature.conditions)
     return whole and float(np.linalg.norm(ends[1] - ends[0])) <= JOINED * float(np.linalg.norm(ends[0]))
 
 

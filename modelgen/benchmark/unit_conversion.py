@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.errors import SceneError
 from modelgen.scene.expression import Expression, Name, Number
 from modelgen.scene.expression_building import expression_of, over, substitute, times
+from modelgen.scene.outline_pieces import Outline
 from modelgen.scene.scene_types import (
     Body,
     ContactPair,
@@ -146,6 +147,7 @@ def _shape(shape: Shape, units: Units) -> Shape:
         curve=_stretched(shape.curve, units),
         profile=_stretched(shape.profile, units),
         spline=None if shape.spline is None else _spline(shape.spline, units.length),
+        outline=_outline(shape.outline, units.length),
     )
 
 
@@ -172,6 +174,12 @@ def _spline(spline: Spline, factor: float) -> Spline:
             return replace(spline, points=tuple(_times(p, factor) for p in points))
         case Polyline(points=points, radius=radius):
             return replace(spline, points=tuple(_times(p, factor) for p in points), radius=radius * factor)
+
+
+def _outline(outline: Outline | None, factor: float) -> Outline | None:
+    if outline is None:
+        return None
+    return tuple(replace(side, piece=side.piece.scaled(factor)) for side in outline)
 
 
 def _contact(pair: ContactPair, units: Units) -> ContactPair:

@@ -184,13 +184,13 @@ def _finite(value: float) -> float | None:
 
 def instance_of(model: Model) -> dict[str, Any]:
     """The scene as tables that refer to the kinds by number."""
-    scene = model.scene
+    scene, shapes = model.scene, _Shapes(model)
     return {
         "name": scene.name,
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
         "pairs": [_pair(entry) for entry in model.pairs],
-        "feature_pairs": [_feature_pair(model, entry) for entry in model.feature_pairs],
+        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
         "contacts": [asdict(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
@@ -271,7 +271,21 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
     }
 
 
-def _feature_pair(model: Model, entry: FeaturePairEntry) -> dict[str, Any]:
+class _Shapes:
+    """The tables of the shapes of feature pairs, each made once."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._known: dict[tuple[int, int, int], dict[str, Any]] = {}
+
+    def of(self, body: int, shape: Shape, side: Side) -> dict[str, Any]:
+        key = id(shape), body, id(side.shape)  # both belong to the model
+        if key not in self._known:
+            self._known[key] = _shape(self._model, body, shape, side)
+        return self._known[key]
+
+
+def _feature_pair(model: Model, entry: FeaturePairEntry, shapes: _Shapes) -> dict[str, Any]:
     kind = model.contact_kinds[entry.kind]
     return {
         "name": entry.name,
@@ -281,10 +295,13 @@ def _feature_pair(model: Model, entry: FeaturePairEntry) -> dict[str, Any]:
         "f": entry.f,
         "parameters": list(entry.parameters),
         "swapped": entry.swapped,
-        "shape_o": _shape(model, entry.o, entry.shapes[0], kind.o),
-        "shape_f": _shape(model, entry.f, entry.shapes[1], kind.f),
+        "shape_o": shapes.of(entry.o, entry.shapes[0], kind.o),
+        "shape_f": shapes.of(entry.f, entry.shapes[1], kind.f),
         "face_group": entry.face_group,
-        "conditions": [asdict(condition) for condition in entry.conditions],
+        "conditions": [
+            {"kind": each.kind, "side": each.side, "numbers": each.numbers, "next": each.next}
+            for each in entry.conditions
+        ],
     }
 
 

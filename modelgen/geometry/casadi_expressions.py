@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 
 from modelgen.errors import ExpressionError
-from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
 
 _BINARY: Mapping[str, Callable[[ca.SX, ca.SX], ca.SX]] = {
     "+": lambda a, b: a + b,
@@ -58,3 +58,5 @@ def _lower(node: Node, symbols: Mapping[str, ca.SX]) -> ca.SX:
             return _BINARY[op](_lower(a, symbols), _lower(b, symbols))
         case Call(fn, args):
             return _FUNCTIONS[fn](*(_lower(arg, symbols) for arg in args))
+        case Cubic():
+            return _lower(node.tree(), symbols)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import inf, pi
 
 import casadi as ca
@@ -17,6 +17,7 @@ from modelgen.geometry.frames import zeros
 from modelgen.geometry.support_maps import Support
 from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ShapeKind
+from modelgen.scene.expression_building import derivatives, has_cubic
 from modelgen.scene.scene_types import Curve, Shape
 
 SAMPLES = 257  # of a user's curve, for its bounding radius
@@ -40,8 +41,11 @@ class SpaceCurve:
     periodic: bool
     support: Callable[[ca.SX, ca.SX], Support] | None = None
     bounding: Callable[[Sequence[float]], float] = lambda p: inf  # m, radius about the shape's origin
+    derivative: Callable[[int, ca.SX, ca.SX], ca.SX] | None = None  # of an order, where known in closed form
 
     def jet(self, t: ca.SX, p: ca.SX) -> CurveJet:
+        if self.derivative is not None:
+            return CurveJet(*(self.derivative(order, t, p) for order in range(3)))
         symbol = ca.SX.sym("t")
         x = self.components(symbol, p)
         first = ca.jacobian(x, symbol)
@@ -117,20 +121,36 @@ def curve_of(shape: ShapeKind | Shape) -> SpaceCurve:
     return _user_curve(shape.curve, tuple(name for name, _ in shape.parameters))
 
 
+@lru_cache(maxsize=512)
 def _user_curve(curve: Curve, names: tuple[str, ...]) -> SpaceCurve:
-    def components(t: ca.SX, p: ca.SX) -> ca.SX:
+    def derivative(order: int, t: ca.SX, p: ca.SX) -> ca.SX:
         symbols = {"t": t} | {name: p[i] for i, name in enumerate(names)}
-        return ca.vertcat(*(lower(expression, symbols) for expression in curve.components))
+        return ca.vertcat(*(lower(each, symbols) for each in derivatives(curve.components, "t" * order)))
+
+    def components(t: ca.SX, p: ca.SX) -> ca.SX:
+        return derivative(0, t, p)
 
     def bounding(p: Sequence[float]) -> float:
         """Largest distance from the origin on a grid, plus the largest step of the grid."""
-        t = ca.SX.sym("t")
-        point = ca.Function("point", [t], [ca.densify(components(t, ca.SX(ca.DM(list(p)))))])
-        x = np.asarray(point(np.linspace(*curve.domain, SAMPLES).reshape(1, -1)))
+        grid = np.linspace(*curve.domain, SAMPLES).reshape(1, -1)
+        x = np.asarray(_point(curve, names)(grid, ca.DM(list(p))))
         steps = np.linalg.norm(np.diff(x, axis=1), axis=0)
         return float(np.linalg.norm(x, axis=0).max() + steps.max())
 
-    return SpaceCurve(components, curve.domain, curve.periodic, bounding=bounding)
+    has_spline = any(has_cubic(each.tree) for each in curve.components)
+    return SpaceCurve(
+        components, curve.domain, curve.periodic, bounding=bounding,
+        derivative=derivative if has_spline else None,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def _point(curve: Curve, names: tuple[str, ...]) -> ca.Function:
+    """t, parameters -> point (3)."""
+    t, p = ca.SX.sym("t"), ca.SX.sym("p", len(names))
+    symbols = {"t": t} | {name: p[i] for i, name in enumerate(names)}
+    x = ca.vertcat(*(lower(expression, symbols) for expression in curve.components))
+    return ca.Function("point", [t, p], [ca.densify(x)])
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import product
-from math import hypot, inf, isfinite
+from math import hypot, inf, isfinite, sqrt
 
 import numpy as np
 
@@ -35,6 +35,7 @@ _CLOSED_FORMS: Mapping[str, Callable[[list[float]], float]] = {
     "capsule": lambda p: p[0] + p[1] / 2,
     "tube": lambda p: hypot(p[0], p[2] / 2),
     "frustum": lambda p: hypot(max(p[0], p[1]), p[2] / 2),
+    "dome": lambda p: max(p[1], sqrt(p[1] * (2 * p[0] - p[1]))),
     "half_torus": lambda p: p[0] + p[1],
     "polyhedron": lambda p: max(hypot(*p[k : k + 3]) for k in range(0, len(p), 3)),
 }

@@ -12,6 +12,7 @@ from modelgen.geometry.composites import splines
 from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.feature_conditions import at_least, at_most
+from modelgen.geometry.composites.outlines import outline, outline_wall
 from modelgen.geometry.composites.polyhedra import box, polyhedron
 from modelgen.geometry.composites.polylines import polyline
 from modelgen.geometry.coordinate_domains import dimension_of, domain_of
@@ -37,6 +38,7 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "capsule": rounds.capsule,
     "tube": rounds.tube,
     "frustum": rounds.frustum,
+    "dome": rounds.dome,
     "half_torus": rounds.half_torus,
     "polyhedron": polyhedron,
     "extrusion": extrusion,
@@ -46,6 +48,8 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "bspline_curve": splines.bspline_curve,
     "polyline": polyline,
     "chart": atlas,
+    "outline": outline,
+    "outline_wall": outline_wall,
 }
 
 

@@ -7,6 +7,7 @@ With dA = c_u x c_v du dv exterior: 3 V = int x.dA, 2 int x_i dV = int x_i^2 dA_
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from functools import lru_cache
 from math import isfinite
 from typing import Any
@@ -17,9 +18,11 @@ import numpy as np
 from modelgen.errors import SceneError
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.composites.moments import Moments, moments_of, prism
+from modelgen.geometry.composites.outlines import outline_moments
 from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
 from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
+from modelgen.scene.expression_building import knots_along
 from modelgen.scene.scene_types import Profile, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -71,7 +74,13 @@ def _inertia(second: Array) -> Array:
 
 def _of_composite(shape: Shape) -> Moments | None:
     """The moments of a composite solid; None for a surface with one chart."""
-    parts = moments_of(shape) if shape.profile is None else _of_outline(shape, shape.profile)
+    parts: Moments | None
+    if shape.profile is not None:
+        parts = _of_outline(shape, shape.profile)
+    elif shape.kind == "outline_wall":
+        parts = outline_moments(shape)
+    else:
+        parts = moments_of(shape)
     if parts is not None and shape.cavity:
         raise _unbounded(shape, "its material lies outside of it", "give mass and inertia, or remove cavity")
     return parts
@@ -93,9 +102,10 @@ def _of_outline(shape: Shape, profile: Profile) -> Moments:
     t, values = ca.SX.sym("t"), {name: ca.SX(value) for name, value in parameters}
     x = ca.vertcat(*(lower(each, {"t": t} | values) for each in profile.components))
     outline = ca.Function("outline", [t], [ca.densify(x), ca.densify(ca.jacobian(x, t))])
-    found = _area_moments(outline, profile, NODES[0])
+    edges = _edges(profile.domain, knots_along(profile.components, "t", dict(parameters)))
+    found = _area_moments(outline, edges, NODES[0])
     for nodes in NODES[1:]:
-        finer = _area_moments(outline, profile, nodes)
+        finer = _area_moments(outline, edges, nodes)
         scales = finer[0] ** np.array([1.0, 0.5, 0.5, 2.0, 2.0, 2.0])
         settled = np.all(np.abs(finer - found) <= ROUNDING * scales)
         found = finer
@@ -105,12 +115,12 @@ def _of_outline(shape: Shape, profile: Profile) -> Moments:
     return prism(area, centre, np.array([[xx, xy], [xy, yy]]), length)
 
 
-def _area_moments(outline: ca.Function, profile: Profile, nodes: int) -> Array:
+def _area_moments(outline: ca.Function, edges: Array, nodes: int) -> Array:
     """Area, centroid (2) and the second moments xx, xy, yy about it, by Green's theorem.
 
     2 A = int r x dr, 3 int r_i dA = int r_i (r x dr) and 4 int r_i r_j dA = int r_i r_j (r x dr).
     """
-    t, weights = _composite(profile.domain, nodes)
+    t, weights = _composite(edges, nodes)
     points, slopes = (np.asarray(value) for value in outline(t.reshape(1, -1)))
     origin = points.mean(axis=1)
     r = points - origin[:, None]
@@ -148,7 +158,11 @@ def _moments(shape: Shape, cells: list[Shape], nodes: int) -> Array:
 def _swept(cells: list[Shape], nodes: int) -> tuple[Array, Array]:
     """Points (3,n) of the surface and the exterior area vectors (3,n) that they stand for."""
     panels = PANELS if len(cells) == 1 else 1  # cells are polynomials
-    (u, wu), (v, wv) = (_composite(ends, nodes, panels) for ends in surface_of(cells[0]).domain)
+    chart, values = cells[0].chart, dict(cells[0].parameters)
+    (u, wu), (v, wv) = (
+        _composite(_edges(ends, knots_along(chart.components, name, values) if chart else [], panels), nodes)
+        for name, ends in zip("uv", surface_of(cells[0]).domain, strict=True)
+    )
     uv = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
     weights = np.outer(wu, wv).ravel()
     area_vector = _area_vector(cells[0])
@@ -165,9 +179,14 @@ def _scales(moments: Array) -> Array:
     return np.repeat([abs(moments[0]), np.sqrt(abs(moments[0]) * second), second], (1, 3, 9))
 
 
-def _composite(ends: tuple[float, float], nodes: int, panels: int = PANELS) -> tuple[Array, Array]:
-    """Composite Gauss-Legendre nodes and weights between two ends."""
+def _edges(ends: tuple[float, float], knots: Sequence[float], panels: int = PANELS) -> Array:
+    """Ends of panels, on which the integrand is smooth: between the knots where there are any."""
+    inside = [knot for knot in knots if ends[0] < knot < ends[1]]
+    return np.array([ends[0], *inside, ends[1]]) if inside else np.linspace(*ends, panels + 1)
+
+
+def _composite(edges: Array, nodes: int) -> tuple[Array, Array]:
+    """Composite Gauss-Legendre nodes and weights of panels."""
     x, w = np.polynomial.legendre.leggauss(nodes)
-    edges = np.linspace(*ends, panels + 1)
     middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()

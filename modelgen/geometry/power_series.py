@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ExpressionError
-from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -40,6 +40,8 @@ def _series(node: Node, values: Mapping[str, Array]) -> Array:
             return _BINARY[op](_series(a, values), _series(b, values))
         case Call(fn, args):
             return _FUNCTIONS[fn](*(_series(arg, values) for arg in args))
+        case Cubic():
+            return _series(node.tree(), values)
 
 
 def _constant(value: float, like: Array) -> Array:

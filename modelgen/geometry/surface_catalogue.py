@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, pi
 
 import casadi as ca
@@ -20,6 +21,7 @@ from modelgen.geometry.charts import Jet, jet_of
 from modelgen.geometry.implicit_surfaces import Implicit
 from modelgen.geometry.support_maps import Support
 from modelgen.model import ShapeKind
+from modelgen.scene.expression_building import derivatives, has_cubic
 from modelgen.scene.scene_types import Chart, Shape
 
 SAMPLES = 33  # per direction of a user's chart, for its bounding radius
@@ -96,6 +98,7 @@ def surface_of(shape: ShapeKind | Shape) -> Surface:
     return _user_surface(shape.chart, names)
 
 
+@lru_cache(maxsize=512)
 def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
     """A user's chart: the exterior is the side that c_u x c_v points to."""
 
@@ -103,23 +106,46 @@ def _user_surface(chart: Chart, names: tuple[str, ...]) -> Surface:
         symbols = {"u": u, "v": v} | {name: p[i] for i, name in enumerate(names)}
         return ca.vertcat(*(lower(expression, symbols) for expression in chart.components))
 
-    jet = jet_of(components)
+    def jet_of_splines(uv: ca.SX, p: ca.SX) -> Jet:
+        columns = ca.horzsplit(_spline_jet(chart, names)(uv, p))
+        return Jet(columns[0], ca.horzcat(*columns[1:3]), ca.horzcat(*columns[3:]))
+
+    has_spline = any(has_cubic(each.tree) for each in chart.components)
     return Surface(
-        jet,
+        jet_of_splines if has_spline else jet_of(components),
         chart.domain,
         chart.periodic,
         chart_regular=True,
-        bounding=lambda p: _sampled_radius(jet, chart, p),
+        bounding=lambda p: _sampled_radius(chart, names, p),
     )
 
 
-def _sampled_radius(jet: Callable[[ca.SX, ca.SX], Jet], chart: Chart, p: Sequence[float]) -> float:
+@lru_cache(maxsize=64)
+def _spline_jet(chart: Chart, names: tuple[str, ...]) -> ca.Function:
+    """uv (2), parameters -> (3,6) c, c_u, c_v, c_uu, c_uv, c_vv, by the derivatives of its splines."""
+    uv, p = ca.SX.sym("uv", 2), ca.SX.sym("p", len(names))
+    symbols = {"u": uv[0], "v": uv[1]} | {name: p[i] for i, name in enumerate(names)}
+    columns = [
+        ca.vertcat(*(lower(each, symbols) for each in derivatives(chart.components, order)))
+        for order in ("", "u", "v", "uu", "uv", "vv")
+    ]
+    return ca.Function("jet", [uv, p], ca.cse([ca.densify(ca.horzcat(*columns))]))
+
+
+@lru_cache(maxsize=64)
+def _point(chart: Chart, names: tuple[str, ...]) -> ca.Function:
+    """uv (2), parameters -> point (3)."""
+    uv, p = ca.SX.sym("uv", 2), ca.SX.sym("p", len(names))
+    symbols = {"u": uv[0], "v": uv[1]} | {name: p[i] for i, name in enumerate(names)}
+    x = ca.vertcat(*(lower(expression, symbols) for expression in chart.components))
+    return ca.Function("point", [uv, p], [ca.densify(x)])
+
+
+def _sampled_radius(chart: Chart, names: tuple[str, ...], p: Sequence[float]) -> float:
     """Largest distance from the origin on a grid, plus the largest step of the grid."""
-    uv = ca.SX.sym("uv", 2)
-    point = ca.Function("point", [uv], [ca.densify(jet(uv, ca.SX(ca.DM(list(p)))).x)])
     u, v = (np.linspace(*ends, SAMPLES) for ends in chart.domain)
     grid = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
-    x = np.asarray(point(grid)).reshape(3, SAMPLES, SAMPLES)
+    x = np.asarray(_point(chart, names)(grid, ca.DM(list(p)))).reshape(3, SAMPLES, SAMPLES)
     steps = (np.linalg.norm(np.diff(x, axis=axis), axis=0).max() for axis in (1, 2))
     return float(np.linalg.norm(x, axis=0).max() + max(steps))
 

@@ -21,6 +21,7 @@ A number may be written as an expression of constants, such as `"pi/2"`. `modelg
 JSON Schema, for validation and for completion in editors. [Scenes](scenes.md) explains the tables.
 """
 TABLES = (
+    ("pattern", "[[pattern]]"),
     ("contact", "[[contact]]"),
     ("force", "[[force]]"),
     ("torque", "[[torque]]"),
@@ -107,7 +108,7 @@ def sections() -> tuple[Section, ...]:
     """The tables of the scene format in the order of the page, after each the kinds of it."""
     schema = scene_schema()
     keys, definitions = schema["properties"], schema["$defs"]
-    top = {name: each for name, each in keys.items() if name in ("gravity", "observe", "fold")}
+    top = {name: each for name, each in keys.items() if name in ("constants", "gravity", "observe", "fold")}
     found = [_section("Top level", top, (), ())]
     found.append(_section("`[run]`", keys["run"]["properties"], keys["run"].get("required", ()), ("run",)))
     found += _variants("`[[body]]`", "motion", definitions["body"], "body")

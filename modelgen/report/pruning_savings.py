@@ -17,6 +17,7 @@ from modelgen.model import ContactKind, Model
 from modelgen.scene.scene_types import Friction, Scene
 
 WITHOUT_ETA = ("explicit", "support")  # forms that know their contact points at once
+MOST_FOLDED = 200  # kinds of contact for which `fold` is tried out
 ANY_FRICTION = Friction((0.3, 0.3), (0.3, 0.3))  # the code is the same for all coefficients
 
 
@@ -148,6 +149,10 @@ def _observed(model: Model) -> Undone:
 
 
 def _folded(model: Model) -> Undone:
+    """Left out where every pair of features would become a kind, and there are many."""
+    kinds = {(each.kind, *(shape.parameters for shape in each.shapes)) for each in model.feature_pairs}
+    if not model.scene.fold and len(kinds) > MOST_FOLDED:
+        return None
     return "shapes and bodies", replace(model.scene, fold=not model.scene.fold)
 
 

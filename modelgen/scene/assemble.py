@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
+from modelgen.scene.constants import with_constants
+from modelgen.scene.patterns import repeated
 from modelgen.scene.remarks import remark_on_gravity
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
@@ -16,7 +18,7 @@ from modelgen.scene.source_location import Place
 
 def scene_from_tables(name: str, written: object, source: str) -> Scene:
     """The scene from plain tables, as a TOML file gives them; raises SceneError."""
-    place = Place(source)
+    place = with_constants(Place(source), written)
     values = SCENE.read(written, place)
     bodies = tuple(read_body(each, at) for at, each in values["body"])
     return scene_from_bodies(name, bodies, values, place)
@@ -26,6 +28,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     """The scene of given bodies and the remaining values of the scene's table; raises SceneError."""
     if not bodies:
         raise place.key("body").error("no body", "a scene has one body or more", "add a [[body]]")
+    bodies = repeated(bodies, values["pattern"])
     unique_names(bodies, place.key("body"))
     bodies = joints.with_world(bodies, values["joint"])
     known = {body.name: body for body in bodies}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import combinations, product
 from math import hypot
 from typing import Any
 
@@ -12,6 +13,7 @@ from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.scene_types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
 from modelgen.scene.shape_catalogue import SHAPES
+from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.source_location import Place
 
 Bodies = Mapping[str, Body]
@@ -23,11 +25,12 @@ def contacts(read: Iterable[tuple[Place, Mapping[str, Any]]], bodies: Bodies) ->
     """The contact pairs, each named once; raises SceneError."""
     pairs: dict[frozenset[Partner], ContactPair] = {}
     for place, values in read:
-        pair = _contact(values, bodies, place)
-        if frozenset(pair.between) in pairs:
-            found = "the pair " + " and ".join(map(repr, values["between"])) + " a second time"
-            raise place.key("between").error(found, "each pair of shapes is listed once", "remove one")
-        pairs[frozenset(pair.between)] = pair
+        for between in _pairs(values["between"], bodies, place.key("between")):
+            pair = _contact(dict(values) | {"between": between}, bodies, place)
+            if frozenset(pair.between) in pairs:
+                found = "the pair " + " and ".join(map(repr, between)) + " a second time"
+                raise place.key("between").error(found, "each pair of shapes is listed once", "remove one")
+            pairs[frozenset(pair.between)] = pair
     return tuple(pairs.values())
 
 
@@ -98,6 +101,36 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
     return ContactPair((first, second), **{key: values[key] for key in keys})
 
 
+def _pairs(texts: tuple[str, str], bodies: Bodies, place: Place) -> Iterable[tuple[str, str]]:
+    """The pairs of partners that two texts name: those of one text among themselves if the two are equal."""
+    if texts[0] == texts[1] and "*" in texts[0]:
+        return combinations(_named(texts[0], bodies, place), 2)
+    first, second = (_named(text, bodies, place) for text in texts)
+    return product(first, second)
+
+
+def _named(text: str, bodies: Bodies, place: Place) -> list[str]:
+    """The text, or all that begins as it does before `*`: bodies, and shapes within each."""
+    if "*" not in text:
+        return [text]
+    name, _, shape = text.partition("/")
+    owners = [body for body in bodies if body.startswith(name[:-1])] if name.endswith("*") else [name]
+    found = owners
+    if shape:
+        known = ((owner, [each.name for each in _body(owner, bodies, place).shapes]) for owner in owners)
+        found = [
+            f"{owner}/{each}"
+            for owner, shapes in known
+            for each in (
+                [one for one in shapes if one.startswith(shape[:-1])] if shape.endswith("*") else [shape]
+            )
+        ]
+    if not found:
+        allowed = "bodies: " + ", ".join(list(bodies)[:20])
+        raise place.error(f"nothing whose name begins as {text!r} says", allowed, "check the names")
+    return found
+
+
 def _check_resistance(values: Mapping[str, Any], place: Place) -> None:
     for key in ("rolling_resistance", "spinning_resistance"):
         if values[key] and values["friction"] is None:
@@ -130,9 +163,8 @@ def _shape(partner: Partner, bodies: Bodies) -> Shape:
 
 def _are_curves(partners: tuple[Partner, Partner], bodies: Bodies) -> bool:
     shapes = (_shape(partner, bodies) for partner in partners)
-    return all(
-        shape.curve is not None or (shape.chart is None and SHAPES[shape.kind].curve) for shape in shapes
-    )
+    curves = {kind for table in (SHAPES, FREE_SHAPES) for kind, spec in table.items() if spec.curve}
+    return all(shape.curve is not None or shape.kind in curves for shape in shapes)
 
 
 def _partner(text: str, bodies: Bodies, place: Place) -> Partner:

@@ -9,19 +9,20 @@ from __future__ import annotations
 import ast
 import re
 import warnings
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import e as euler
 from math import isfinite, pi
 
 from modelgen.errors import ExpressionError, nearest
 from modelgen.scene.expression_functions import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
 
-MAX_LENGTH = 2000  # characters
+MAX_LENGTH = 20_000  # characters
 MAX_DEPTH = 150  # nested operations
+LONGEST_SUM = 32  # terms of a sum that is added up from left to right
 MAX_NUMBER = 1e30
 MAX_EXPONENT = 64.0  # of a constant exponent
-CONSTANTS: Mapping[str, float] = {"pi": pi, "e": euler}
+CONSTANTS: dict[str, float] = {"pi": pi, "e": euler}
 LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join(FUNCTIONS)
 CONDITIONS = "there are no comparisons and conditions: use max, min, abs or sign"
 UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
@@ -71,7 +72,75 @@ class Call:
     args: tuple[Node, ...]
 
 
-Node = Number | Name | Unary | Binary | Call
+@dataclass(frozen=True, slots=True)
+class Cubic:
+    """A derivative of a piecewise cubic of x with continuous second derivatives, as no text has it.
+
+    Between the parameters k_i and k_(i+1), with s the distance from k_i, the cubic is that at k_i plus
+    (c3_i s + c2_i) s^2 + c1_i s, of which the names begin with the axis. It is evaluated as a sum over all
+    pieces, each of s cut off at its ends: no piece depends on which of them x is in, and bounds over an
+    interval that has a knot within stay as narrow as it is.
+    """
+
+    x: Node
+    axis: str
+    pieces: int
+    order: int = 0  # of the derivative, up to 2
+
+    def tree(self) -> Node:
+        """The sum over all pieces."""
+        axis, order = self.axis, self.order
+        lead: Node = (Name(f"{axis}0"), Name(f"{axis}1_0"), _scaled(2, Name(f"{axis}2_0")))[order]
+        return Binary("+", lead, _halves([self._piece(i) for i in range(self.pieces)]))
+
+    def _piece(self, i: int) -> Node:
+        """What a piece adds to the value at its start; the first and the last go on beyond the ends."""
+        s: Node = Binary("-", self.x, Name(f"k_{i}"))
+        if i > 0:
+            s = Call("max", (s, Number(0.0)))
+        if i < self.pieces - 1:
+            s = Call("min", (s, Binary("-", Name(f"k_{i + 1}"), Name(f"k_{i}"))))
+        slope, square, cube = (Name(f"{self.axis}{k}_{i}") for k in (1, 2, 3))
+        if self.order == 2:
+            return Binary("*", _scaled(6, cube), s)
+        factors: tuple[Node, Node] = (square, cube)
+        if self.order == 1:
+            factors = _scaled(2, square), _scaled(3, cube)
+        inner: Node = Binary("+", factors[0], Binary("*", factors[1], s))
+        if self.order == 0:
+            inner = Binary("+", slope, Binary("*", inner, s))
+        return Binary("*", inner, s)
+
+    def numbers(
+        self, value: float, slopes: Iterable[float], squares: Iterable[float], cubes: Iterable[float]
+    ) -> dict[str, float]:
+        """The parameters beside the knots: the value at the first one, then the coefficients by piece."""
+        named = {f"{self.axis}0": value}
+        for k, column in enumerate((slopes, squares, cubes), start=1):
+            named |= {f"{self.axis}{k}_{i}": float(each) for i, each in enumerate(column)}
+        return named
+
+
+def _scaled(factor: int, x: Node) -> Node:
+    return Binary("*", Number(float(factor)), x)
+
+
+def _halves(terms: Sequence[Node]) -> Node:
+    """The terms added up in halves, so that the tree is not deep."""
+    if len(terms) == 1:
+        return terms[0]
+    half = len(terms) // 2
+    return Binary("+", _halves(terms[:half]), _halves(terms[half:]))
+
+
+Node = Number | Name | Unary | Binary | Call | Cubic
+
+
+def number(value: float) -> Node:
+    """A number of either sign."""
+    return Unary("-", Number(-value)) if value < 0 else Number(value)
+
+
 Valued = tuple[Node, float | None]  # a node and, where it has no names, its value
 
 
@@ -80,12 +149,17 @@ class Expression:
     """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it."""
 
     text: str
-    tree: Node
-    names: frozenset[str]
+    tree: Node = field(hash=False)
+    names: frozenset[str] = field(hash=False)
 
 
-def parse_expression(text: str, names: Collection[str]) -> Expression:
-    """Parse `text` over the allowed `names`; raises ExpressionError with position, found, allowed, remedy."""
+def parse_expression(
+    text: str, names: Collection[str], constants: Mapping[str, float] | None = None
+) -> Expression:
+    """Parse `text` over the allowed `names` and the numbers that `constants` name beside pi and e.
+
+    Raises ExpressionError with position, found, allowed, remedy.
+    """
     _check_characters(text)
     flat = re.sub(r"\s", " ", text)
     indent = len(flat) - len(flat.lstrip())
@@ -99,7 +173,7 @@ def parse_expression(text: str, names: Collection[str]) -> Expression:
         raise _error(text, found, column + indent, remedy=remedy) from None
     except (RecursionError, MemoryError, ValueError):
         raise _error(text, "it is nested too deeply", None) from None
-    walker = _Walker(text, frozenset(names), indent)
+    walker = _Walker(text, frozenset(names), CONSTANTS | dict(constants or {}), indent)
     node, _ = walker.visit(tree, 1)
     return Expression(text, node, frozenset(walker.used))
 
@@ -156,6 +230,8 @@ def _value(node: Node, values: Mapping[str, float]) -> float:
             return evaluate_binary(op, _value(a, values), _value(b, values))
         case Call(fn, args):
             return evaluate_call(fn, tuple(_value(arg, values) for arg in args))
+        case Cubic():
+            return _value(node.tree(), values)
 
 
 def _check_characters(text: str) -> None:
@@ -180,12 +256,22 @@ def _error(
     return ExpressionError(f"{shown!r}{place}", found, allowed, remedy, position)
 
 
+def _terms(node: ast.expr) -> list[tuple[int, ast.expr]]:
+    """The terms of a sum written without parentheses, each with its sign."""
+    terms: list[tuple[int, ast.expr]] = []
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        terms.append((1 if isinstance(node.op, ast.Add) else -1, node.right))
+        node = node.left
+    return [(1, node), *reversed(terms)]
+
+
 class _Walker:
     """Walks Python's syntax tree by a table of node types and builds our own."""
 
-    def __init__(self, text: str, names: frozenset[str], indent: int) -> None:
+    def __init__(self, text: str, names: frozenset[str], constants: Mapping[str, float], indent: int) -> None:
         self.text = text
         self.names = names
+        self.constants = constants
         self.indent = indent
         self.used: set[str] = set()
 
@@ -226,9 +312,10 @@ class _Walker:
         if node.id in self.names:
             self.used.add(node.id)
             return Name(node.id), None
-        if node.id in CONSTANTS:
-            return Number(CONSTANTS[node.id]), CONSTANTS[node.id]
-        known = sorted(self.names) + [name for name in CONSTANTS if name not in self.names]
+        if node.id in self.constants:
+            value = self.constants[node.id]
+            return number(value), value
+        known = sorted(self.names) + [name for name in self.constants if name not in self.names]
         if node.id in FUNCTIONS:
             raise self.error(node, f"the function {node.id!r} without (...)")
         raise self.error(
@@ -236,6 +323,9 @@ class _Walker:
         )
 
     def binary(self, node: ast.BinOp, depth: int) -> Valued:
+        terms = _terms(node)
+        if len(terms) > LONGEST_SUM:
+            return self.sum(node, [(sign, self.visit(term, depth + 1)) for sign, term in terms])
         op = _OPERATORS.get(type(node.op))
         if op is None:
             raise self.error(node, f"the operator {type(node.op).__name__!r}", f"allowed are {BINARY}")
@@ -245,10 +335,23 @@ class _Walker:
             raise self.error(
                 node.right, f"the exponent {value_b:g}", f"exponents up to {MAX_EXPONENT:g} are allowed"
             )
-        if value_a is None or value_b is None:
-            return Binary(op, a, b), None
-        left, right = value_a, value_b
-        return Binary(op, a, b), self.constant(node, lambda: evaluate_binary(op, left, right))
+        return self.joined(node, op, (a, value_a), (b, value_b))
+
+    def joined(self, node: ast.BinOp, op: str, a: Valued, b: Valued) -> Valued:
+        tree, left, right = Binary(op, a[0], b[0]), a[1], b[1]
+        if left is None or right is None:
+            return tree, None
+        return tree, self.constant(node, lambda: evaluate_binary(op, left, right))
+
+    def sum(self, node: ast.BinOp, terms: Sequence[tuple[int, Valued]]) -> Valued:
+        """A long sum halved again and again, so that its tree is not deep; signs are those of the terms."""
+        if len(terms) == 1:
+            return terms[0][1]
+        half = (len(terms) + 1) // 2
+        flip = terms[half][0]
+        left = self.sum(node, terms[:half])
+        right = self.sum(node, [(sign * flip, term) for sign, term in terms[half:]])
+        return self.joined(node, "+" if flip > 0 else "-", left, right)
 
     def call(self, node: ast.Call, depth: int) -> Valued:
         if not isinstance(node.func, ast.Name):

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
 
 _LEVELS: Mapping[str, int] = {"+": 1, "-": 1, "*": 2, "/": 2, "**": 4}
 _UNARY, _ATOM = 3, 5
-
-
-def number(value: float) -> Node:
-    """A number of either sign."""
-    return Unary("-", Number(-value)) if value < 0 else Number(value)
 
 
 def plus(a: Node, b: Node) -> Node:
@@ -50,7 +46,73 @@ def substitute(node: Node, by: Mapping[str, Node]) -> Node:
             return Binary(op, substitute(a, by), substitute(b, by))
         case Call(fn, args):
             return Call(fn, tuple(substitute(arg, by) for arg in args))
+        case Cubic(x):
+            return replace(node, x=substitute(x, by))
     return node
+
+
+def has_cubic(node: Node) -> bool:
+    """Whether a piecewise cubic is part of the tree."""
+    match node:
+        case Unary(_, x):
+            return has_cubic(x)
+        case Binary(_, a, b):
+            return has_cubic(a) or has_cubic(b)
+        case Call(_, args):
+            return any(has_cubic(arg) for arg in args)
+    return isinstance(node, Cubic)
+
+
+def knots_along(components: Sequence[Expression], name: str, values: Mapping[str, float]) -> list[float]:
+    """The knots of the piecewise cubics of a name, in order; `values` are those of the parameters."""
+    pieces = max((_pieces(each.tree, name) for each in components), default=0)
+    return [values[f"k_{i}"] for i in range(pieces + 1)] if pieces else []
+
+
+def _pieces(node: Node, name: str) -> int:
+    match node:
+        case Unary(_, x):
+            return _pieces(x, name)
+        case Binary(_, a, b):
+            return max(_pieces(a, name), _pieces(b, name))
+        case Call(_, args):
+            return max(_pieces(arg, name) for arg in args)
+        case Cubic(Name(of), pieces=pieces) if of == name:
+            return pieces
+    return 0
+
+
+def derivative(node: Node, name: str) -> Node:
+    """The derivative by a name of a tree of sums, products, sines, cosines and piecewise cubics of names.
+
+    Raises ValueError for another operation on the name.
+    """
+    if name not in _names(node):
+        return Number(0.0)
+    match node:
+        case Name():
+            return Number(1.0)
+        case Unary(op, x):
+            return Unary(op, derivative(x, name))
+        case Binary("+" | "-" as op, a, b):
+            return Binary(op, derivative(a, name), derivative(b, name))
+        case Binary("*", a, b):
+            return plus(times(derivative(a, name), b), times(a, derivative(b, name)))
+        case Call("sin", (x,)):
+            return times(cos(x), derivative(x, name))
+        case Call("cos", (x,)):
+            return times(Unary("-", sin(x)), derivative(x, name))
+        case Cubic(x, order=order):
+            return times(replace(node, order=order + 1), derivative(x, name))
+    raise ValueError(f"{text_of(node)} is not differentiated by {name}")
+
+
+def derivatives(components: Sequence[Expression], names: str) -> tuple[Expression, ...]:
+    """The components differentiated by one-letter names, one after the other."""
+    trees = [each.tree for each in components]
+    for name in names:
+        trees = [derivative(tree, name) for tree in trees]
+    return tuple(expression_of(tree) for tree in trees)
 
 
 def expression_of(tree: Node) -> Expression:
@@ -73,6 +135,8 @@ def _names(node: Node) -> set[str]:
             return _names(a) | _names(b)
         case Call(_, args):
             return set().union(*(_names(arg) for arg in args))
+        case Cubic():
+            return _names(node.tree())
     return set()
 
 
@@ -93,6 +157,8 @@ def _written(node: Node) -> tuple[str, int]:
             return f"{_within(a, level)}{gap}{op}{gap}{_within(b, level + 1)}", level
         case Call(fn, args):
             return f"{fn}({', '.join(text_of(arg) for arg in args)})", _ATOM
+        case Cubic():
+            return _written(node.tree())
 
 
 def _within(node: Node, level: int) -> str:

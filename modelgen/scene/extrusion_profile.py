@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import atan2, hypot, pi
 from typing import Any
 
 from modelgen.scene.checked_expressions import finite
-from modelgen.scene.expression import Expression, Name
-from modelgen.scene.expression_building import expression_of, minus, number, substitute
+from modelgen.scene.expression import Expression, Name, number
+from modelgen.scene.expression_building import expression_of, minus, substitute
+from modelgen.scene.point_splines import Parameters, check_points, check_reached, closed_spline
 from modelgen.scene.scene_types import Profile
 from modelgen.scene.source_location import Place
 
@@ -32,6 +33,19 @@ def read_profile(values: Mapping[str, Any], place: Place) -> Profile:
         points = points[::-1]
     _check_seen(points, place)
     return profile
+
+
+def spline_profile(points: Sequence[Point], place: Place) -> tuple[Profile, Parameters]:
+    """The closed spline through the points and its parameters; raises SceneError."""
+    check_points([*points, points[0]] if points else points, place)
+    if signed_area(list(points)) < 0:
+        points = points[::-1]
+    spline = closed_spline(points)
+    check_reached(spline, points, True, place)
+    x, y = spline.components
+    profile = Profile((x, y), (0.0, 1.0), spline.reach)
+    _check_seen(_samples(profile, dict(spline.parameters), place), place)
+    return profile, spline.parameters
 
 
 def signed_area(points: list[Point]) -> float:
@@ -96,7 +110,7 @@ def _check_closed(
 
 def _check_seen(points: list[Point], place: Place) -> None:
     """Every point of the outline is seen from its centroid, so that its ends have a chart."""
-    _check_simple(points, place)
+    check_simple(points, place)
     area, size = signed_area(points), max(hypot(a[0] - b[0], a[1] - b[1]) for a, b in _sides(points))
     if not area > size * size:
         raise place.error("an outline that encloses next to nothing", "it must bound an area", "mend x or y")
@@ -110,7 +124,7 @@ def _check_seen(points: list[Point], place: Place) -> None:
             )
 
 
-def _check_simple(points: list[Point], place: Place) -> None:
+def check_simple(points: list[Point], place: Place) -> None:
     """An outline that turns about itself once: a figure of eight turns not at all, a loop in a loop twice."""
     steps = [(b[0] - a[0], b[1] - a[1]) for a, b in _sides(points)]
     turns = [

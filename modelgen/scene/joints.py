@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import cos, hypot, pi, sin
 from typing import Any
 
+import numpy as np
+
 from modelgen.errors import nearest
 from modelgen.scene.checked_expressions import finite
+from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.pose_input import read_pose
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
 from modelgen.scene.remarks import remark_on_angles
@@ -15,23 +18,23 @@ from modelgen.scene.scene_format import PATH_NAMES
 from modelgen.scene.scene_types import Body, Joint, Pose
 from modelgen.scene.source_location import Place
 
-WORLD = "world"
+WORLD, PLANAR = "world", "planar"
 TURNING = ("revolute", "universal")  # kinds whose first coordinate is an angle that may turn on
 _OPTIONAL = ("limits", "limits_y", "restitution", "stiffness", "damping", "rest")
 Written = Iterable[tuple[Place, Mapping[str, Any]]]
 
 
 def with_world(bodies: tuple[Body, ...], read: Written) -> tuple[Body, ...]:
-    """The bodies, and one at rest named `world` if a joint names it and there is none."""
-    named = any(WORLD in values["between"] for _, values in read)
+    """The bodies; also one at rest named `world` if there is none, and a joint or a planar body needs it."""
+    named = any(WORLD in values["between"] for _, values in read) or any(each.normal for each in bodies)
     if not named or any(body.name == WORLD for body in bodies):
         return bodies
     return (*bodies, Body(WORLD, "fixed"))
 
 
 def joints(read: Written, bodies: Mapping[str, Body]) -> tuple[Joint, ...]:
-    """The joints, each with its frame in both bodies; raises SceneError."""
-    found: dict[str, Joint] = {}
+    """The joints, each with its frame in both bodies, those of planar bodies first; raises SceneError."""
+    found = {joint.name: joint for joint in _planar_joints(bodies)}
     for place, values in read:
         joint = _joint(values, bodies, place)
         if joint.name in found:
@@ -40,6 +43,18 @@ def joints(read: Written, bodies: Mapping[str, Body]) -> tuple[Joint, ...]:
             )
         found[joint.name] = joint
     return tuple(found.values())
+
+
+def _planar_joints(bodies: Mapping[str, Body]) -> Iterator[Joint]:
+    """The joint that keeps each planar body in its plane."""
+    for body in bodies.values():
+        if body.normal is not None:
+            normal = np.array(body.normal)
+            across = np.eye(3)[np.argmin(np.abs(normal))]
+            across = across - (across @ normal) * normal
+            plane = frame(body.pose.position, across / np.linalg.norm(across), normal)
+            name = "_".join((WORLD, body.name, PLANAR))
+            yield Joint(name, PLANAR, (WORLD, body.name), (plane, _inside(body.pose, plane)))
 
 
 def pose_at_start(body: Body, place: Place) -> Pose:
@@ -80,18 +95,18 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
 
 def _frames(values: Mapping[str, Any], first: Pose, second: Pose, place: Place) -> tuple[Pose, Pose]:
     if values["frames"] is None:
-        frame = read_pose(values, place)
-        return _inside(first, frame), _inside(second, frame)
+        placed = read_pose(values, place)
+        return _inside(first, placed), _inside(second, placed)
     at = place.key("frames")
     a, b = (read_pose(each, at.item(index)) for index, each in enumerate(values["frames"]))
     return a, b
 
 
-def _inside(outer: Pose, frame: Pose) -> Pose:
+def _inside(outer: Pose, placed: Pose) -> Pose:
     """A frame of the world as a body at `outer` sees it."""
     back = conjugate(outer.quaternion)
-    x, y, z = (a - b for a, b in zip(frame.position, outer.position, strict=True))
-    return Pose(turned(back, (x, y, z)), product(back, frame.quaternion))
+    x, y, z = (a - b for a, b in zip(placed.position, outer.position, strict=True))
+    return Pose(turned(back, (x, y, z)), product(back, placed.quaternion))
 
 
 def _numbers(

@@ -201,12 +201,17 @@ class NamedNumbers:
     allowed: str
 
     def read(self, value: object, place: Place) -> tuple[tuple[str, float], ...]:
+        table = self.named(value, place)
+        return tuple((key, NUMBER.read(each, place.key(key))) for key, each in table.items())
+
+    def named(self, value: object, place: Place) -> Mapping[str, object]:
+        """The table, whose names are allowed; raises SceneError."""
         if not isinstance(value, Mapping):
             raise place.error(describe(value), "a table of names and numbers is allowed")
         for key in value:
             if not isinstance(key, str) or not re.fullmatch(self.pattern, key):
                 raise place.error(f"the name {str(key)[:60]!r}", self.allowed)
-        return tuple((key, NUMBER.read(each, place.key(key))) for key, each in value.items())
+        return value
 
     def schema(self) -> Schema:
         return {

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from modelgen.scene.assemble import scene_from_bodies
+from modelgen.scene.constants import with_constants
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
@@ -103,9 +104,9 @@ def ellipse_curve(a: float, b: float, **keys: object) -> Shape:
     return shape("ellipse_curve", semi_axes=[a, b], **keys)
 
 
-def helix(radius: float, pitch: float, **keys: object) -> Shape:
-    """The curve (radius cos t, radius sin t, pitch t); `pitch` in m per radian."""
-    return shape("helix", radius=radius, pitch=pitch, **keys)
+def helix(radius: float, lead: float, **keys: object) -> Shape:
+    """The curve (radius cos t, radius sin t, lead t/(2 pi)); in m, `lead` the rise in a turn."""
+    return shape("helix", radius=radius, lead=lead, **keys)
 
 
 def curve(x: str, y: str, z: str, *, domain: Pair, **keys: object) -> Shape:
@@ -178,6 +179,11 @@ def frustum(radius_bottom: float, radius_top: float, length: float, **keys: obje
     return shape("frustum", radius_bottom=radius_bottom, radius_top=radius_top, length=length, **keys)
 
 
+def dome(radius: float, length: float, **keys: object) -> Shape:
+    """The part of a ball above z = 0 with its top at `length`, half of it if that is `radius`; in m."""
+    return shape("dome", radius=radius, length=length, **keys)
+
+
 def half_torus(major: float, minor: float, **keys: object) -> Shape:
     """The half y >= 0 of a torus about z; radii in m, `minor` of the tube."""
     return shape("half_torus", major=major, minor=minor, **keys)
@@ -191,6 +197,16 @@ def polyhedron(vertices: Sequence[Sequence[float]], **keys: object) -> Shape:
 def extrusion(length: float, **keys: object) -> Shape:
     """A polygon (`points`) or a smooth outline (`x`, `y`, `domain`) along z, centred; `length` in m."""
     return shape("extrusion", length=length, **keys)
+
+
+def outline(pieces: Sequence[Mapping[str, object]], **keys: object) -> Shape:
+    """An outline of pieces (lines, arcs, involutes) in z = 0, as of a thin plate."""
+    return shape("outline", pieces=pieces, **keys)
+
+
+def outline_wall(pieces: Sequence[Mapping[str, object]], length: float, **keys: object) -> Shape:
+    """The sides of an outline of pieces along z, without its ends; `length` in m."""
+    return shape("outline_wall", pieces=pieces, length=length, **keys)
 
 
 def solid(
@@ -218,9 +234,14 @@ def dynamic(name: str, *shapes: Shape, **keys: object) -> Body:
     return _body(name, "dynamic", shapes, keys)
 
 
+def planar(name: str, *shapes: Shape, **keys: object) -> Body:
+    """A body that moves by forces in a plane with a `normal`, z unless given."""
+    return _body(name, "planar", shapes, keys)
+
+
 def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
     """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
-    place = Place(SOURCE, name)
+    place = with_constants(Place(SOURCE, name), keys)
     SCENE_NAME.read(name, place)
     values = SCENE.read({"body": [], **keys}, place)
     written = tuple(read_body(each, at) for at, each in values["body"])

@@ -7,7 +7,7 @@ where needed the azimuth counts the other way round.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
@@ -16,6 +16,7 @@ from typing import Any
 from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, Unary
 from modelgen.scene.expression_building import cos, expression_of, sin, substitute, times
+from modelgen.scene.point_splines import Parameters, check_points, check_reached, open_spline
 from modelgen.scene.scene_types import Chart
 from modelgen.scene.source_location import Place
 from modelgen.scene.user_chart import check_chart, check_interval
@@ -37,11 +38,18 @@ class Meridian:
     points: tuple[tuple[float, float], ...]
 
 
-def read_revolution(values: Mapping[str, Any], place: Place) -> Chart:
-    """The chart of the surface of revolution in the values of its table; raises SceneError."""
-    profile = _meridian(values, place)
-    poles = _poles(profile, place)
-    return _checked(revolution(profile, poles), values, place)
+def read_revolution(values: Mapping[str, Any], place: Place) -> tuple[Chart, Parameters]:
+    """The chart of the surface of revolution in the values of its table, and its parameters.
+
+    Raises SceneError.
+    """
+    if values["points"] is not None:
+        profile, parameters = _through_points(values["points"], place.key("points"))
+    else:
+        profile, parameters = _meridian(values, place), values["parameters"]
+    chart = revolution(profile, _poles(profile, place))
+    check_chart(chart, dict(parameters), place)
+    return chart, parameters
 
 
 def revolution(profile: Meridian, poles: tuple[bool, bool]) -> Chart:
@@ -60,6 +68,11 @@ def revolution(profile: Meridian, poles: tuple[bool, bool]) -> Chart:
 
 
 def _meridian(values: Mapping[str, Any], place: Place) -> Meridian:
+    for key in ("r", "z", "domain"):
+        if values[key] is None:
+            raise place.error(
+                f"a profile without {key}", "points, or r, z and domain, are needed", f"add {key}"
+            )
     parameters = dict(values["parameters"])
     r, z = (place.key(key).expression(values[key], ("t", *parameters)) for key in "rz")
     lower, upper = values["domain"]
@@ -108,6 +121,20 @@ def _turned(points: tuple[tuple[float, float], ...], closed: bool) -> bool:
     return side < 0
 
 
-def _checked(chart: Chart, values: Mapping[str, Any], place: Place) -> Chart:
-    check_chart(chart, dict(values["parameters"]), place)
-    return chart
+def _through_points(points: Sequence[tuple[float, float]], place: Place) -> tuple[Meridian, Parameters]:
+    """The spline through points (r, z); an end on the axis is put exactly there."""
+    check_points(points, place)
+    largest = max(r for r, _ in points)
+    ends = tuple(abs(points[k][0]) <= ON_AXIS * largest for k in (0, -1))
+    first, *inner, last = points
+    on_axis = [(0.0, each[1]) if pole else each for each, pole in zip((first, last), ends, strict=True)]
+    exact = [on_axis[0], *inner, on_axis[1]]
+    spline = open_spline(exact, (ends[0], ends[1]))
+    check_reached(spline, exact, False, place)
+    r, z = spline.components
+    values = dict(spline.parameters)
+    nodes = [values | {"t": k / SAMPLES} for k in range(SAMPLES + 1)]
+    columns = [[finite(each, node, place) for node in nodes] for each in (r, z)]
+    for k, pole in zip((0, -1), ends, strict=True):
+        columns[0][k] = 0.0 if pole else columns[0][k]
+    return Meridian(r, z, (0.0, 1.0), False, tuple(zip(*columns, strict=True))), spline.parameters

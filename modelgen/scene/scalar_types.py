@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from math import pi
 from typing import Any, Protocol
 
 from modelgen.errors import nearest
@@ -14,6 +15,12 @@ from modelgen.scene.source_location import Place, describe
 
 HUGE = 1e30  # beyond it no number of a scene is meaningful
 Schema = dict[str, Any]
+
+_CONSTANT_TEXT = {
+    "type": "string",
+    "minLength": 1,
+    "description": 'an expression of constants, such as "pi/2"',
+}
 
 
 class Type(Protocol):
@@ -44,8 +51,7 @@ class Real:
 
     def schema(self) -> Schema:
         number = {"type": "number", "minimum": self.minimum, "maximum": self.maximum}
-        text = {"type": "string", "minLength": 1, "description": 'an expression of constants, such as "pi/2"'}
-        return {"anyOf": [number, text]}
+        return {"anyOf": [number, _CONSTANT_TEXT]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +65,17 @@ class Bound:
         return {"anyOf": [{"const": "none"}, NUMBER.schema()]}
 
 
+@dataclass(frozen=True, slots=True)
+class Lead:
+    """A rise in m a turn, which reads to m per radian."""
+
+    def read(self, value: object, place: Place) -> float:
+        return NUMBER.read(value, place) / (2 * pi)
+
+    def schema(self) -> Schema:
+        return NUMBER.schema()
+
+
 LIMIT = Bound()
 POSITIVE = Real(minimum=1.0 / HUGE)
 NUMBER = Real()
@@ -70,13 +87,17 @@ class Whole:
     maximum: int
 
     def read(self, value: object, place: Place) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not self.minimum <= value <= self.maximum:
+        found: object = value
+        if isinstance(value, str) and (number := place.number(value)).is_integer():
+            found = int(number)
+        if isinstance(found, bool) or not isinstance(found, int) or not self.minimum <= found <= self.maximum:
             allowed = f"a whole number from {self.minimum} to {self.maximum} is allowed"
             raise place.error(describe(value), allowed)
-        return value
+        return found
 
     def schema(self) -> Schema:
-        return {"type": "integer", "minimum": self.minimum, "maximum": self.maximum}
+        number = {"type": "integer", "minimum": self.minimum, "maximum": self.maximum}
+        return {"anyOf": [number, _CONSTANT_TEXT]}
 
 
 @dataclass(frozen=True, slots=True)

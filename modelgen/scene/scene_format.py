@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from modelgen.scene.constants import NAMED
 from modelgen.scene.custom_solid import own_fields
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run_settings import FORMS, RUN
@@ -30,8 +32,8 @@ STILL = ("0.0", "0.0", "0.0")
 SCENE_NAME = Text(r"^[A-Za-z0-9_-]{1,64}$", "letters, digits, _ and - are allowed, at most 64")
 _TWO = '["one", "other"]'
 _PARTNER = Text(
-    r"^[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z][A-Za-z0-9_]{0,63})?$",
-    "the name of a body, or body/shape, is allowed",
+    r"^[A-Za-z][A-Za-z0-9_]{0,63}\*?(/[A-Za-z][A-Za-z0-9_]{0,63}\*?)?$",
+    "the name of a body, or body/shape, is allowed, or the beginning of names and *",
 )
 
 
@@ -111,13 +113,18 @@ _DYNAMIC_FIELDS = (
     Field("angular_velocity", VECTOR, "angular velocity at t = 0, world, rad/s", default=ZERO),
 )
 
+_NORMAL = Field(
+    "normal", VECTOR, "of the plane in which the body moves, world axes, of any length",
+    default=(0.0, 0.0, 1.0),
+)  # fmt: skip
+
 _MASS_OR_DENSITY = (("mass", "density"), ("inertia", "density"), ("center_of_mass", "density"))
 
 BODY = Defined(
     "body",
     Tagged(
         "motion",
-        "fixed: at rest; driven: moves on a path; dynamic: moves by forces",
+        "fixed: at rest; driven: moves on a path; dynamic: moves by forces; planar: the same, in a plane",
         {
             "fixed": Table(_BODY_FIELDS, ORIENTATION),
             "driven": Table(
@@ -125,18 +132,21 @@ BODY = Defined(
                 ORIENTATION,
             ),
             "dynamic": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS), (*ORIENTATION, *_MASS_OR_DENSITY)),
+            "planar": Table((*_BODY_FIELDS, *_DYNAMIC_FIELDS, _NORMAL), (*ORIENTATION, *_MASS_OR_DENSITY)),
         },
         default="dynamic",
     ),
 )
 
-_FEATURE = Text(r"^[A-Za-z][A-Za-z0-9_.]{0,63}$", "the name of a feature is allowed")
+_FEATURE = Text(
+    r"^[A-Za-z][A-Za-z0-9_.]{0,63}\*?$", "the name of a feature, or the beginning of names and *, is allowed"
+)
 
 CONTACT = Table(
     (
         Field(
-            "between", Sequence(_PARTNER, 2, _TWO), 'two partners, each "body" or "body/shape"',
-            required=True,
+            "between", Sequence(_PARTNER, 2, _TWO),
+            'two partners, each "body" or "body/shape"; ball_* is all that begin so', required=True,
         ),
         Field(
             "restitution",
@@ -151,7 +161,8 @@ CONTACT = Table(
         ),
         Field(
             "features", Sequence(_FEATURE, None),
-            "faces, edges and vertices that may touch, those of both shapes; without it all", default=(),
+            "faces, edges and vertices that may touch, those of both shapes; flank* is all that begin so; "
+            "without it all", default=(),
         ),
         Field(
             "points", Whole(1, 64),
@@ -199,6 +210,8 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
+        Field("constants", NAMED, "named numbers that expressions may use", default=()),
         Field(
             "gravity",
             Sequence(NUMBER, 3, "[0.0, 0.0, -9.81]"),

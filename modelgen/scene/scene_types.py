@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from math import inf
 from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
+from modelgen.scene.outline_pieces import Outline
 from modelgen.scene.splines import Spline
 
 Vector = tuple[float, float, float]
@@ -53,6 +55,7 @@ class Profile:
 
     components: tuple[Expression, Expression]
     domain: tuple[float, float]  # (t_min, t_max), one turn
+    reach: float = inf  # of t beyond its domain, as far as the expressions go on around the outline
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +72,8 @@ class Shape:
     profile: Profile | None = None  # of an extrusion with a smooth outline
     solid: Composite | None = None  # a solid of the user's own
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
+    outline: Outline | None = None  # of pieces
+    repeated: bool = False  # one of several copies, which differ in numbers alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +131,8 @@ class Body:
     pose: Pose = Pose()  # of the body axes in the world, at t = 0
     velocity: Vector = (0.0, 0.0, 0.0)  # m/s, of the centre of mass, world
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
+    normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
+    repeated: bool = False  # one of several copies, which differ in numbers alone
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modelgen.scene.list_types import Field, NamedNumbers, Sequence
-from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Real, Switch
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Lead, Real, Switch
 from modelgen.scene.source_location import Place
 
 PARAMETER_NAMES = r"^(?!pi$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
@@ -138,7 +138,10 @@ _CATALOGUE = (
     ),
     _curve(
         "helix", "(radius cos t, radius sin t, pitch t), without ends", ("radius", "pitch"),
-        (_RADIUS, Field("pitch", NUMBER, "rise along z, m per radian", required=True)),
+        (
+            _RADIUS,
+            Field("lead", Lead(), "rise along z in a turn, m; negative: left-handed", required=True),
+        ),
     ),
     ShapeSpec(
         "point", "a point by itself", ("x", "y", "z"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import hypot
 from typing import Any
 
 from modelgen.scene.checked_expressions import finite, triple
@@ -10,7 +11,7 @@ from modelgen.scene.custom_solid import read_solid
 from modelgen.scene.pose_input import read_pose
 from modelgen.scene.remarks import remark_on_density
 from modelgen.scene.scene_format import PATH_NAMES, ZERO
-from modelgen.scene.scene_types import Body, Path, Shape
+from modelgen.scene.scene_types import Body, Path, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.solids_with_edges import SOLIDS
@@ -46,6 +47,8 @@ def body_of(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) 
     _check_unique("shape", (each.name for each in shapes), place.key("shape"))
     motion = values["motion"]
     common = {"name": values["name"], "motion": motion, "shapes": shapes, "pose": read_pose(values, place)}
+    if motion == "planar":
+        common |= {"motion": "dynamic", "normal": _unit(values["normal"], place.key("normal"))}
     if motion == "driven":
         return Body(path=_path(values["path"], place.key("path")), **common)
     if motion == "fixed":
@@ -60,6 +63,14 @@ def body_of(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) 
         angular_velocity=values["angular_velocity"],
         **common,
     )
+
+
+def _unit(vector: Vector, place: Place) -> Vector:
+    length = hypot(*vector)
+    if not length > 0:
+        raise place.error("a normal of length zero", "any other [x, y, z] is allowed", "write [0, 0, 1]")
+    x, y, z = (each / length for each in vector)
+    return x, y, z
 
 
 def read_body(values: Mapping[str, Any], place: Place) -> Body:

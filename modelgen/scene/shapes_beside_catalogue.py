@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modelgen.scene.list_types import Field, Sequence
+from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
 from modelgen.scene.revolution_profile import read_revolution
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import REVOLUTION_PARAMETERS
@@ -43,7 +44,8 @@ class FreeShape:
 
 
 def _revolution(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
-    return {"kind": "chart", "parameters": values["parameters"], "chart": read_revolution(values, place)}
+    chart, parameters = read_revolution(values, place)
+    return {"kind": "chart", "parameters": parameters, "chart": chart}
 
 
 def _line(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
@@ -57,23 +59,37 @@ def _spline(read: Callable[[Mapping[str, Any], Place], Spline]) -> Reader:
 
 _OF_T = ExpressionText("expression of t and the parameters, m")
 _REVOLUTION_FIELDS = (
-    Field("r", _OF_T, "r(t), distance of the profile from the z axis, m", required=True),
-    Field("z", _OF_T, "z(t), m; exterior outside, or away from the axis", required=True),
-    Field("domain", Sequence(NUMBER, 2), "[t_min, t_max]; an end with r = 0 is a pole", required=True),
+    Field("r", _OF_T, "r(t), distance of the profile from the z axis, m"),
+    Field("z", _OF_T, "z(t), m; exterior outside, or away from the axis"),
+    Field("domain", Sequence(NUMBER, 2), "[t_min, t_max]; an end with r = 0 is a pole"),
+    Field(
+        "points",
+        Sequence(Sequence(NUMBER, 2), None),
+        "points [r, z] of the profile instead, m, through which a spline runs; an end with r = 0 is a pole",
+    ),
     Field("periodic", Switch(), "whether the profile closes", default=False),
     Field("parameters", REVOLUTION_PARAMETERS, "named numbers that r, z may use", default=()),
 )
 
+_POINTS_OR_FORMULAS = tuple(("points", key) for key in ("r", "z", "domain", "periodic", "parameters"))
+
 FREE_SHAPES: Mapping[str, FreeShape] = {
     each.kind: each
     for each in (
-        FreeShape("revolution", "a profile r(t), z(t) turned about z", _REVOLUTION_FIELDS, _revolution),
+        FreeShape(
+            "revolution", "a profile r(t), z(t), or through points, turned about z", _REVOLUTION_FIELDS,
+            _revolution, exclusive=_POINTS_OR_FORMULAS,
+        ),
         FreeShape("bspline", "a B-spline surface", NET_FIELDS, _spline(read_net)),
         FreeShape("height_field", "heights on a grid", HEIGHT_FIELDS, _spline(read_heights)),
         FreeShape("bspline_curve", "a B-spline curve", POLYGON_FIELDS, _spline(read_polygon), curve=True),
         FreeShape(
             "polyline", "straight pieces with rounded corners", POLYLINE_FIELDS, _spline(read_polyline),
             curve=True,
+        ),
+        FreeShape(
+            "outline", "an outline of pieces in z = 0, as of a thin plate", OUTLINE_FIELDS,
+            lambda values, place: {"outline": read_outline(values, place)}, curve=True,
         ),
         FreeShape(
             "surface_line", "a boundary or parameter line of a surface", LINE_FIELDS, _line, curve=True,

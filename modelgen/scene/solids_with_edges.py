@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.scene.extrusion_profile import read_profile
+from modelgen.scene.extrusion_profile import read_profile, spline_profile
 from modelgen.scene.list_types import Field, NamedNumbers, Sequence
+from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
 from modelgen.scene.pose_input import VECTOR
-from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import CURVE_PARAMETER_NAMES, ShapeSpec, torus_constraint
 from modelgen.scene.source_location import Place
 from modelgen.scene.user_chart import check_interval
@@ -26,6 +27,7 @@ Reader = Callable[[Mapping[str, Any], Place], dict[str, Any]]
 
 THIN = 1e-6  # extent of a polyhedron in its thinnest direction, against that in its widest
 STRAIGHT = 1e-9  # sine of a corner of a polygon that is none
+THINNEST = 1e-3  # length of a dome, and of what is cut off from its ball, against the radius
 NEARLY_CYLINDRICAL = 1e-3  # tangent of the half angle of a cone whose apex is too far away
 
 
@@ -46,6 +48,10 @@ LENGTH = Field("length", POSITIVE, "length along z, m", required=True)
 _RADIUS = Field("radius", POSITIVE, "radius, m", required=True)
 
 
+def _outline_wall(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    return {"parameters": (("length", values["length"]),), "outline": read_outline(values, place)}
+
+
 def _of_numbers(spec: ShapeSpec) -> Reader:
     return lambda values, place: {"parameters": spec.numbers(values, place)}
 
@@ -55,6 +61,12 @@ def _frustum_constraint(values: tuple[float, ...]) -> str:
     if bottom == top or abs(bottom - top) >= NEARLY_CYLINDRICAL * length:
         return ""
     return f"radius_bottom {bottom:.9g} and radius_top {top:.9g} differ by little"
+
+
+def _dome_constraint(values: tuple[float, ...]) -> str:
+    radius, length = values
+    within = THINNEST * radius <= length <= (2 - THINNEST) * radius
+    return "" if within else f"length {length:g} of a part of a ball of radius {radius:g}"
 
 
 def _tube_constraint(values: tuple[float, ...]) -> str:
@@ -70,6 +82,7 @@ _OF_T = ExpressionText("expression of t and the parameters, m")
 
 EXTRUSION_FIELDS = (
     Field("points", Sequence(Sequence(NUMBER, 2), None), "corners [x, y] of a polygon in order, m"),
+    Field("smooth", Switch(), "a closed spline through the points instead of the polygon", default=False),
     Field("x", _OF_T, "x(t) of a smooth closed outline, m"),
     Field("y", _OF_T, "y(t) of a smooth closed outline, m"),
     Field("domain", Sequence(NUMBER, 2), "[t_min, t_max] of one turn along the outline"),
@@ -83,7 +96,7 @@ EXTRUSION_FIELDS = (
     ),
     LENGTH,
 )
-POLYGON_OR_OUTLINE = (("points", "x"), ("points", "y"), ("points", "domain"), ("points", "parameters"))
+POLYGON_OR_OUTLINE = tuple((a, b) for a in ("points", "smooth") for b in ("x", "y", "domain", "parameters"))
 
 
 def read_polyhedron(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
@@ -105,6 +118,9 @@ def read_polyhedron(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
 def read_extrusion(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """parameters x0, y0, x1, ..., length of a polygon, or length and the user's own of a smooth outline."""
     length = ("length", values["length"])
+    if values["points"] is not None and values["smooth"]:
+        profile, own = spline_profile(values["points"], place.key("points"))
+        return {"parameters": (length, *own), "profile": profile}
     if values["points"] is not None:
         points = _polygon(values["points"], place.key("points"))
         names = (f"{axis}{index}" for index in range(len(points)) for axis in "xy")
@@ -193,6 +209,15 @@ _COMPOSITES = (
         rule=f"they are equal, or differ by {NEARLY_CYLINDRICAL:g} length at least",
     ),
     ShapeSpec(
+        "dome", "the part of a ball above z = 0: half of it if length is the radius", ("radius", "length"),
+        (
+            Field("radius", POSITIVE, "radius of the ball, m", required=True),
+            Field("length", POSITIVE, "length from the flat base to the top, m", required=True),
+        ),
+        closed=True, implicit=False, constraint=_dome_constraint,
+        rule=f"length is from {THINNEST:g} to {2 - THINNEST:g} times the radius",
+    ),
+    ShapeSpec(
         "half_torus", "the half y >= 0 of a ring about z", ("major", "minor"),
         (
             Field("major", POSITIVE, "radius of the circle of tube centres, m", required=True),
@@ -217,5 +242,9 @@ SOLIDS: Mapping[str, SolidSpec] = {
     "extrusion": SolidSpec(
         "extrusion", "a polygon or a smooth outline along z", EXTRUSION_FIELDS, read_extrusion,
         exclusive=POLYGON_OR_OUTLINE,
+    ),
+    "outline_wall": SolidSpec(
+        "outline_wall", "the sides of an outline of pieces along z, without its ends",
+        (*OUTLINE_FIELDS, LENGTH), _outline_wall,
     ),
 }  # fmt: skip

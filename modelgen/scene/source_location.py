@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from modelgen.errors import ExpressionError, SceneError
@@ -17,6 +17,7 @@ class Place:
     path: str = ""
     label: str = ""  # such as "body 'egg'"
     remarks: list[str] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
+    constants: Mapping[str, float] = field(default_factory=dict, compare=False)  # of the scene, by name
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -42,18 +43,25 @@ class Place:
     def expression(self, text: str, names: Collection[str]) -> Expression:
         """The expression `text` over `names`; a refusal names this place."""
         try:
-            return parse_expression(text, names)
+            return parse_expression(text, names, self.constants)
         except ExpressionError as error:
             raise self.error(f"in {error.where}: {error.found}", error.allowed, error.remedy) from None
 
     def number(self, text: str) -> float:
-        """The value of an expression without names, such as `pi/2`."""
+        """The value of an expression without names but those of constants, such as `pi/2`."""
         try:
-            return evaluate(self.expression(text, ()), {})
+            return self.value(self.expression(text, ()), {})
         except SceneError as error:
             raise SceneError(
                 error.where, error.found, error.allowed, error.remedy or "write a number"
             ) from None
+
+    def value(self, expression: Expression, values: Mapping[str, float]) -> float:
+        """The finite value of an expression; a refusal names this place."""
+        try:
+            return evaluate(expression, values)
+        except ExpressionError as error:
+            raise self.error(f"in {error.where}: {error.found}", "a finite value is required") from None
 
 
 def describe(value: object) -> str:

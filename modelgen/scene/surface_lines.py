@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from math import pi
 from typing import Any
 
-from modelgen.scene.expression import Name, parse_expression
-from modelgen.scene.expression_building import expression_of, number, substitute
+from modelgen.scene.expression import Name, number, parse_expression
+from modelgen.scene.expression_building import expression_of, substitute
 from modelgen.scene.list_types import Field, Sequence, Table, Tagged
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import Chart, Curve

@@ -14,7 +14,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from modelgen.scene.expression import Binary, Call, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
 
 Array = np.ndarray[Any, Any]
 DIGITS = 50
@@ -133,6 +133,8 @@ def precise(node: Node, t: Any) -> Any:
             return (_NAMED.get(fn) or getattr(mp, fn))(*(precise(arg, t) for arg in args))
         case Binary(op, a, b):
             return _BINARY[op](precise(a, t), precise(b, t))
+        case Cubic():
+            return precise(node.tree(), t)
 
 
 def hat(w: Any) -> Any:

@@ -68,6 +68,10 @@ def capsule_level(x: np.ndarray) -> float:
     return float(np.linalg.norm(x - [0, 0, np.clip(x[2], -0.5, 0.5)]) - 0.4)
 
 
+def dome_level(radius: float, height: float) -> Callable[[np.ndarray], float]:
+    return lambda x: max(float(np.linalg.norm(x - [0, 0, height - radius])) - radius, -x[2])
+
+
 def half_torus_level(x: np.ndarray) -> float:
     return float(max(np.hypot(np.hypot(x[0], x[1]) - 1, x[2]) - 0.3, -x[1]))
 
@@ -116,6 +120,8 @@ SPECIMENS = {
     "capsule": Specimen(build.capsule(0.4, 1), capsule_level, 1.8),
     "frustum": Specimen(build.frustum(1.2, 0.5, 1.6), frustum_level, 2.4),
     "wide frustum": Specimen(build.frustum(0.5, 1.2, 1.6), lambda x: frustum_level(x * [1, 1, -1]), 2.4),
+    "low dome": Specimen(build.dome(1, 0.4), dome_level(1, 0.4), 2.0),
+    "high dome": Specimen(build.dome(0.6, 0.9), dome_level(0.6, 0.9), 2.0),
     "half_torus": Specimen(build.half_torus(1, 0.3), half_torus_level, 2.6),
     "tetrahedron": Specimen(
         build.polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2]]),

@@ -100,6 +100,21 @@ def test_capsule(r: float, h: float) -> None:
     close(build.capsule(r, h), cylinder + ball, [0, 0, 0], np.diag([across, across, along]))
 
 
+@given(LENGTH, st.floats(0.05, 1.95))
+def test_two_domes_are_a_ball(radius: float, share: float) -> None:
+    """Their volumes pi h^2 (3 R - h)/3 and their inertia about the centre of the ball."""
+    parts = [mass_properties(build.dome(radius, height * radius), 1.0) for height in (share, 2 - share)]
+    whole = mass_properties(build.sphere(radius), 1.0)
+    assert sum(part[0] for part in parts) == pytest.approx(whole[0], rel=1e-12)
+    both = np.zeros(3)
+    for (mass, centre, inertia), height in zip(parts, (share, 2 - share), strict=True):
+        h = height * radius
+        assert mass == pytest.approx(pi * h * h * (3 * radius - h) / 3, rel=1e-12)
+        arm = centre[2] - (h - radius)
+        both += np.diag(inertia) + mass * arm * arm * np.array([1.0, 1.0, 0.0])
+    np.testing.assert_allclose(both, np.diag(whole[2]), rtol=1e-11)
+
+
 @given(LENGTH, st.floats(0.05, 0.95))
 @pytest.mark.slow
 def test_half_torus(major: float, ratio: float) -> None:

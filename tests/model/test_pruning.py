@@ -135,3 +135,9 @@ def test_motion_in_a_plane_is_proved_where_it_is_one() -> None:
     assert found.states == 7
     assert found.instructions < rhs(rocker(0.3, 0.0)).n_instructions() / 2
     assert in_a_plane(require(rocker(0.3, 0.1)), rhs(rocker(0.3, 0.1))) is None
+
+
+def test_folding_is_not_tried_out_where_each_pair_of_repeated_features_would_be_a_kind() -> None:
+    derivation = derive(require(read(SCENES / "gears.toml")))
+    assert len(derivation.model.contact_kinds) == 1
+    assert "fold" not in {saving.decision for saving in savings_of(derivation)}

@@ -48,6 +48,21 @@ def to_torus(x: np.ndarray) -> float:
     return float(np.hypot(np.hypot(x[0], x[1]) - 0.06, x[2])) - 0.02
 
 
+def to_dome(radius: float, height: float) -> Callable[[np.ndarray], float]:
+    """The distance to the part of a ball about (0, 0, height - radius) above z = 0."""
+    rim, centre = np.sqrt(height * (2 * radius - height)), height - radius
+
+    def distance(x: np.ndarray) -> float:
+        r, z = np.hypot(x[0], x[1]), x[2]
+        from_centre = np.hypot(r, z - centre)
+        candidates = [np.hypot(r - rim, z)]
+        candidates += [abs(from_centre - radius)] if centre + (z - centre) * radius / from_centre >= 0 else []
+        candidates += [abs(z)] if r <= rim else []
+        return float(min(candidates)) * (-1 if z >= 0 and from_centre <= radius else 1)
+
+    return distance
+
+
 def to_hull(points: np.ndarray) -> Callable[[np.ndarray], float]:
     """The distance to a convex hull, by Lawson and Hanson's reduction of the projection to nnls."""
     planes = np.unique(ConvexHull(points).equations.round(12), axis=0)
@@ -75,6 +90,9 @@ SOLIDS: dict[str, tuple[Callable[[], Shape], Callable[[np.ndarray], float]]] = {
         lambda: make.frustum(0.05, 0.02, 0.08),
         turned_profile(((0, 0.04), (0.02, 0.04), (0.05, -0.04), (0, -0.04))),
     ),
+    "hemisphere": (lambda: make.dome(0.06, 0.06), to_dome(0.06, 0.06)),
+    "low_dome": (lambda: make.dome(0.08, 0.03), to_dome(0.08, 0.03)),
+    "high_dome": (lambda: make.dome(0.05, 0.08), to_dome(0.05, 0.08)),
     "disc": (lambda: make.disc(0.04), turned_profile(((0, 0), (0.04, 0)))),
     "gem": (lambda: make.polyhedron(GEM.tolist()), to_hull(GEM)),
     "torus": (lambda: make.torus(0.06, 0.02), to_torus),

@@ -6,6 +6,31 @@ from .broken_structure import CONTACT, EGG, MASS, SHAPE, SOUND, TABLE, Case, cha
 
 DISTANCE = '[[joint]]\nkind = "distance"\nbetween = ["table", "egg"]\n'
 MEANING: list[Case] = [
+    (
+        "the pitch of a helix",
+        shaped('kind = "helix", radius = 1, pitch = 0.1'),
+        ["unknown key 'pitch'", "did you mean 'lead'", "2*pi"],
+    ),
+    (
+        "a constant that nobody knows",
+        "[constants]\nradius_0 = 0.1\n" + shaped('kind = "sphere", radius = "2*radius0"'),
+        ["shape.radius", "unknown name 'radius0'", "did you mean 'radius_0'?"],
+    ),
+    (
+        "constants in a ring",
+        '[constants]\na = "b + 1"\nb = "2*c"\nc = "a"\n' + SOUND,
+        ["constants.a", "depends on itself", "a -> b -> c -> a"],
+    ),
+    ("a constant of itself", '[constants]\na = "a"\n' + SOUND, ["constants.a", "a -> a"]),
+    ("a constant of none", '[constants]\na = "b"\n' + SOUND, ["constants.a", "unknown name 'b'"]),
+    ("the constant t", "[constants]\nt = 1\n" + SOUND, ["constants", "the name 't'", "but not t u v"]),
+    ("the constant pi", "[constants]\npi = 3\n" + SOUND, ["constants", "the name 'pi'"]),
+    ("a constant without value", '[constants]\na = 0\nb = "1/a"\n' + SOUND, ["constants.b", "finite"]),
+    (
+        "half a sample",
+        '[constants]\nhalf = 0.5\n[run]\nsamples = "half"\n' + SOUND,
+        ["run.samples", "'half'", "a whole number"],
+    ),
     ("not TOML", "[[body]\nname = 1", ["not TOML", "line 1", "closing bracket"]),
     ("a key twice", egg("mass = 2.0"), ["not TOML", "line", "'mass' is given twice", "remove"]),
     ("a table twice", "[run]\nuntil = 1\n[run]\n", ["line 3", "[run] is written twice", "merge"]),

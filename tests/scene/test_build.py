@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import pi
 
 import pytest
 
@@ -45,13 +46,14 @@ def test_every_shape_of_the_catalogue_has_its_parameters_in_order() -> None:
         build.edge(1),
         build.circle(1),
         build.ellipse_curve(1, 2),
-        build.helix(1, 0.2),
+        build.helix(1, lead=0.2),
         build.point(1, 2, 3),
     ]
     assert [shape.kind for shape in built] == list(SHAPES)
     for shape in built:
         assert tuple(name for name, _ in shape.parameters) == SHAPES[shape.kind].parameters
     assert dict(built[7].parameters) == {"a": 1, "b": 2, "c": 3, "p": 4, "q": 5}
+    assert dict(built[13].parameters)["pitch"] == 0.2 / (2 * pi)  # m per radian
 
 
 def test_a_body_written_as_a_table_joins_the_others() -> None:

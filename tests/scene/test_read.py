@@ -42,6 +42,76 @@ def test_a_sound_scene_is_read_as_written() -> None:
     assert scene.run.until == 1.0
 
 
+def test_constants_stand_for_their_values_in_numbers_and_expressions() -> None:
+    """In any order; they go before nothing of the user's own, and the scene is the one with the values."""
+    named = read_text(
+        """
+gravity = [0, 0, "-g"]
+[constants]
+area = "pi*radius**2"
+radius = "diameter/2"
+diameter = 0.2
+g = 9.81
+n = 5
+k = 3.0
+[run]
+samples = "2*n"
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = "radius" }
+density = "area*100"
+[[body]]
+name = "sheet"
+motion = "driven"
+path = { position = ["radius*t", 0, 0] }
+[body.shape]
+kind = "chart"
+x = "u"
+y = "v"
+z = "h*sin(k*u) + radius"
+domain = [["-2*radius", 1], [-1, "n"]]
+parameters = { h = "radius/10", k = 7 }
+[[contact]]
+between = ["ball", "sheet"]
+"""
+    )
+    plain = read_text(
+        """
+[run]
+samples = 10
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+density = "pi*0.1**2*100"
+[[body]]
+name = "sheet"
+motion = "driven"
+path = { position = ["0.1*t", 0, 0] }
+[body.shape]
+kind = "chart"
+x = "u"
+y = "v"
+z = "h*sin(k*u) + 0.1"
+domain = [[-0.2, 1], [-1, 5]]
+parameters = { h = 0.01, k = 7 }
+[[contact]]
+between = ["ball", "sheet"]
+"""
+    )
+    assert named.run == plain.run
+    assert named.gravity == plain.gravity
+    assert named.bodies[0] == plain.bodies[0]
+    chart, same = named.bodies[1].shapes[0], plain.bodies[1].shapes[0]
+    assert chart.parameters == same.parameters
+    assert chart.chart is not None
+    assert same.chart is not None
+    assert chart.chart.domain == same.chart.domain
+    trees = [[each.tree for each in shape.components] for shape in (chart.chart, same.chart)]
+    assert trees[0] == trees[1]
+    paths = [body.path.position[0].tree for body in (named.bodies[1], plain.bodies[1]) if body.path]
+    assert paths[0] == paths[1]
+
+
 def test_every_key_reaches_the_scene() -> None:
     scene = read_text(
         """

@@ -156,7 +156,7 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
     }
     const mg_real worst = mg_transfer_to_feature_pair(c, feature_pair, to, at, eta, &condition);
     if (worst == -MG_MAX) break;
-    if (worst > best && to != c->run->feature_pair[contact]) {
+    if (worst > best && (hop == 0 || to != c->run->feature_pair[contact])) {
       best = worst, found.feature_pair = to;
       mg_record_minimum(c, &found);
       for (int k = 0; k < 6; k++) found.eta[k] = eta[k];
@@ -170,8 +170,9 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
     mg_release_contact(c, events, contact);
     return;
   }
+  const int is_round = found.feature_pair == c->run->feature_pair[contact]; /* a turn on along a closed feature */
   mg_set_feature_pair(c, contact, found.feature_pair, found.eta);
-  mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
+  if (!is_round) mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 
 MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {

@@ -8,7 +8,7 @@ round core of the plane about the centre, where that chart has its pole; the two
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
+from math import hypot, isfinite
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,8 @@ import numpy as np
 from modelgen.geometry.composites.convex_pieces import convex_pieces, is_convex_polygon
 from modelgen.geometry.composites.facets import Facets, facet_features
 from modelgen.geometry.composites.feature_conditions import at_least, at_most, edge, face, smooth, wing
-from modelgen.scene.expression import Expression, Name, Node, constant_expression, evaluate
-from modelgen.scene.expression_building import expression_of, minus, number, plus, substitute, times
+from modelgen.scene.expression import Expression, Name, Node, constant_expression, evaluate, number
+from modelgen.scene.expression_building import expression_of, minus, plus, substitute, times
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN
 from modelgen.scene.scene_types import Chart, Composite, Condition, Curve, Feature, Pose, Profile, Shape
 
@@ -86,6 +86,7 @@ def _smooth(profile: Profile, length: float, parameters: tuple[tuple[str, float]
     side = face(
         "side", _own(Pose(), parameters, chart=side_chart),
         at_most(1, length / 2, "rim_top"), at_least(1, -length / 2, "rim_bottom"),
+        *_around(profile, 0, "side"),
     )  # fmt: skip
     features = [side]
     for name, height in (("top", length / 2), ("bottom", -length / 2)):
@@ -109,13 +110,25 @@ def _end(
         face(
             name, _own(pose, parameters, chart=chart),
             at_most(0 if height > 0 else 1, 1.0, rim), _circle(centre, hole, core, inside=False),
+            *_around(profile, 1 if height > 0 else 0, name),
         ),
         face(core, smooth("plane", plane), _circle(np.zeros(2), disc, name, inside=True)),
         edge(
             rim, _own(pose, parameters, curve=curve),
-            wing(-1.0, 0.0, name), wing(0.0, -1.0 if height > 0 else 1.0, "side"),
+            wing(-1.0, 0.0, name), wing(0.0, -1.0 if height > 0 else 1.0, "side"), *_around(profile, 0, rim),
         ),
     )  # fmt: skip
+
+
+def _around(profile: Profile, index: int, name: str) -> tuple[Condition, ...]:
+    """Conditions that lead from both ends of what the expressions of an outline hold back into one turn.
+
+    A feature leads to itself, one turn on; the expressions hold a little farther than these conditions.
+    """
+    if not isfinite(profile.reach):
+        return ()
+    lower, upper = profile.domain
+    return at_least(index, lower - profile.reach / 2, name), at_most(index, upper + profile.reach / 2, name)
 
 
 def _fan(profile: Profile, centre: Array, least: float, up: bool) -> Chart:

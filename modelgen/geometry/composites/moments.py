@@ -107,6 +107,19 @@ def _capsule(shape: Shape) -> Moments:
     return Moments(volume, np.zeros(3), np.diag([across, across, pi * r**2 * length**3 / 12 + caps]))
 
 
+def _dome(shape: Shape) -> Moments:
+    """Discs of radius^2 = z (2 radius - z) below the top, z; the integrands are polynomials of degree 4."""
+    (_, radius), (_, length) = shape.parameters
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    depth = length * (1 + nodes) / 2  # below the top
+    square = depth * (2 * radius - depth)
+    areas = pi * square * weights * length / 2
+    volume, z = float(areas.sum()), length - depth
+    centre = float(areas @ z) / volume
+    across, along = float(areas @ square) / 4, float(areas @ (z - centre) ** 2)
+    return Moments(volume, np.array([0.0, 0.0, centre]), np.diag([across, across, along]))
+
+
 def _half_torus(shape: Shape) -> Moments:
     """Over the tube's section int rho^2 = A (R^2 + r^2/4) and int rho^3 = A (R^3 + 3/4 R r^2)."""
     (_, R), (_, r) = shape.parameters
@@ -143,6 +156,7 @@ _MOMENTS: Mapping[str, Callable[[Shape], Moments]] = {
     "tube": _tube,
     "frustum": _frustum,
     "capsule": _capsule,
+    "dome": _dome,
     "half_torus": _half_torus,
     "polyhedron": _polyhedron,
     "extrusion": _polygon_prism,

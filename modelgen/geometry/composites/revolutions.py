@@ -1,4 +1,4 @@
-"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, half torus.
+"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, dome, half torus.
 
 A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the wing into the disc it bounds.
 """
@@ -6,7 +6,7 @@ A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, hypot
+from math import atan2, hypot, sqrt
 
 from modelgen.geometry.composites.feature_conditions import (
     above,
@@ -134,6 +134,24 @@ def capsule(shape: Shape) -> Composite:
             ),
             face("cap_top", smooth("sphere", Pose((0.0, 0.0, half)), radius=radius), above(0.0, "side")),
             face("cap_bottom", smooth("sphere", Pose((0.0, 0.0, -half)), radius=radius), below(0.0, "side")),
+        ),
+        convex=True,
+    )  # fmt: skip
+
+
+def dome(shape: Shape) -> Composite:
+    """The part of a ball above z = 0, where its base is; parameters radius (of the ball), length."""
+    (_, radius), (_, length) = shape.parameters
+    rim, depth = sqrt(length * (2 * radius - length)), radius - length  # of the centre below the base
+    pose, rim_name = Pose((0.0, 0.0, -depth)), "rim"
+    return Composite(
+        (
+            face("dome", smooth("sphere", pose, radius=radius), above(depth, rim_name)),
+            face("base", smooth("plane", Pose(quaternion=UPSIDE_DOWN)), within_circle(rim, rim_name)),
+            edge(
+                rim_name, smooth("circle", Pose(), radius=rim),
+                wing(-1.0, 0.0, "base"), wing(-depth / radius, rim / radius, "dome"),
+            ),
         ),
         convex=True,
     )  # fmt: skip
