@@ -180,7 +180,8 @@ MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real le
   mg_search_limits limits = {near, near, effort};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
-    if ((found->count && fabs(found->list[0].d) <= limits.gap) || !(limits.gap < MG_MAX)) return;
+    const mg_real nearest = fmin(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
+    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return;
     limits.gap = limits.depth =
         limits.gap < 1000 * c->system->length ? fmax(8 * limits.gap, c->system->length / 8) : MG_MAX;
   }

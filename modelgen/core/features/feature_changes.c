@@ -281,6 +281,11 @@ static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_
   return limits;
 }
 
+/* Notes that no contact follows a minimum of a pair. */
+static void mg_note_unfollowed_gap(mg_context *c, int pair, const mg_minimum *found) {
+  c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(found->d, (mg_real)0));
+}
+
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
@@ -297,14 +302,19 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   c->run->unfollowed_gap[pair] = fmax(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_minimum_accepted(c, each, seen.depth) || mg_is_minimum_ignored(c, each)) continue;
+    if (mg_is_minimum_ignored(c, each)) continue;
+    if (!mg_is_minimum_accepted(c, each, seen.depth)) {
+      if (each->d >= -appearing.depth && !mg_is_minimum_tracked(c, pair, -1, each))
+        mg_note_unfollowed_gap(c, pair, each);
+      continue;
+    }
     mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
     if (each->d < -appearing.depth) continue;
     if (mg_is_minimum_tracked(c, pair, -1, each)) continue;
     const int slot = mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) {
       if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
-      c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(each->d, (mg_real)0));
+      mg_note_unfollowed_gap(c, pair, each);
       continue;
     }
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
