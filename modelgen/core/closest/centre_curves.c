@@ -73,9 +73,8 @@ static void mg_across_line(const mg_centred_feature *line, const mg_real *x, mg_
   for (int k = 0; k < 3; k++) out[k] = x[k] - along * line->axes[6 + k];
 }
 
-/* A root between two angles at which g has different signs. */
-static mg_real mg_bisect_angle(const mg_angle_polynomial *g, mg_real low, mg_real high) {
-  const int rises = mg_angle_value(g, low) < 0;
+/* A root between two angles; `rises`: g is negative at the lower one, and not at the higher one; else the reverse. */
+static mg_real mg_bisect_angle(const mg_angle_polynomial *g, mg_real low, mg_real high, int rises) {
   for (int k = 0; k < MG_ANGLE_HALVINGS; k++) {
     const mg_real middle = low + (high - low) / 2;
     if ((mg_angle_value(g, middle) < 0) == rises) low = middle;
@@ -84,24 +83,32 @@ static mg_real mg_bisect_angle(const mg_angle_polynomial *g, mg_real low, mg_rea
   return low;
 }
 
-/* Appends the root between two angles, if g changes its sign there. Returns the number of roots. */
-static int mg_append_root(const mg_angle_polynomial *g, mg_real low, mg_real high, mg_real *root, int count) {
-  if (count < 4 && (mg_angle_value(g, low) < 0) != (mg_angle_value(g, high) < 0))
-    root[count++] = mg_bisect_angle(g, low, high);
+/* Appends the root between two angles if g, given there, changes its sign. Returns the number of roots. */
+static int mg_append_root(const mg_angle_polynomial *g, mg_real low, mg_real at_low, mg_real high, mg_real at_high,
+                          mg_real *root, int count) {
+  if (count < 4 && (at_low < 0) != (at_high < 0)) root[count++] = mg_bisect_angle(g, low, high, at_low < 0);
   return count;
 }
 
-/* Roots of g in one turn; between two of them lies an extremum. Returns their number, at most 4. */
+/* Roots of g in one turn; between two of them lies an extremum. Returns their number, at most 4. Each boundary of two
+   parts has one value, that of the first and the last angle too, so that a root there is counted once. */
 static int mg_angle_roots(const mg_angle_polynomial *g, mg_real *root) {
   const mg_angle_polynomial slope = {g->q, -g->p, 2 * g->s, -2 * g->r};
+  const mg_real first = mg_angle_value(g, 0), first_slope = mg_angle_value(&slope, 0);
+  mg_real at_low = first, slope_at_low = first_slope, low = 0;
   int count = 0;
-  for (int part = 0; part < MG_ANGLE_PARTS; part++) {
-    const mg_real low = 2 * MG_PI * (mg_real)part / MG_ANGLE_PARTS, high = low + 2 * MG_PI / MG_ANGLE_PARTS;
+  for (int part = 1; part <= MG_ANGLE_PARTS; part++) {
+    const mg_real high = 2 * MG_PI * (mg_real)part / MG_ANGLE_PARTS;
+    const int is_last = part == MG_ANGLE_PARTS;
+    const mg_real at_high = is_last ? first : mg_angle_value(g, high),
+                  slope_at_high = is_last ? first_slope : mg_angle_value(&slope, high);
     mg_real extremum;
-    if (mg_append_root(&slope, low, high, &extremum, 0)) {
-      count = mg_append_root(g, low, extremum, root, count);
-      count = mg_append_root(g, extremum, high, root, count);
-    } else count = mg_append_root(g, low, high, root, count);
+    if (mg_append_root(&slope, low, slope_at_low, high, slope_at_high, &extremum, 0)) {
+      const mg_real at_extremum = mg_angle_value(g, extremum);
+      count = mg_append_root(g, low, at_low, extremum, at_extremum, root, count);
+      count = mg_append_root(g, extremum, at_extremum, high, at_high, root, count);
+    } else count = mg_append_root(g, low, at_low, high, at_high, root, count);
+    low = high, at_low = at_high, slope_at_low = slope_at_high;
   }
   return count;
 }

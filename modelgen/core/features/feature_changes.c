@@ -223,12 +223,16 @@ static int mg_is_without_contact(const mg_context *c, int pair) {
   return 1;
 }
 
+/* True if a minimum found during a run is within reach unless it limits the step, and not below -depth. */
+static int mg_is_minimum_within_reach(const mg_context *c, const mg_minimum *found, mg_real depth) {
+  const int is_distant = found->d > c->settings->search_gap * c->system->length &&
+                         !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
+  return !found->undecided && !is_distant && found->d >= -depth;
+}
+
 MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *found, mg_real depth) {
-  const mg_real length = c->system->length;
+  if (!mg_is_minimum_within_reach(c, found, depth)) return 0;
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
-  const int is_distant =
-      found->d > c->settings->search_gap * length && !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
-  if (found->undecided || is_distant || found->d < -depth) return 0;
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
@@ -241,17 +245,19 @@ static int mg_is_feature_pair_in_use(const mg_context *c, int pair, int feature_
   return 0;
 }
 
-/* True if a point of the minimum coincides with that of a closed contact. */
+/* True if a point of the minimum coincides with that of a contact that is closed, or less deep: a point in a corner is
+   as deep as it is below the nearest of the faces. */
 static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
   const mg_real near = c->settings->search_merge_distance * c->system->length;
   const int pair = c->system->feature_pair_owner[found->feature_pair];
   mg_real eta[6];
   mg_minimum other;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
-    if (!c->run->closed[i]) continue;
+    if (!mg_is_on_feature_pair(c, i)) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), eta);
     other.feature_pair = c->run->feature_pair[i];
     mg_record_minimum(c, &other);
+    if (!c->run->closed[i] && fabs(other.d) > fabs(found->d) / 2) continue;
     mg_real first = 0, second = 0;
     for (int k = 0; k < 3; k++) {
       const mg_real apart = found->point[k] - other.point[k],
@@ -303,12 +309,12 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
+    if (!mg_is_minimum_within_reach(c, each, seen.depth)) continue;
+    mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
     if (!mg_is_minimum_accepted(c, each, seen.depth)) {
-      if (each->d >= -appearing.depth && !mg_is_minimum_tracked(c, pair, -1, each))
-        mg_note_unfollowed_gap(c, pair, each);
+      if (!mg_is_minimum_tracked(c, pair, -1, each)) mg_note_unfollowed_gap(c, pair, each);
       continue;
     }
-    mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
     if (each->d < -appearing.depth) continue;
     if (mg_is_minimum_tracked(c, pair, -1, each)) continue;
     const int slot = mg_find_contact_for_minimum(c, pair, each);
@@ -344,10 +350,11 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
       mg_search_feature_pair(c, feature_pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_minimum_accepted(c, each, limits.depth) || mg_is_minimum_ignored(c, each) ||
+    if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_ignored(c, each) ||
         mg_is_minimum_tracked(c, pair, -1, each))
       continue;
-    kind = each->d < -touching ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
+    const int is_deep = each->d < -touching && mg_is_minimum_accepted(c, each, limits.depth);
+    kind = is_deep ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
   }
   return kind;
 }
