@@ -78,8 +78,8 @@ FAULTS = (
     Fault(
         "joints",
         "a damper pushes the other way",
-        r"off - damping \* rate",
-        "off + damping * rate",
+        r"spring\) - damping \* rate",
+        "spring) + damping * rate",
         (*JOINTS, "tests/oracles/test_loads.py"),
     ),
     Fault(
