@@ -107,6 +107,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
+  mg_follow_all_pairs(c);
   const mg_real before = mg_energy(c, &kinetic);
   for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
   for (int g = 0; g < c->system->n_friction; g++)

@@ -69,7 +69,8 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++)
     c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  const int outcome = mg_solve_contact_lcp(c, n, c->rows.row_rate, &report);
+  for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = h * c->run->force[c->lcp.rows[r]];
+  const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
     c->run->lcp_residual_max = report.residual;
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
@@ -192,6 +193,7 @@ static int mg_solve_step(mg_context *c, mg_real h) {
     const int outcome = c->system->n_friction ? mg_solve_friction_step(c, h, &n) : mg_solve_frictionless_step(c, h, &n);
     if (outcome) return outcome;
     mg_set_step_impulses(c, n, h);
+    mg_follow_meeting_pairs(c, h);
     if (!mg_add_closing_contacts(c, h)) break;
   }
   return MG_DONE;

@@ -61,6 +61,7 @@ static void mg_note_spins(mg_context *c) {
 
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
+  mg_choose_followed_pairs(c, h);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
