@@ -6,6 +6,7 @@
    of steps in which contacts close or open is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over
    the time between, plus that of one step. Writes run->event_work. */
 #include "timestep/timestep.h"
+#include "forces/forces.h"
 
 enum {
   MG_WORK_RATIO = 4,             /* events may cost so many times as much as time-stepping */
@@ -30,10 +31,10 @@ MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
 }
 
 /* Work of one right-hand side: the equations of all contacts, and the factorisation for the forces of those that carry
-   some. */
+   some, with their friction rows. */
 static mg_real mg_work_of_evaluation(const mg_context *c) {
   mg_real n = 0;
-  for (int i = 0; i < c->system->n_contact; i++) n += c->run->active[i] != 0;
+  for (int i = 0; i < c->system->n_contact; i++) n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
   return c->system->n_contact + n * n * n / MG_PIVOTS_PER_EVALUATION;
 }
 
