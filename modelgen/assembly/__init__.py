@@ -9,7 +9,7 @@ load. States on which no observed quantity depends are left out. May import `geo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate
 
 from modelgen.assembly.characteristic_scales import scales_of
@@ -17,7 +17,7 @@ from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
-from modelgen.assembly.feature_pairs import Whole, ball_around, feature_pairs_of
+from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
@@ -32,7 +32,7 @@ from modelgen.assembly.masses import (
 )
 from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.patches import Faces, patches_of
-from modelgen.assembly.pruning import bodies_of, check_observed, motion_of
+from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body
 from modelgen.contact.form_table import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
@@ -53,7 +53,7 @@ from modelgen.model import (
 )
 from modelgen.notation import ETA_SIZE
 from modelgen.rotations import rotation_of
-from modelgen.scene.scene_types import Body, Scene, Vector
+from modelgen.scene.scene_types import Body, ContactPair, Scene, Vector
 
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
@@ -108,7 +108,8 @@ def require(scene: Scene) -> Model:
 
 def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
-    pieces = tuple(_piece(scene, index) for index in range(len(scene.bodies)))
+    pairs = pairs_by_body(scene)
+    pieces = tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
     warnings = (*scene.remarks, *soundness(scene))
     body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
     touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
@@ -148,11 +149,11 @@ def eta_size(kind: ContactKind) -> int:
     return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
 
 
-def _piece(scene: Scene, index: int) -> Piece:
+def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:
     body = scene.bodies[index]
     where = f"{scene.source}: body[{index}] (body {body.name!r})"
     mass = mass_of(body, where) if body.motion == "dynamic" else None
-    motion = motion_of(scene, body, mass)
+    motion = motion_of(scene, body, mass, pairs)
     if motion == "free" and mass is not None and mass.inertia is None:
         raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
     sprung = any(body.name in joint.between for joint in scene.joints if joint.is_sprung)
@@ -191,11 +192,14 @@ def _touching(
     kinds: KindList[ContactKind],
 ) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
-    touching, faces, shown = Touching((), (), ()), Faces(shapes), []
+    faces, shown, wholes = Faces(shapes), [], Wholes(scene, pieces)
+    entries: list[PairEntry] = []
+    all_feature_pairs: list[FeaturePairEntry] = []
+    all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact[{index}]"
-        a, b = (_whole(scene, pieces, partner, f"{where}.between") for partner in pair.between)
-        first = len(touching.feature_pairs)
+        a, b = (wholes.of(partner, f"{where}.between") for partner in pair.between)
+        first = len(all_feature_pairs)
         feature_pairs = feature_pairs_of(
             a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index
         )
@@ -206,27 +210,30 @@ def _touching(
         )
         way = following(a.shape, b.shape, pair, feature_pairs, explicit)
         feature_pairs = confined(feature_pairs, first) if way.own else feature_pairs
-        contacts = _contacts(name, index, feature_pairs, way, touching, room, kinds)
+        eta = all_contacts[-1].eta + all_contacts[-1].room if all_contacts else 0
+        contacts = _contacts(name, index, feature_pairs, way, first, eta, room, kinds)
         normal = _turned_round(pair.normal) if feature_pairs[0].swapped else pair.normal
         ranges = (
             (first, first + len(feature_pairs)),
-            (len(touching.contacts), len(touching.contacts) + len(contacts)),
+            (len(all_contacts), len(all_contacts) + len(contacts)),
         )
         constraints = friction_constraints_of(pair, a.owner.body)
-        balls = tuple(ball_around(each) for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
-        entry = PairEntry(
-            name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
+        balls = tuple(each.ball for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
+        entries.append(
+            PairEntry(
+                name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
+            )
         )
         shown.append(
             Shown((a, b), pair, patches_of(a, b, pair, name, where, feature_pairs, first, faces, kinds))
         )
-        touching = Touching(
-            (*touching.pairs, entry),
-            (*touching.feature_pairs, *feature_pairs),
-            (*touching.contacts, *contacts),
-        )
+        all_feature_pairs += feature_pairs
+        all_contacts += contacts
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
-    return replace(touching, patches=unions.patches(shown), faces=tuple(unions.faces))
+    patches = unions.patches(shown)
+    return Touching(
+        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches
+    )
 
 
 def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
@@ -241,14 +248,15 @@ def _contacts(
     pair: int,
     feature_pairs: Sequence[FeaturePairEntry],
     way: Following,
-    before: Touching,
+    first: int,
+    eta: int,
     room: int,
     kinds: KindList[ContactKind],
 ) -> tuple[ContactEntry, ...]:
-    eta = sum(contact.room for contact in before.contacts)
+    """The contacts of a pair; `first`, `eta`: the number of its first feature pair, and the offset of eta."""
     found = []
     for k in range(way.contacts):
-        own = len(before.feature_pairs) + k if way.own else -1
+        own = first + k if way.own else -1
         space = eta_size(kinds.kinds[feature_pairs[k].kind]) if way.own else room
         label = f":{feature_pairs[k].name}" if way.own else f"#{k + 1}"
         found.append(ContactEntry(name + (label if way.contacts > 1 else ""), pair, eta, space, own))
@@ -260,13 +268,23 @@ def _turned_round(normal: Vector | None) -> Vector | None:
     return None if normal is None else (-normal[0], -normal[1], -normal[2])
 
 
-def _whole(scene: Scene, pieces: Sequence[Piece], partner: tuple[str, str], where: str) -> Whole:
-    body = find_body(scene, partner[0], where)
-    piece = pieces[body]
-    shape = find_shape(piece.body, partner[1], where)
-    at_world = piece.body.pose.is_identity and not piece.body.repeated
-    owner = Owner(body, piece.motion, at_world, piece.centre, scene.fold)
-    return Whole(owner, shape)
+class Wholes:
+    """The shapes that take part in contacts, each made once."""
+
+    def __init__(self, scene: Scene, pieces: Sequence[Piece]) -> None:
+        self.scene, self.pieces = scene, pieces
+        self._known: dict[tuple[str, str], Whole] = {}
+
+    def of(self, partner: tuple[str, str], where: str) -> Whole:
+        """The shape of a body by the names of both; raises SceneError."""
+        if partner not in self._known:
+            body = find_body(self.scene, partner[0], where)
+            piece = self.pieces[body]
+            shape = find_shape(piece.body, partner[1], where)
+            at_world = piece.body.pose.is_identity and not piece.body.repeated
+            owner = Owner(body, piece.motion, at_world, piece.centre, self.scene.fold)
+            self._known[partner] = Whole(owner, shape)
+        return self._known[partner]
 
 
 def _acting(

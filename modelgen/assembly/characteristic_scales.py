@@ -8,11 +8,11 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from modelgen.assembly.masses import Mass
-from modelgen.assembly.pruning import contacting_shapes
+from modelgen.assembly.pruning import contacting_shapes, pairs_by_body
 from modelgen.assembly.rate_from_rest import started_rate
 from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
-from modelgen.scene.scene_types import Body, Scene, SpringLoad
+from modelgen.scene.scene_types import Body, ContactPair, Scene, SpringLoad
 
 
 def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
@@ -24,18 +24,19 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
     time: sqrt(length/g); length/speed where there is no gravity; where nothing moves either, by what sets
     it in motion: loads, springs, paths; the span of the run if nothing does.
     """
-    radii = [_radius(scene, body) for body, _ in moving]
+    pairs = pairs_by_body(scene)
+    radii = [_radius(body, pairs[body.name]) for body, _ in moving]
     radii = [_of_inertia(mass) if r == inf else r for r, (_, mass) in zip(radii, moving, strict=True)]
     length = min(radii, default=inf)
     if length == inf:
-        length = min((_radius(scene, body) for body in scene.bodies), default=inf)
+        length = min((_radius(body, pairs[body.name]) for body in scene.bodies), default=inf)
     length = _spread(scene) if length == inf else length
     largest = max((mass.mass for _, mass in moving), default=1.0)
     return Scales(length, largest, _time(scene, moving, length))
 
 
-def _radius(scene: Scene, body: Body) -> float:
-    shapes = contacting_shapes(scene, body)
+def _radius(body: Body, pairs: Sequence[ContactPair]) -> float:
+    shapes = contacting_shapes(body, pairs)
     values = [bounding_radius(shape) for shape in shapes]
     return max((value for value in values if 0 < value < inf), default=inf)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from modelgen.assembly.friction_constraints import rows_of
 from modelgen.assembly.masses import pose_numbers
@@ -26,7 +28,7 @@ class Owner:
     fold: bool  # numbers become constants
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Partner:
     """A smooth shape of a body in a contact."""
 
@@ -34,7 +36,7 @@ class Partner:
     shape: Shape
     kind: ShapeKind
 
-    @property
+    @cached_property
     def side(self) -> Side:
         moved = self.shape.pose.position != self.owner.centre or not self._is_straight
         placed = moved or self.shape.repeated
@@ -49,7 +51,7 @@ class Partner:
     def _is_straight(self) -> bool:
         return self.shape.kind == "sphere" or self.shape.pose.quaternion == IDENTITY_QUATERNION
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[float, ...]:
         """Parameters of the shape unless they are folded into the kernels, then its placement (12) unless it
         is the identity."""
@@ -70,7 +72,8 @@ def contact_names(scene: Scene) -> tuple[str, ...]:
     """`a-b`, or `a/shape-b/shape` where two bodies touch with several shapes."""
     plain = [f"{a[0]}-{b[0]}" for a, b in (pair.between for pair in scene.contacts)]
     full = ["-".join("/".join(partner) for partner in pair.between) for pair in scene.contacts]
-    return tuple(p if plain.count(p) == 1 else f for p, f in zip(plain, full, strict=True))
+    count = Counter(plain)
+    return tuple(p if count[p] == 1 else f for p, f in zip(plain, full, strict=True))
 
 
 def find_shape(body: Body, name: str, where: str) -> Shape:

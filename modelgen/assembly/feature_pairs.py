@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -26,20 +27,35 @@ STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  
 CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Whole:
     """A body's shape as the scene has it, with all its features."""
 
     owner: Owner
     shape: Shape
+    _placed: dict[int, tuple[Feature, tuple[Feature, Partner]]] = field(
+        default_factory=dict, compare=False, repr=False
+    )  # by the feature's identity, which it keeps
 
+    @cached_property
+    def ball(self) -> tuple[Vector, float]:
+        """Centre (m, body axes, from the centre of mass) and radius (m, or infinite) of a ball around it."""
+        centre, radius = bounding_ball(replace(self.shape, cavity=False))
+        x, y, z = map(float, to_outer(self.shape.pose, centre) - np.array(self.owner.centre))
+        return (x, y, z), radius
 
-def ball_around(whole: Whole) -> tuple[Vector, float]:
-    """Centre (m, body axes, from the centre of mass) and radius (m, or infinite) of a ball around a shape."""
-    shape = whole.shape
-    centre, radius = bounding_ball(replace(shape, cavity=False))
-    x, y, z = map(float, to_outer(shape.pose, centre) - np.array(whole.owner.centre))
-    return (x, y, z), radius
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """Its features, with the support points of those that can lie flat."""
+        features = features_of(self.shape).features
+        return (*features, *(point for feature in features for point in support_points_of(feature)))
+
+    def placed(self, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
+        """The shape with the feature in place of the whole, made once for each feature; a vertex has its
+        coordinates in the axes of the body."""
+        if id(feature) not in self._placed:
+            self._placed[id(feature)] = feature, _placed(self, feature, shapes)
+        return self._placed[id(feature)][1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +115,10 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 def _candidates(
     a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: KindList[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
-    sides = _ended([_with_support_points(features_of(whole.shape).features) for whole in (a, b)])
+    sides = _ended([whole.features for whole in (a, b)])
     _check_restriction(pair, sides, where)
     alone = len(sides[0]) == len(sides[1]) == 1
     found: dict[tuple[str, str], Candidate] = {}
-    places = (_Places(a, shapes), _Places(b, shapes))
     joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
     for features in product(*sides):
         names = (features[0].name, features[1].name)
@@ -112,7 +127,7 @@ def _candidates(
             continue
         features = _flattened(*features)
         (one, first), (two, second) = (
-            place.of(feature) for place, feature in zip(places, features, strict=True)
+            whole.placed(feature, shapes) for whole, feature in zip((a, b), features, strict=True)
         )
         forced = pair
         if not alone or pair.form == "auto":
@@ -144,13 +159,6 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
                 f"features: {', '.join(sorted(known)) or 'none'}",
                 nearest(name, known),
             )
-
-
-def _with_support_points(features: tuple[Feature, ...]) -> tuple[Feature, ...]:
-    return (
-        *features,
-        *(point for feature in features for point in support_points_of(feature)),
-    )
 
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
@@ -191,22 +199,7 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
     return frozenset(faces & nexts) if feature.dimension == 2 else frozenset()
 
 
-class _Places:
-    """The features of a shape in their places, each placed once."""
-
-    def __init__(self, whole: Whole, shapes: KindList[ShapeKind]) -> None:
-        self._whole, self._shapes = whole, shapes
-        self._known: dict[int, tuple[Feature, tuple[Feature, Partner]]] = {}
-
-    def of(self, feature: Feature) -> tuple[Feature, Partner]:
-        if id(feature) not in self._known:
-            self._known[id(feature)] = feature, _place(self._whole, feature, self._shapes)
-        return self._known[id(feature)][1]
-
-
-def _place(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
-    """The shape with the feature in place of the whole; a vertex has its coordinates in the axes of the
-    body."""
+def _placed(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
     shape = replace(feature.shape, pose=pose, name=whole.shape.name)
     if shape.kind == "point":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 
 from modelgen.assembly.masses import Mass
 from modelgen.errors import SceneError, nearest
@@ -67,29 +67,33 @@ def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
             )
 
 
-def motion_of(scene: Scene, body: Body, mass: Mass | None) -> BodyMotion:
-    """The least motion of the body that the scene needs."""
+def pairs_by_body(scene: Scene) -> Mapping[str, tuple[ContactPair, ...]]:
+    """The contact pairs of each body, by its name."""
+    found: dict[str, list[ContactPair]] = {body.name: [] for body in scene.bodies}
+    for pair in scene.contacts:
+        for name in {owner for owner, _ in pair.between} & found.keys():
+            found[name].append(pair)
+    return {name: tuple(pairs) for name, pairs in found.items()}
+
+
+def motion_of(scene: Scene, body: Body, mass: Mass | None, pairs: Sequence[ContactPair]) -> BodyMotion:
+    """The least motion of the body, with these contact pairs, that the scene needs."""
     if body.motion != "dynamic" or mass is None:
         return "driven" if body.motion == "driven" else "fixed"
     turns = (
         _is_watched(scene, body)
         or any(body.name in joint.between for joint in scene.joints)
-        or any(_friction_turns(pair, body.name) for pair in scene.contacts)
+        or any(pair.friction is not None for pair in pairs)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
-        or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(scene, body))
+        or not all(_is_centred(shape, mass.centre) for shape in contacting_shapes(body, pairs))
     )
     return "free" if turns else "point"
 
 
-def contacting_shapes(scene: Scene, body: Body) -> tuple[Shape, ...]:
-    """The shapes of the body that take part in a contact."""
-    used = {shape for pair in scene.contacts for owner, shape in pair.between if owner == body.name}
+def contacting_shapes(body: Body, pairs: Sequence[ContactPair]) -> tuple[Shape, ...]:
+    """The shapes of the body that take part in one of its contact pairs."""
+    used = {shape for pair in pairs for owner, shape in pair.between if owner == body.name}
     return tuple(shape for shape in body.shapes if shape.name in used)
-
-
-def _friction_turns(pair: ContactPair, body: str) -> bool:
-    """True if friction turns the body."""
-    return pair.friction is not None and body in (owner for owner, _ in pair.between)
 
 
 def _is_watched(scene: Scene, body: Body) -> bool:

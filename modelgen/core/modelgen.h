@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 13 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 14 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -243,6 +243,9 @@ typedef struct {
   mg_real fallback_step;     /* fallback: steps of fallback_step * time */
   mg_real fallback_progress; /* an event-driven run falls back where many tries advance t by less than
                                 fallback_progress * time and a third of them is rejected */
+  mg_real chatter_step;      /* time-stepping in place of events that cost too much: steps of chatter_step * time */
+  mg_real chatter_work;      /* an event-driven run goes on by time-stepping when the work of its events, in evaluations
+                                of one contact, exceeds this and several times what time-stepping would have cost */
   mg_real tolerance;         /* DOP853: bound of the local error over scale, root mean square */
   mg_real contact_gap;       /* gaps |d| <= contact_gap * length count as touching */
   mg_real start_gap;         /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
@@ -297,6 +300,7 @@ typedef struct {
   int lcp_iterations;     /* bound of the active-set changes of one complementarity problem */
   int event_scan_parts;   /* parts into which a step is divided to find its first event */
   int events_at_once_max; /* bound of the transitions within one event_tolerance * time; more end the run */
+  int chatter_closed;     /* a run that left its events for time-stepping does not return with more closed contacts */
 } mg_settings;
 
 /* Mode of a friction constraint. */
@@ -333,7 +337,8 @@ enum {
   MG_TOO_MANY_EVENTS = 24, /* more than events_at_once_max transitions at one time */
   MG_TOO_MANY_CLOSED = 25, /* more than closed_capacity contacts are closed */
   MG_NO_FRICTION = 26,     /* no forces satisfy Coulomb's law, or none were found */
-  MG_PENETRATED = 27       /* bodies penetrate deeper than penetration_limit, at failed_contact */
+  MG_PENETRATED = 27,      /* bodies penetrate deeper than penetration_limit, at failed_contact */
+  MG_CHATTER = 28          /* ends no run: events cost too much, and the run goes on by time-stepping */
 };
 
 /* Kind of an event of a contact; slip events are of friction constraints, with the contact that they belong to. */
@@ -381,20 +386,22 @@ typedef struct {
   mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                                     along the plane and out of the hull, unit vector */
 
-  long steps;               /* accepted steps */
-  long rejected;            /* rejected steps */
-  long rhs_evals;           /* evaluations of the right-hand side */
-  long lcp_solves;          /* complementarity and friction problems solved */
-  long since_projection;    /* accepted steps since drift was projected away */
-  long events_at_t;         /* transitions within one event tolerance of t_event */
-  long progress_tries;      /* steps and rejected when progress was last checked */
-  long progress_rejected;   /* rejected when progress was last checked */
-  long fallbacks;           /* how often the run has fallen back on time-stepping */
-  long fallback_steps_left; /* steps left of the present fallback */
-  long loose_solutions;     /* time-stepping: problems solved to stepping_residual only */
-  long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
-  long singular_passages;   /* places passed at which a closed contact is singular */
-  long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
+  long steps;                /* accepted steps */
+  long rejected;             /* rejected steps */
+  long rhs_evals;            /* evaluations of the right-hand side */
+  long lcp_solves;           /* complementarity and friction problems solved */
+  long since_projection;     /* accepted steps since drift was projected away */
+  long events_at_t;          /* transitions within one event tolerance of t_event */
+  long progress_tries;       /* steps and rejected when progress was last checked */
+  long progress_rejected;    /* rejected when progress was last checked */
+  long fallbacks;            /* how often the run has fallen back on time-stepping */
+  long fallback_steps_left;  /* steps left of the present fallback */
+  long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
+  long chatters;             /* how often the run went on by time-stepping because its events cost too much */
+  long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
+  long relaxed_solutions;    /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
+  long singular_passages;    /* places passed at which a closed contact is singular */
+  long redundant_max;        /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
 
@@ -416,9 +423,14 @@ typedef struct {
   mg_real joint_margin_min;    /* least independence of the rows of a joint over the largest of that joint, 0..1 */
   mg_real joint_margin_t;      /* time of joint_margin_min, s */
   mg_real progress_t;          /* t when progress was last checked, s */
-  mg_real fallback_first;      /* start of the first fallback, s */
+  mg_real fallback_first;      /* start of the first fallback, those by MG_CHATTER not included, s */
   mg_real fallback_end;        /* end of the last fallback, s */
   mg_real fallback_time;       /* duration of all fallbacks, s */
+  mg_real fallback_step;       /* step of the present fallback, s */
+  mg_real event_work;          /* work of events beyond what time-stepping would have cost, evaluations of a contact */
+  mg_real event_work_t;        /* t when event_work was last updated, s */
+  mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
+  mg_real chatter_time;        /* duration of all fallbacks by MG_CHATTER, s */
   mg_real impact_gain_max;     /* most energy that one contact has added in an impact, J */
   mg_real impact_gain_t;       /* time of impact_gain_max, s */
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
@@ -438,7 +450,8 @@ typedef struct {
   int impact_gain_contact;  /* contact of impact_gain_max, or -1 */
   int chain_impact_contact; /* contact of chain_impact_t, or -1 */
   int painleve_contact;     /* contact of painleve_t, or -1 */
-  int fallback_cause;       /* outcome that the first fallback avoided */
+  int fallback_cause;       /* outcome that the first fallback avoided, those by MG_CHATTER not included */
+  int present_cause;        /* outcome that the present fallback avoids */
   int fallback_doublings;   /* how often the length of the last fallback was doubled */
   int passage_contact;      /* contact of the first singular passage, or -1 */
   int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */

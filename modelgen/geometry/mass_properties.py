@@ -21,6 +21,7 @@ from modelgen.geometry.composites.moments import Moments, moments_of, prism
 from modelgen.geometry.composites.outlines import outline_moments
 from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
+from modelgen.geometry.moments_of_surfaces import surface_moments
 from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
 from modelgen.scene.expression_building import knots_along
 from modelgen.scene.scene_types import Profile, Shape
@@ -46,8 +47,13 @@ def mass_properties(shape: Shape, density: float) -> tuple[float, Array, Array]:
 def _volume_moments(shape: Shape) -> Moments:
     """Volume m^3, centre (3) m and second moments (3,3) m^5 about the centre; equal shapes once."""
     parts = _of_composite(shape)
-    if parts is not None:
-        return parts
+    if parts is None:
+        parts = surface_moments(shape)
+    return moments_by_quadrature(shape) if parts is None else parts
+
+
+def moments_by_quadrature(shape: Shape) -> Moments:
+    """The moments of the volume inside a closed surface of charts; raises SceneError where there is none."""
     cells = _cells(shape)
     moments = _moments(shape, cells, NODES[0])
     for nodes in NODES[1:]:

@@ -83,6 +83,11 @@ class Accuracy:
         fallback_progress: a run falls back if many tries, a third of them rejected, advance it by less than
             this times T.
         fallback_step: step of time-stepping during a fallback, in T.
+        chatter_step: the same where events cost too much, in T.
+        chatter_work: work of events, in evaluations of one contact, up to which a run stays event-driven
+            though time-stepping costs several times less.
+        chatter_closed: a run that left its events for time-stepping does not return while more contacts are
+            closed.
         impacts: "simultaneous": impacts at the same time are one problem; "sequential": one by one, the
             fastest first.
         newton: Newton corrections of the contact parameters: 0 none (the differential equations of the paper
@@ -153,6 +158,9 @@ class Accuracy:
     fallback: bool = True
     fallback_step: float = 1e-4
     fallback_progress: float = 1e-2
+    chatter_step: float = 1e-2
+    chatter_work: float = 2e7
+    chatter_closed: int = 100
     impacts: Impacts = "simultaneous"
     newton: Literal[0, 1, 2] = 1
     project: int = 1
@@ -345,6 +353,7 @@ class Accuracy:
             tolerance=tolerance / FINER if tolerance >= FINER * least else tolerance * COARSER,
             step=self.step and self.step * TENTH,
             fallback_step=self.fallback_step * TENTH,
+            chatter_step=self.chatter_step * TENTH,
             step_fraction=self.step_fraction * TENTH,
             project=1,
             flat_angle=max(self.flat_angle / 2, RESOLVED["flat_angle"] * epsilon),

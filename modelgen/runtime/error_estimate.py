@@ -64,7 +64,7 @@ def estimate_of(
     position = errors["position"]
     predicted = _predicted(position / length, errors["rotation"], n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
-    other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy, instance))
+    other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy))
     reasons = [*_reasons(path, twin, accuracy, instance, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
@@ -120,7 +120,7 @@ def _errors(
     return {key: (np.maximum.accumulate(apart), least) for key, (apart, least) in found.items()}
 
 
-def _resolution(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
+def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
     """s: the step at whose end time-stepping tells events; 0 where none is told by it."""
     if accuracy.method == "time-stepping":
         return accuracy.step or 0.0
@@ -130,7 +130,7 @@ def _resolution(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any
             is_stepping = event.kind == "fallback-start"
         else:
             told += is_stepping
-    return accuracy.fallback_step * float(instance["scales"]["time"]) if told else 0.0
+    return path.fallback_step if told else 0.0
 
 
 def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:

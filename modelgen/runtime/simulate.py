@@ -26,6 +26,7 @@ from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 from modelgen.runtime.warnings.passages import passage_warnings
+from modelgen.runtime.warnings.time_stepping import fallback_step
 
 KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
@@ -209,6 +210,7 @@ def _trajectory(
         instructions=dict(shared.instructions),
         accuracy=accuracy.name,
         warnings=warnings(session, accuracy),
+        fallback_step=fallback_step(session),
         outcome_function=unbounded(session, ending.outcome),
         stopped=ending.interrupted,
     )

@@ -171,6 +171,7 @@ class Trajectory:
     accuracy: str
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     warnings: tuple[str, ...] = ()
+    fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
     doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words

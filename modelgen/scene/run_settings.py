@@ -50,7 +50,7 @@ RUN = Table(
         Field(
             "fallback",
             Switch(),
-            "continue by time-stepping where an event-driven run cannot go on; else true",
+            "continue by time-stepping where events cannot be located or cost too much; else true",
         ),
         Field("impacts", Choice(IMPACTS), "impacts at several contacts: simultaneous or one after another"),
         Field("newton", Whole(0, 2), "corrections of contact points: none, once a step, at every stage"),

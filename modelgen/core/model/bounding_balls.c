@@ -45,6 +45,20 @@ static mg_real mg_shape_extent(const mg_context *c, int pair, int body) {
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
+MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair) {
+  const mg_real *ball = c->system->pair_ball + 8 * pair;
+  return ball[3] >= 0 && ball[7] >= 0;
+}
+
+MG_INTERNAL int mg_are_extents_within(const mg_context *c, int pair, mg_real distance) {
+  const int first = c->system->pair_feature_pair[pair];
+  const mg_real *a = c->bodies.pose + 12 * mg_feature_body(c, first, 0),
+                *b = c->bodies.pose + 12 * mg_feature_body(c, first, 1);
+  const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                most = distance + mg_shape_extent(c, pair, 0) + mg_shape_extent(c, pair, 1);
+  return mg_dot3(span, span) <= most * most;
+}
+
 /* Bound of the motion of the points of body `seen`, within `extent` of its centre of mass, in the axes of body
    `from`. */
 static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, int from, mg_real extent) {

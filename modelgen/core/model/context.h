@@ -228,6 +228,7 @@ typedef struct {
   int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
+  mg_real *body_reach;     /* [per body] time-stepping: how far the body can move in the steps looked ahead, m */
   mg_minima abandoned;     /* minima that contacts have left in this step */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */

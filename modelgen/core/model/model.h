@@ -234,6 +234,12 @@ MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
    of their features. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 
+/* True if both shapes of a pair are bounded. */
+MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
+
+/* True if balls round the centres of mass that contain the bounded shapes of a pair are nearer than a distance. */
+MG_INTERNAL int mg_are_extents_within(const mg_context *c, int pair, mg_real distance);
+
 /* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
    smaller one; of unbounded shapes the parts within the characteristic length count. */
 MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);

@@ -199,11 +199,16 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
 
 /* One step of the method, or of time-stepping during a fallback. Returns an outcome. */
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
+  const int first_event = events->count;
+  const long evaluations = c->run->rhs_evals;
   int outcome;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
-    if (!outcome) outcome = mg_count_fallback_step(c, events);
-  } else outcome = mg_event_driven_step(c, h, record, events);
+    if (!outcome) outcome = mg_count_fallback_step(c, events, first_event);
+  } else {
+    outcome = mg_event_driven_step(c, h, record, events);
+    if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
+  }
   outcome = mg_explain_failed_outcome(c, outcome);
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }

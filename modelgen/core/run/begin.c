@@ -48,6 +48,7 @@ static void mg_reset_report(mg_run *run) {
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->singular_passages = 0, run->passage_contact = -1;
   run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
+  mg_reset_event_work(run);
   run->energy_error_max = run->kinetic_max = run->gap_max = run->penetration_max = run->complementarity_max =
       run->lcp_residual_max = 0;
   run->margin_min = run->joint_margin_min = MG_MAX;

@@ -89,7 +89,7 @@ static long mg_search_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return 48 * b + 45 * r + mg_spring_count(s) + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k +
+  return 49 * b + 45 * r + mg_spring_count(s) + 8 * m + 13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k +
          3 * k + n * n + n + mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) +
          mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) +
          mg_event_margin_size(s) + m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s);
@@ -106,18 +106,22 @@ MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 
-/* Lists the rows that act on each body that forces move. */
+/* Body on which a row acts on one side, or -1: one that forces do not move, or that was counted on the other side. */
+static int mg_incident_body(const mg_context *c, int row, int side) {
+  const int o = c->contacts.o[row], f = c->contacts.f[row], body = side ? f : o;
+  return row == c->system->n_contact || !mg_is_moved_by_forces(c, body) || (side && f == o) ? -1 : body;
+}
+
+/* Lists the rows that act on each body that forces move, sorted by body. */
 static void mg_set_incidence(mg_context *c) {
-  const mg_system *s = c->system;
-  int n = 0;
-  for (int b = 0; b < s->n_body; b++) {
-    c->islands.incident_begin[b] = n;
-    for (int i = 0; i < c->layout.spring_row_end && mg_is_moved_by_forces(c, b); i++) {
-      if (i == s->n_contact) continue;
-      if (c->contacts.o[i] == b || c->contacts.f[i] == b) c->islands.incident[n++] = i;
-    }
-  }
-  c->islands.incident_begin[s->n_body] = n;
+  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end;
+  int *begin = c->islands.incident_begin, body;
+  for (int b = 0; b <= n_body; b++) begin[b] = 0;
+  for (int k = 0; k < 2 * n_row; k++)
+    if ((body = mg_incident_body(c, k / 2, k % 2)) >= 0) begin[body]++;
+  for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
+  for (int k = 2 * n_row - 1; k >= 0; k--)
+    if ((body = mg_incident_body(c, k / 2, k % 2)) >= 0) c->islands.incident[--begin[body]] = k / 2;
 }
 
 /* Divides the memory of the friction constraints. */
@@ -168,7 +172,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->lcp.reduced_z = mg_take_reals(&work, n);
   c->step.slopes = mg_take_reals(&work, MG_STAGES * x), c->step.end = mg_take_reals(&work, x),
   c->step.stage = mg_take_reals(&work, x);
-  c->step.load_wrench = mg_take_reals(&work, 6 * b);
+  c->step.load_wrench = mg_take_reals(&work, 6 * b), c->search.body_reach = mg_take_reals(&work, b);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
   c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r),

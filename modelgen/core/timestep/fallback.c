@@ -1,6 +1,6 @@
-/* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time, where steps
-   become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but impulses
-   are. Writes run->fallbacks and what belongs to it, modes, patches and events of the run. */
+/* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time or cost too much,
+   where steps become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but
+   impulses are. Writes run->fallbacks and what belongs to it, modes, patches and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -21,12 +21,12 @@ MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
 
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
-  return c->run->fallback_steps_left > 0 ? c->settings->fallback_step * c->system->time : c->run->h;
+  return c->run->fallback_steps_left > 0 ? c->run->fallback_step : c->run->h;
 }
 
 MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
-         outcome == MG_STEP_TOO_SMALL;
+         outcome == MG_STEP_TOO_SMALL || outcome == MG_CHATTER;
 }
 
 /* True if a closed contact has friction. */
@@ -66,15 +66,37 @@ static void mg_release_patches(mg_context *c) {
   }
 }
 
+/* Steps of a fallback by this outcome before any doubling: one characteristic time in place of costly events. */
+static long mg_least_fallback_steps(const mg_context *c, int outcome) {
+  return outcome == MG_CHATTER ? (long)ceil(1 / c->settings->chatter_step) : MG_FALLBACK_STEPS;
+}
+
+/* Span after a fallback, s, within which another one by this outcome follows soon. */
+static mg_real mg_fallback_recovery(const mg_context *c, int outcome) {
+  const mg_settings *s = c->settings;
+  return outcome == MG_CHATTER ? c->system->time
+                               : (MG_FALLBACK_STEPS * s->fallback_step + s->fallback_progress) * c->system->time;
+}
+
+/* Notes the first fallback of its kind. */
+static void mg_note_fallback(mg_run *run, int outcome) {
+  run->present_cause = outcome;
+  if (outcome == MG_CHATTER) {
+    if (!run->chatters++) run->chatter_first = run->t;
+  } else if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
+}
+
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome)) return 0;
-  const mg_real span =
-      (MG_FALLBACK_STEPS * c->settings->fallback_step + c->settings->fallback_progress) * c->system->time;
-  const int again = run->fallbacks > 0 && run->t - run->fallback_end <= span;
+  const int again = run->fallbacks + run->chatters > 0 && run->present_cause == outcome &&
+                    run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
-  run->fallback_steps_left = (long)MG_FALLBACK_STEPS << run->fallback_doublings;
-  if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
+  run->fallback_steps_left = mg_least_fallback_steps(c, outcome) << run->fallback_doublings;
+  run->fallback_step =
+      (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
+  run->fallback_transitions = 0;
+  mg_note_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_release_patches(c);
   return 1;
@@ -85,6 +107,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
+  mg_follow_all_pairs(c);
   const mg_real before = mg_energy(c, &kinetic);
   for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
   for (int g = 0; g < c->system->n_friction; g++)
@@ -98,10 +121,23 @@ static int mg_resume_event_driven(mg_context *c) {
   return MG_DONE;
 }
 
-MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events) {
+/* Prolongs a fallback at whose end events would again cost too much; returns whether it does. */
+static int mg_prolong_fallback(mg_context *c) {
   mg_run *run = c->run;
-  if (c->settings->method == MG_TIME_STEPPING || --run->fallback_steps_left > 0) return MG_DONE;
+  if (run->present_cause != MG_CHATTER) return 0;
+  const long steps = mg_least_fallback_steps(c, MG_CHATTER) << run->fallback_doublings;
+  if (!mg_would_chatter(c, run->fallback_transitions, steps)) return 0;
+  run->fallback_steps_left = steps, run->fallback_transitions = 0;
+  return 1;
+}
+
+MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event) {
+  mg_run *run = c->run;
+  if (c->settings->method == MG_TIME_STEPPING) return MG_DONE;
+  run->fallback_transitions += mg_count_transitions(events, first_event);
+  if (--run->fallback_steps_left > 0 || mg_prolong_fallback(c)) return MG_DONE;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
+  run->event_work = 0, run->event_work_t = run->t;
   int outcome = mg_resume_event_driven(c);
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);

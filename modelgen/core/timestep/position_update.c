@@ -147,7 +147,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
   for (int i = 0; i < c->system->n_contact; i++)
     if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst && n < c->system->closed_capacity)
       c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
-  if (mg_solve_contact_lcp(c, n, c->rows.d, &report) != MG_LCP_SOLVED) return 0;
+  if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_joint_row; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);

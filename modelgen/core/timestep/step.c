@@ -61,6 +61,7 @@ static void mg_note_spins(mg_context *c) {
 
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
+  mg_choose_followed_pairs(c, h);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
@@ -78,7 +79,8 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   if (!mg_all_finite(c->layout.n_states, run->x)) return MG_NOT_FINITE;
   mg_impulses_to_forces(c, h);
   mg_advance_time(run, h);
-  run->steps++, run->fallback_time += run->fallback_steps_left > 0 ? h : 0;
+  run->steps++;
+  if (run->fallback_steps_left > 0) *(run->present_cause == MG_CHATTER ? &run->chatter_time : &run->fallback_time) += h;
   outcome = mg_update_contacts_after_step(c, events, h);
   if (outcome) return outcome;
   if (mg_is_sample_due(record, run->t)) {

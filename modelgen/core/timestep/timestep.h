@@ -61,6 +61,26 @@ MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
    c->bodies.wrench. Needs the geometry of the step. Returns an outcome. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 
+/* far_pairs.c */
+
+/* In scenes of many pairs: leaves out the open contacts of pairs that cannot meet in some steps of h, and follows those
+   of pairs that may. Needs poses, twists and accelerations; overwrites c->bodies.wrench. */
+MG_INTERNAL void mg_choose_followed_pairs(mg_context *c, mg_real h);
+
+/* Follows the pairs left out whose bodies could meet within the step, by the impulses found so far. Needs the geometry
+   of the step. */
+MG_INTERNAL void mg_follow_meeting_pairs(mg_context *c, mg_real h);
+
+/* Follows all pairs that were left out. Needs the poses. */
+MG_INTERNAL void mg_follow_all_pairs(mg_context *c);
+
+/* many_contacts.c */
+
+/* Solves the complementarity problem of mg_solve_contact_lcp for the n contacts of c->lcp.rows; guess [per row]:
+   amounts near the solution, or 0. Returns its outcome. */
+MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess,
+                                  mg_lcp_report *report);
+
 /* position_update.c */
 
 /* Writes the velocities at the end of the step, and the work of loads and impulses, into run->x. */
@@ -105,11 +125,27 @@ MG_INTERNAL int mg_is_fallback_outcome(int outcome);
    was rejected, by a tenth of that and a closed contact has friction, or by a hundredth of that. */
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c);
 
-/* Starts a fallback after an outcome that it can avoid; returns whether it does. A fallback that follows at once
-   on another lasts twice as long. */
+/* Starts a fallback after an outcome that it can avoid; returns whether it does. A fallback that follows soon on
+   another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events);
 
-/* Counts a step of a fallback; after the last one the run is event-driven again. Returns an outcome. */
-MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events);
+/* Counts a step of a fallback, whose events are those from first_event on; after the last one the run is event-driven
+   again, unless many events are still to come. Returns an outcome. */
+MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event);
+
+/* event_work.c */
+
+/* Begins to count the work of events. */
+MG_INTERNAL void mg_reset_event_work(mg_run *run);
+
+/* Number of contacts that the events from `first` on close or open. */
+MG_INTERNAL int mg_count_transitions(const mg_events *events, int first);
+
+/* Counts the work of an event-driven step with so many evaluations of the right-hand side, whose events are those from
+   `first` on. True if the run is to go on by time-stepping. */
+MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations);
+
+/* True if to locate so many transitions as n steps of time-stepping have shown would cost much more than these. */
+MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n);
 
 #endif

@@ -82,6 +82,8 @@ SETTINGS_REALS = (
         "stepping_residual",
         "fallback_step",
         "fallback_progress",
+        "chatter_step",
+        "chatter_work",
         "tolerance",
         "contact_gap",
         "start_gap",
@@ -122,7 +124,7 @@ SETTINGS_REALS = (
         "step_fraction",
     ),
 )
-SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max")
+SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max", "chatter_closed")
 RUN_ARRAYS = (
     *(
         "x",
@@ -152,6 +154,8 @@ RUN_COUNTS = (
         "progress_rejected",
         "fallbacks",
         "fallback_steps_left",
+        "fallback_transitions",
+        "chatters",
         "loose_solutions",
         "relaxed_solutions",
     ),
@@ -164,7 +168,8 @@ RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("progress_t", "fallback_first", "fallback_end", "fallback_time"),
+    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step"),
+    *("event_work", "event_work_t", "chatter_first", "chatter_time"),
     *(
         "impact_gain_max",
         "impact_gain_t",
@@ -181,6 +186,7 @@ RUN_INTEGERS = (
     *("dead_centres", "dead_centre", "impact_gain_contact", "chain_impact_contact", "painleve_contact"),
     *(
         "fallback_cause",
+        "present_cause",
         "fallback_doublings",
         "passage_contact",
         "unfollowed_pair",

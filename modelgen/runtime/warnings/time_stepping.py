@@ -29,6 +29,15 @@ def stepping_warnings(session: Session) -> list[str]:
             f"{CAUSES[OUTCOME_OF_CODE[run.fallback_cause]]}; it went on by time-stepping{more}, for "
             f"{float(run.fallback_time):.3g} s, which is of order 1: fallback = false forbids that"
         )
+    if run.chatters:
+        more = f" ({run.chatters} times in all)" if run.chatters > 1 else ""
+        step = fallback_step(session)
+        found.append(
+            f"from t = {float(run.chatter_first):.6g} s on contacts closed and opened so often that their "
+            f"events cost several times what time-stepping does; the run went on by it{more}, for "
+            f"{float(run.chatter_time):.3g} s in steps of {step:.2g} s: its error is of order 1 in the step, "
+            "and events are told to one step; fallback = false locates every event"
+        )
     if run.loose_solutions:
         found.append(
             f"in {run.loose_solutions} steps the impulses were found to a residual of up to "
@@ -40,6 +49,13 @@ def stepping_warnings(session: Session) -> list[str]:
             "relaxation was taken, with which sliding contacts move off"
         )
     return [*found, *_advice(session)]
+
+
+def fallback_step(session: Session) -> float:
+    """s: the longest step of time-stepping by which an event-driven run went on; 0 where it did not."""
+    run, accuracy = session.run, session.accuracy
+    parts = (accuracy.chatter_step * (run.chatters > 0), accuracy.fallback_step * (run.fallbacks > 0))
+    return float(max(parts) * session.instance["scales"]["time"])
 
 
 def _advice(session: Session) -> Iterator[str]:

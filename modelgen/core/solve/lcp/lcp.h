@@ -38,6 +38,23 @@ MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int 
 MG_API int mg_qp(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z, int *active,
                  mg_lcp_report *report, mg_real *work, int *iwork);
 
+/* A symmetric positive semidefinite matrix J M^-1 J^T of rows that each act on two bodies. */
+typedef struct {
+  int n;             /* rows */
+  int n_body;        /* bodies */
+  const int *o, *f;  /* [n] bodies of a row; -1: one that forces do not move */
+  const mg_real *J;  /* [12 n] columns of body o, then of body f */
+  const mg_real *MJ; /* [12 n] M^-1 J^T of these bodies */
+} mg_row_matrix;
+
+/* Length of `work` of mg_large_qp_solve, in mg_real. */
+MG_API long mg_large_qp_work_size(int n, int n_body);
+
+/* The convex program of mg_qp for many rows, by conjugate gradients; z: a guess on entry. Returns the outcome:
+   MG_LCP_SOLVED with a residual as that of mg_qp, or MG_LCP_ITERATIONS. */
+MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, int max_iterations, mg_real *z,
+                             mg_lcp_report *report, mg_real *work);
+
 /* Solution for a general matrix by Lemke's method with lexicographic ties. Returns the outcome. */
 MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z, mg_lcp_report *report,
                     mg_real *work, int *iwork);

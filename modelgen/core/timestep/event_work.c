@@ -1,0 +1,56 @@
+/* The work of events: what it costs to locate the events of a run and to change its modes there, against what
+   time-stepping over the same time would cost. Where contacts close and open without end, as in a heap that settles,
+   the run goes on by time-stepping.
+
+   Work is counted in evaluations of one contact. Promise: between any two times of event-driven integration, the work
+   of steps in which contacts close or open is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over
+   the time between, plus that of one step. Writes run->event_work. */
+#include "timestep/timestep.h"
+#include "forces/forces.h"
+
+enum {
+  MG_WORK_RATIO = 4,             /* events may cost so many times as much as time-stepping */
+  MG_EVALUATIONS_OF_STEP = 5,    /* right-hand sides that cost as much as a step of time-stepping */
+  MG_EVALUATIONS_OF_EVENT = 40,  /* right-hand sides of a step that ends in an event, as a rule */
+  MG_PIVOTS_PER_EVALUATION = 300 /* cubes of the number of forces that cost as much as one contact's equations */
+};
+
+MG_INTERNAL void mg_reset_event_work(mg_run *run) {
+  run->event_work = 0, run->event_work_t = run->t;
+  run->chatters = run->fallback_transitions = 0, run->present_cause = MG_DONE;
+  run->chatter_first = run->chatter_time = 0;
+}
+
+MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
+  int count = 0;
+  for (int i = first; i < events->count; i++) {
+    const int kind = events->kind[i];
+    count += kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN || kind == MG_EVENT_LIFT_OFF;
+  }
+  return count;
+}
+
+/* Work of one right-hand side: the equations of all contacts, and the factorisation for the forces of those that carry
+   some, with their friction rows. */
+static mg_real mg_work_of_evaluation(const mg_context *c) {
+  mg_real n = 0;
+  for (int i = 0; i < c->system->n_contact; i++) n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
+  return c->system->n_contact + n * n * n / MG_PIVOTS_PER_EVALUATION;
+}
+
+MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations) {
+  mg_run *run = c->run;
+  if (!mg_count_transitions(events, first)) return 0;
+  const mg_real each = mg_work_of_evaluation(c),
+                steps = (run->t - run->event_work_t) / (c->settings->chatter_step * c->system->time);
+  run->event_work = fmax(run->event_work - MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP * steps * each, 0);
+  run->event_work += evaluations * each, run->event_work_t = run->t;
+  return c->settings->fallback && run->event_work > c->settings->chatter_work;
+}
+
+MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n) {
+  int closed = 0;
+  for (int i = 0; i < c->system->n_contact; i++) closed += c->run->closed[i] != 0;
+  return closed > c->settings->chatter_closed ||
+         transitions * MG_EVALUATIONS_OF_EVENT > n * MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP;
+}
