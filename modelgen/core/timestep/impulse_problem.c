@@ -28,22 +28,22 @@ static mg_real mg_relaxed_opening_rate(const mg_context *c, int contact, mg_real
   return sum;
 }
 
-/* True if a contact with this gap rate at the end of the step takes part in the problem: its gap would close
-   within the step; in schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part, or it
-   is closed. */
-static int mg_closes_within_step(const mg_context *c, int contact, mg_real rate, mg_real h) {
+/* Gap rate at the end of the step under the impulses found so far. */
+static mg_real mg_end_gap_rate(const mg_context *c, int contact, mg_real h) {
+  return mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) -
+         mg_relaxed_opening_rate(c, contact, h);
+}
+
+/* True if a contact takes part in the problem: its gap would close within the step under the impulses found so far; in
+   schemes that act on touching contacts only, within its first MG_TOUCH_STEP_PARTS-th part, or it is closed. */
+static int mg_closes_within_step(const mg_context *c, int contact, mg_real h) {
   if (!mg_is_on_feature_pair(c, contact)) return 0;
+  const mg_real rate = mg_end_gap_rate(c, contact, h);
   const mg_real gap = c->rows.d[contact] > 0 ? c->rows.d[contact] : 0,
                 touching = c->settings->start_gap * c->system->length;
   const int soon = c->settings->stepping_scheme == MG_STEWART_TRINKLE ? 1 : MG_TOUCH_STEP_PARTS;
   return gap + h * rate / soon <= c->settings->contact_gap * c->system->length ||
          (soon > 1 && (gap <= touching || c->run->closed[contact]));
-}
-
-/* Gap rate at the end of the step under the impulses found so far. */
-static mg_real mg_end_gap_rate(const mg_context *c, int contact, mg_real h) {
-  return mg_free_end_rate(c, contact, h) + mg_row_times(c, contact, c->bodies.wrench) -
-         mg_relaxed_opening_rate(c, contact, h);
 }
 
 /* Lists the contacts that take part; returns their number. */
@@ -177,7 +177,7 @@ static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
 static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   int count = 0;
   for (int i = 0; i < c->system->n_contact; i++) {
-    if (c->events.is_near[i] || !mg_closes_within_step(c, i, mg_end_gap_rate(c, i, h), h)) continue;
+    if (c->events.is_near[i] || !mg_closes_within_step(c, i, h)) continue;
     c->events.is_near[i] = MG_NEAR, count++;
   }
   return count;
@@ -187,7 +187,7 @@ static int mg_add_closing_contacts(mg_context *c, mg_real h) {
 static int mg_solve_step(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = 0; i < c->system->n_contact; i++)
-    c->events.is_near[i] = mg_closes_within_step(c, i, mg_end_gap_rate(c, i, h), h) ? MG_NEAR : MG_NOT_NEAR;
+    c->events.is_near[i] = mg_closes_within_step(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
   for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;
     const int outcome = c->system->n_friction ? mg_solve_friction_step(c, h, &n) : mg_solve_frictionless_step(c, h, &n);
