@@ -118,6 +118,25 @@ def test_feasible_or_not_as_qpoases_finds(n: int, lcp: Any) -> None:
     assert len(seen) == 2
 
 
+@pytest.mark.parametrize("misfit", [0.0, *10.0 ** np.arange(-16, 0)])
+def test_rows_that_repeat_each_other_may_disagree_by_any_amount(misfit: float, lcp: Any) -> None:
+    """Of equal rows the one with the least b decides: these rows alone give all accelerations."""
+    rng = np.random.default_rng(17)
+    for n, copies in product((1, 2, 3, 5), (2, 3, 4)):
+        for _ in range(20):
+            A, b = definite(rng, n)
+            rows = np.repeat(np.arange(n), copies)
+            least = b - misfit * rng.uniform(0, 1, n)
+            wide = least[rows] + misfit * rng.uniform(0, 1, len(rows)) * (np.arange(len(rows)) % copies > 0)
+            order = rng.permutation(len(rows))
+            answer = solve_qp(A[np.ix_(rows, rows)][np.ix_(order, order)], wide[order], lcp)
+            alone = solve_qp(A, least, lcp)
+            expected = alone.w[rows] + wide - least[rows]
+            d, scale = scales(A, least)
+            assert answer.outcome is Outcome.SOLVED
+            assert np.abs((answer.w - expected[order]) / d[rows][order]).max() <= 1e-9 * scale
+
+
 @pytest.mark.parametrize(
     ("A", "b"),
     [

@@ -56,7 +56,8 @@ MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constra
   mg_real slip[2], sign = mg_slip_along_direction(c, contact, constraint, slip) < 0 ? -1 : 1;
   const mg_real direction_tolerance = 2 * mg_slip_velocity_tolerance(c, constraint);
   if (rows == 1) slip[0] = direction[0], sign = 1;
-  else if (c->friction.follows_angle && c->run->friction_mode[constraint] == MG_SLIP_ONSET)
+  else if (c->friction.follows_angle &&
+           (c->run->friction_mode[constraint] == MG_SLIP_ONSET || c->friction.is_stiff[constraint]))
     mg_slip_direction_at_angle(c, contact, constraint, c->friction.slip_angle[constraint], slip), sign = 1;
   else if (slip[0] * slip[0] + slip[1] * slip[1] <= direction_tolerance * direction_tolerance)
     slip[0] = mg_dot3(t, direction), slip[1] = mg_dot3(t + 3, direction), sign = 1;

@@ -51,7 +51,11 @@ MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const 
 /* Writes the end of the step and the interpolant, the polynomial through x and the stages. */
 MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x);
 
-/* Moves stages, azimuths and stiffnesses to the stages of the first `share` of the step, on its interpolant. */
+/* Replaces values at the stages by those of the polynomial of degree 6 through them at the stages of a step `share`
+   times as long. */
+MG_INTERNAL void mg_resample_stages(mg_real *value, mg_real share);
+
+/* Moves stages, azimuths and stiffnesses to the stages of a step `share` times as long, on its interpolant. */
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share);
 
 /* Ends the collocated step at a share of it. */
@@ -125,8 +129,22 @@ MG_INTERNAL int mg_has_slip_onset(const mg_context *c);
 /* Continue every slip onset as ordinary slip. */
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c);
 
-/* Take one collocation step of slip that starts; writes its end and the interpolant. Returns the error relative
-   to the tolerance, MG_MAX where there is no solution. */
+/* Mark slow slip that friction turns faster than an explicit step of length h can follow. Needs rows and forces at the
+   run's state. */
+MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h);
+
+/* True if slip is marked as stiff. */
+MG_INTERNAL int mg_has_stiff_slip(const mg_context *c);
+
+/* Remove the marks of stiff slip. */
+MG_INTERNAL void mg_forget_stiff_slip(mg_context *c);
+
+/* Take one collocation step of stiff slip; removes its marks where several such steps have failed. Returns the error
+   relative to the tolerance, MG_MAX where there is no solution. */
+MG_INTERNAL mg_real mg_take_stiff_slip_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Take one collocation step of slip that starts or is stiff; writes its end and the interpolant. Returns the error
+   relative to the tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
 /* step.c */

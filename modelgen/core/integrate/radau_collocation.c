@@ -40,9 +40,7 @@ static void mg_lagrange(mg_real theta, mg_real *value) {
   }
 }
 
-/* Replaces values at the stages by those of the polynomial of degree 6 through them at the stages of the first
-   `share` of the step. */
-static void mg_resample_stages(mg_real *value, mg_real share) {
+MG_INTERNAL void mg_resample_stages(mg_real *value, mg_real share) {
   mg_real old[MG_RADAU_STAGES], part[MG_RADAU_STAGES];
   for (int k = 0; k < MG_RADAU_STAGES; k++) old[k] = value[k], value[k] = 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {

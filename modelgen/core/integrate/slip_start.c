@@ -1,10 +1,15 @@
-/* First step of slip that starts at the friction bound with equal static and kinetic coefficients. At the time
-   tau the slip is of the order of tau^2, and friction draws it towards one direction at a rate of the order of
-   1/tau^2: the equations are irregular singular at tau = 0 and stiff for a while. One solution is smooth there;
-   Radau collocation finds it, with the slip directions at the stages as unknowns: for given directions the
-   right-hand side is smooth and converges by substitution; that the slip lies along its direction is a
-   well-conditioned linear system of seven rows a friction constraint. A patch has two unknowns, the components of
-   its direction across the stored one. */
+/* Steps of slip that is so slow that friction turns it much faster than the motion changes: by Radau collocation,
+   with the slip directions at the stages as unknowns. For given directions the right-hand side is smooth and
+   converges by substitution; that the slip lies along its direction is a well-conditioned linear system of seven
+   rows a friction constraint. A patch has two unknowns, the components of its direction across the stored one.
+
+   Slip that starts at the friction bound with equal static and kinetic coefficients is such: at the time tau it is
+   of the order of tau^2, and friction draws it towards one direction at a rate of the order of 1/tau^2; the
+   equations are irregular singular at tau = 0, and one solution is smooth there.
+
+   Slip that goes on slowly, as where a coin that runs down creeps, is stiff: friction turns it at the rate mu N G /
+   speed, G being its response to a unit of force, while its speed hardly changes. An explicit step is limited to a
+   few times the inverse of that rate. */
 #include "integrate/integrate.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -13,6 +18,14 @@
 #define MG_SLIP_ONSET_UNKNOWNS                                                           \
   4 /* most directions that are unknown at a time; more are left to small explicit steps \
      */
+
+enum {
+  MG_SLIP_START_ROUNDS = 2,    /* substitutions with constant directions before the directions are sought */
+  MG_SLIP_STIFFNESS_ROUND = 2, /* round after which the derivatives by the angles are taken anew */
+  MG_SLIP_ROUNDS = 40,         /* most rounds */
+  MG_SLIP_TRIAL_ROUNDS = 8,    /* rounds after which convergence that is too slow is given up */
+  MG_STIFF_FAILURES = 3        /* collocations of stiff slip that may fail before an explicit step is taken */
+};
 
 #define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES) /* most unknowns of all stages */
 
@@ -29,6 +42,47 @@ typedef struct {
   mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS]; /* derivative of the acceleration
                                                                across of the first by the angle of the second */
 } mg_slip_onset;
+
+#define MG_EXPLICIT_TURN (mg_real)4 /* rate times step up to which steps are explicit; DOP853 is stable up to 6 */
+
+#define MG_STEADY_SLIP ((mg_real)1 / 32) /* acceleration of steady slip over that by friction, most */
+
+/* True if the slip of a friction constraint is steady and friction turns it more than an explicit step h can follow.
+   Needs rows and forces at the run's state. */
+static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg_real h) {
+  const mg_real *mu = c->system->friction_kinetic + 2 * constraint;
+  if (!c->run->active[contact] || c->run->friction_mode[constraint] != MG_SLIPPING ||
+      mg_friction_row_count(c, constraint) != 2)
+    return 0;
+  mg_real slip[2];
+  const int row = mg_first_friction_row(c, contact, constraint);
+  mg_slip_along_direction(c, contact, constraint, slip);
+  const mg_real speed = sqrt(slip[0] * slip[0] + slip[1] * slip[1]), across[2] = {-slip[1] / speed, slip[0] / speed};
+  mg_real response = 0;
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 2; j++) response += across[i] * across[j] * mg_delassus_entry(c, row + i, row + j);
+  const mg_real pull = (mu[0] < mu[1] ? mu[0] : mu[1]) * c->solution.force[contact] * response,
+                change_x = mg_row_acceleration(c, row), change_y = mg_row_acceleration(c, row + 1);
+  return h * pull > MG_EXPLICIT_TURN * speed && sqrt(change_x * change_x + change_y * change_y) < MG_STEADY_SLIP * pull;
+}
+
+MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h) {
+  int count = 0;
+  for (int i = 0; i < c->layout.support_begin; i++)
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      count += c->friction.is_stiff[g] = count < MG_SLIP_ONSET_UNKNOWNS && mg_is_slip_stiff(c, i, g, h);
+  c->step.stiff_failures = 0;
+}
+
+MG_INTERNAL int mg_has_stiff_slip(const mg_context *c) {
+  for (int g = 0; g < c->system->n_friction; g++)
+    if (c->friction.is_stiff[g]) return 1;
+  return 0;
+}
+
+MG_INTERNAL void mg_forget_stiff_slip(mg_context *c) {
+  for (int g = 0; g < c->system->n_friction; g++) c->friction.is_stiff[g] = 0;
+}
 
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
   for (int g = 0; g < c->system->n_friction; g++)
@@ -49,7 +103,7 @@ MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
 static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
   for (int g = 0; g < c->system->n_friction; g++) {
-    if (c->run->friction_mode[g] != MG_SLIP_ONSET) continue;
+    if (c->run->friction_mode[g] != MG_SLIP_ONSET && !c->friction.is_stiff[g]) continue;
     if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
     o->contact[o->count] = mg_contact_of_friction(c, g), o->constraint[o->count++] = g;
   }
@@ -113,9 +167,29 @@ static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, m
   return 1;
 }
 
+/* Integrate velocities from their slopes, then poses from the new velocities, then the other states, at all stages;
+   returns the relative change. */
+static mg_real mg_integrate_slip_stages(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const int n_q = c->system->n_q, first = n_q + c->system->n_u;
+  mg_real *rate = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
+  mg_real change[3];
+  change[0] = mg_integrate_stages(c, x, h, n_q, first);
+  for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
+    const mg_real time = t + mg_stage_time(stage) * h;
+    mg_update_poses(c, time, mg_stage_state(c, stage));
+    mg_free_accelerations(c, time, mg_stage_state(c, stage), rate);
+    for (int i = 0; i < n_q; i++) mg_stage_slope(c, stage)[i] = rate[i];
+  }
+  change[1] = mg_integrate_stages(c, x, h, 0, n_q);
+  change[2] = mg_integrate_stages(c, x, h, first, c->layout.n_states);
+  for (int k = 1; k < 3; k++)
+    if (!(change[k] <= change[0])) change[0] = change[k];
+  return change[0];
+}
+
 /* One substitution: slopes at all stages, then states; returns the relative change or NAN. */
 static mg_real mg_iterate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_stages(c, x, h, 0, c->layout.n_states) : (mg_real)NAN;
+  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_slip_stages(c, t, x, h) : (mg_real)NAN;
 }
 
 /* Derivatives of the accelerations across slip by the angles, at all stages, by central differences. */
@@ -160,35 +234,62 @@ static mg_real mg_newton_slip_angle_step(mg_context *c, mg_slip_onset *o, mg_rea
   return most;
 }
 
-/* Iterate the stages of a step h to convergence; returns 0 where it fails. */
-static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
-  mg_real previous_change = MG_MAX;
+/* Set the stages of a step h to motion with the slope at its start, refined by substitution for constant directions;
+   returns 0 where it fails. */
+static int mg_start_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     for (int i = 0; i < c->layout.n_states; i++)
       mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
-  for (int round = 0; round < 4; round++)
+  for (int round = 0; round < MG_SLIP_START_ROUNDS; round++)
     if (!(mg_iterate_slip_stages(c, o, t, x, h) <= MG_MAX)) return 0;
-  mg_find_slip_angle_stiffness(c, o, t, h);
-  for (int round = 0; round < 40; round++) {
+  return 1;
+}
+
+/* Set the stages of a step to the motion of the first half of it, continued. */
+static void mg_continue_slip_stages(mg_context *c, mg_slip_onset *o, const mg_real *x) {
+  mg_make_collocation_interpolant(c, x);
+  mg_restrict_stages(c, x, 2);
+  for (int k = 0; k < o->count; k++) {
+    mg_real angle[MG_RADAU_STAGES];
+    for (int stage = 0; stage < MG_RADAU_STAGES; stage++) angle[stage] = o->angle[stage][k];
+    mg_resample_stages(angle, 2);
+    for (int stage = 0; stage < MG_RADAU_STAGES; stage++) o->angle[stage][k] = angle[stage];
+  }
+}
+
+/* Iterate the stages of a step h to convergence, with new derivatives by the angles in the rounds 0 and `again`;
+   returns 0 where it fails. */
+static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h, int again) {
+  const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
+  mg_real previous_change = MG_MAX;
+  for (int round = 0; round < MG_SLIP_ROUNDS; round++) {
+    if (round == 0 || round == again) mg_find_slip_angle_stiffness(c, o, t, h);
     if (!mg_evaluate_slip_stages(c, o, t, h)) return 0;
     const mg_real angle_effect = mg_newton_slip_angle_step(c, o, h);
-    mg_iterate_slip_stages(c, o, t, x, h);
     const mg_real change = mg_iterate_slip_stages(c, o, t, x, h),
                   last_change = angle_effect > change ? angle_effect : change;
     if (!(angle_effect <= MG_MAX) || !(change <= MG_MAX)) return 0;
     if (last_change <= goal || (round > 3 && last_change >= previous_change / 2 && last_change <= noise)) return 1;
+    if (round >= MG_SLIP_TRIAL_ROUNDS &&
+        last_change * pow(last_change / previous_change, MG_SLIP_ROUNDS - round) > noise)
+      return 0;
     previous_change = last_change;
   }
   return 0;
 }
 
-/* True if slip points along its direction at every stage; sets the longest explicit step that can follow. */
-static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
+/* True if slip points along its direction at every stage, or, where stiff slip stops within the step h, is slow beside
+   what friction across it does in the step: directions are smooth then until the event and past it. Sets the longest
+   explicit step that can follow. */
+static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o, mg_real h) {
   c->step.slip_limit = MG_MAX;
   for (int k = 0; k < o->count; k++) {
+    const int is_stiff = o->constraint[k] >= 0 && c->friction.is_stiff[o->constraint[k]];
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-      if (!(o->along[stage][k] > 0)) return 0;
+      if (!(o->along[stage][k] > 0) &&
+          !(is_stiff && -MG_EXPLICIT_TURN * o->along[stage][k] < h * fabs(o->stiffness[stage][k][k])))
+        return 0;
+    if (o->constraint[k] >= 0) continue;
     const mg_real step_limit = 2 * o->along[MG_RADAU_STAGES - 1][k] / fabs(o->stiffness[MG_RADAU_STAGES - 1][k][k]);
     if (step_limit < c->step.slip_limit) c->step.slip_limit = step_limit;
   }
@@ -198,9 +299,18 @@ static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o) {
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
   for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
-  if (!mg_list_slip_onsets(c, &onset) || !mg_solve_slip_stages(c, &onset, t, x, h / 2)) return MG_MAX;
+  if (!mg_list_slip_onsets(c, &onset) || !mg_start_slip_stages(c, &onset, t, x, h / 2) ||
+      !mg_solve_slip_stages(c, &onset, t, x, h / 2, MG_SLIP_STIFFNESS_ROUND))
+    return MG_MAX;
   for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
-  if (!mg_solve_slip_stages(c, &onset, t, x, h) || !mg_is_slip_established(c, &onset)) return MG_MAX;
+  mg_continue_slip_stages(c, &onset, x);
+  if (!mg_solve_slip_stages(c, &onset, t, x, h, 0) || !mg_is_slip_established(c, &onset, h)) return MG_MAX;
   mg_make_collocation_interpolant(c, x);
   return c->settings->method == MG_RK4 ? 0 : mg_half_step_difference(c, x, c->step.settled);
+}
+
+MG_INTERNAL mg_real mg_take_stiff_slip_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const mg_real error = mg_take_slip_onset_step(c, t, x, h);
+  if (!(error <= MG_MAX / 2) && ++c->step.stiff_failures == MG_STIFF_FAILURES) mg_forget_stiff_slip(c);
+  return error;
 }

@@ -6,7 +6,9 @@
 /* Row of c->step.slopes that holds the slope at the end of the step. */
 static int mg_end_slope_row(const mg_context *c) { return c->settings->method == MG_RK4 ? 4 : 12; }
 
-MG_INTERNAL int mg_is_collocated(const mg_context *c) { return mg_has_rolling_start(c) || mg_has_slip_onset(c); }
+MG_INTERNAL int mg_is_collocated(const mg_context *c) {
+  return mg_has_rolling_start(c) || mg_has_slip_onset(c) || mg_has_stiff_slip(c);
+}
 
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
@@ -15,6 +17,7 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
     if (error <= MG_MAX / 2 || (c->settings->method == MG_DOP853 && h > least)) return error;
     mg_finish_slip_onsets(c);
   }
+  if (c->system->n_friction && mg_has_stiff_slip(c)) return mg_take_stiff_slip_step(c, t, x, h);
   if (c->settings->method == MG_DOP853) return mg_dop853(c, t, x, h);
   mg_rk4(c, t, x, h);
   return 0;

@@ -186,6 +186,7 @@ typedef struct {
   int *mode_before;        /* [per friction constraint] its mode at the start of the step */
   int *bound;              /* [per friction constraint] what bounds its force: MG_BOUND_SLIP .. */
   int *is_yielding;        /* [per friction constraint] 1: its force exceeds the static bound */
+  int *is_stiff;           /* [per friction constraint] 1: friction turns its slip much faster than the slip changes */
   mg_real *slip_time_left; /* [per friction constraint] time that slip which was stopped would have lasted, s */
   mg_real *cone;           /* [MG_CONE per contact of the problem] coefficients */
   mg_real *work;           /* memory of the solver */
@@ -253,6 +254,7 @@ typedef struct {
                            none */
   mg_real slip_limit;   /* longest explicit step after the start of slip, s */
   mg_real stop_time;    /* t_stop of mg_advance, s */
+  int stiff_failures;   /* collocations of stiff slip that have failed at this state */
   int sign_changed;     /* 1: an event function had changed sign at a stage */
 } mg_step_workspace;
 

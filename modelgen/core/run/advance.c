@@ -22,7 +22,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
-      if (mg_has_slip_onset(c)) run->h = c->step.slip_limit;
+      if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -67,7 +67,7 @@ static void mg_accept_state(mg_context *c, mg_real h) {
   mg_advance_time(c->run, h);
   c->run->steps++;
   mg_update_rolling_starts(c);
-  mg_finish_slip_onsets(c);
+  mg_finish_slip_onsets(c), mg_forget_stiff_slip(c);
 }
 
 /* Evaluates the right-hand side at the new state, and projects drift if it is due. Returns an outcome. */
@@ -178,6 +178,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);
   if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+  if (c->settings->method == MG_DOP853) mg_mark_stiff_slip(c, h);
   mg_sample_margins_at_start(c);
   int outcome = mg_take_accurate_step(c, &h);
   if (outcome) return outcome;

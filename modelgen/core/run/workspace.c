@@ -48,7 +48,7 @@ static long mg_friction_memory_size(const mg_system *s) {
 /* Memory of the friction constraints, in int. */
 static long mg_friction_int_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
-  return 4L * s->n_friction + 4L * s->closed_capacity +
+  return 5L * s->n_friction + 4L * s->closed_capacity +
          mg_friction_iwork_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
@@ -147,9 +147,11 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->friction.mode_before = mg_take_ints(&iwork, s->n_friction);
   c->friction.bound = mg_take_ints(&iwork, s->n_friction), c->friction.cone_contact = mg_take_ints(&iwork, k);
   c->friction.is_yielding = mg_take_ints(&iwork, s->n_friction);
+  c->friction.is_stiff = mg_take_ints(&iwork, s->n_friction);
   c->friction.cone_first = mg_take_ints(&iwork, k), c->friction.cone_rows = mg_take_ints(&iwork, k),
   c->friction.marks = mg_take_ints(&iwork, k);
   c->friction.iwork = mg_take_ints(&iwork, mg_friction_iwork_size((int)n, (int)k));
+  for (int g = 0; g < s->n_friction; g++) c->friction.is_stiff[g] = 0;
 }
 
 /* Divides the memory. */

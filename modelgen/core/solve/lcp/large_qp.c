@@ -99,13 +99,13 @@ static int mg_is_chopped_gradient_larger(const mg_large_qp *s) {
 /* y -= step * direction, and the gradient with it. Needs the image. */
 static void mg_large_move(mg_large_qp *s, mg_real step) {
   for (int i = 0; i < s->A->n; i++)
-    s->y[i] = fmax(s->y[i] - step * s->direction[i], 0), s->gradient[i] -= step * s->image[i];
+    s->y[i] = fmax(s->y[i] - step * s->direction[i], (mg_real)0), s->gradient[i] -= step * s->image[i];
 }
 
 /* Step along the gradient of the zero unknowns. */
 static void mg_large_release(mg_large_qp *s) {
   const int n = s->A->n;
-  for (int i = 0; i < n; i++) s->direction[i] = s->y[i] > 0 ? 0 : fmin(s->gradient[i], 0);
+  for (int i = 0; i < n; i++) s->direction[i] = s->y[i] > 0 ? 0 : fmin(s->gradient[i], (mg_real)0);
   mg_large_product(s, s->direction, s->image);
   const mg_real bend = mg_large_dot(n, s->direction, s->image);
   mg_large_move(s, bend > 0 ? mg_large_dot(n, s->gradient, s->direction) / bend : s->length);
@@ -130,7 +130,7 @@ static void mg_large_descend(mg_large_qp *s) {
   }
   if (longest < MG_MAX) mg_large_move(s, longest);
   for (int i = 0; i < n; i++)
-    if (s->y[i] > 0) s->y[i] = fmax(s->y[i] - s->length * s->gradient[i], 0);
+    if (s->y[i] > 0) s->y[i] = fmax(s->y[i] - s->length * s->gradient[i], (mg_real)0);
   mg_large_gradient(s);
   mg_large_restart(s);
 }

@@ -5,7 +5,9 @@
    Vicente, Math. Comp. 63 (1994), 625-643) finds the active set: all violated indices change side together; if their
    number stops falling, the least index alone does, which terminates (Murty) because the matrix is positive
    definite. On the active set the Tikhonov term is taken out again by refinement; what it leaves is removed by
-   proximal steps, in which c is replaced by c - tikhonov * previous y. The result is certified, or the problem is
+   proximal steps, in which c is replaced by c - tikhonov * previous y. Where rows depend on each other and c fits
+   them only up to rounding, a proximal step moves y by c's misfit over tikhonov, many times the same way; each is
+   therefore prolonged to the minimum along it or to the first bound. The result is certified, or the problem is
    proved to have no solution. Problems of one and two unknowns are solved in closed form. */
 #include "solve/lcp/solvers.h"
 #include "base/base.h"
@@ -220,6 +222,30 @@ static int mg_qp_certify(mg_qp_state *s, const mg_real *A, const mg_real *b, mg_
   return mg_lcp_certify(s->n, A, b, candidate, z, report);
 }
 
+/* previous = max(y, 0), moved on along the proximal step u = y - previous of the unknowns that are not at their bound,
+   to the minimum of y'Sy/2 + c'y along u or to the first bound. The minimum of the proximal problem at y gives the
+   slope there, -tikhonov u'u. */
+static void mg_prolong_proximal_step(mg_qp_state *s) {
+  const int n = s->n;
+  mg_real *u = s->trial, *image = s->work, slope = 0, curvature = 0, longest = MG_MAX;
+  for (int i = 0; i < n; ++i) {
+    u[i] = s->y[i] > 0 ? s->y[i] - s->previous[i] : 0;
+    s->previous[i] = s->y[i] > 0 ? s->y[i] : 0;
+    image[i] = 0;
+    slope += MG_LCP_TIKHONOV * u[i] * u[i];
+    if (u[i] < 0 && -s->previous[i] / u[i] < longest) longest = -s->previous[i] / u[i];
+  }
+  if (longest == MG_MAX) return;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) image[i] += s->S[i + j * n] * u[j];
+  for (int i = 0; i < n; ++i) curvature += u[i] * image[i];
+  if (curvature * longest > slope) longest = slope / curvature;
+  for (int i = 0; i < n; ++i) {
+    const mg_real moved = s->previous[i] + longest * u[i];
+    s->previous[i] = moved > 0 ? moved : 0;
+  }
+}
+
 /* One proximal step; returns nonzero if the outcome is decided. */
 static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int limit, mg_real *z, int *active,
                        mg_lcp_report *report) {
@@ -232,7 +258,7 @@ static int mg_qp_round(mg_qp_state *s, const mg_real *A, const mg_real *b, int l
     report->outcome = MG_LCP_INFEASIBLE;
     return 1;
   }
-  for (int i = 0; i < s->n; ++i) s->previous[i] = s->y[i] > 0 ? s->y[i] : 0;
+  mg_prolong_proximal_step(s);
   return 0;
 }
 

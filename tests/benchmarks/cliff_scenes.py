@@ -1,0 +1,70 @@
+"""Scenes that once cost far more than their motion is worth, or ended without need."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene, Shape
+
+TEETH, TIP, ROOT = 12, 0.05, 0.035  # of the escape wheel; m
+HALF_SPAN = radians(37.5)  # of the pallets: two and a half teeth from one to the other
+PIVOT = TIP / cos(HALF_SPAN)  # m, where the tangents of the wheel below the pallets meet
+PALLET_TIP, PALLET_BASE, PALLET_WIDTH = 0.044, 0.066, 0.006  # m, from the axis of the wheel; half its width
+
+
+def _pallet(name: str, side: int) -> Shape:
+    """A wedge that points to the axis of the wheel, in the axes of the anchor."""
+    angle = pi / 2 - side * HALF_SPAN
+    corners = [(PALLET_TIP, 0.0), (PALLET_BASE, -PALLET_WIDTH), (PALLET_BASE, PALLET_WIDTH)]
+    points = [[r * cos(angle) - t * sin(angle), r * sin(angle) + t * cos(angle) - PIVOT] for r, t in corners]
+    return make.extrusion(0.02, points=points, name=name)
+
+
+def escapement(lean: float, restitution: float, torque: float) -> Scene:
+    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints, without
+    friction. The pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of
+    which the joints make redundant.
+
+    Args:
+        lean: rad, of the anchor at the start.
+        restitution: of the teeth.
+        torque: N m, on the wheel.
+    """
+    corners = [(TIP if k % 2 == 0 else ROOT, pi * k / TEETH) for k in range(2 * TEETH)]
+    axis = [0.0, 0.0, 1.0]
+    wheel = make.dynamic(
+        "wheel",
+        make.extrusion(0.01, points=[[r * cos(angle), r * sin(angle)] for r, angle in corners]),
+        mass=0.1,
+        inertia=[6e-5, 6e-5, 1.2e-4],
+        axis_angle={"axis": axis, "angle": -pi / TEETH / 2},
+    )
+    anchor = make.dynamic(
+        "anchor",
+        _pallet("entry", 1),
+        _pallet("exit", -1),
+        mass=0.05,
+        inertia=[5e-5, 5e-5, 1e-4],
+        position=[0.0, PIVOT, 0.0],
+        axis_angle={"axis": axis, "angle": lean},
+    )
+    return make.scene(
+        "escapement",
+        [wheel, anchor],
+        gravity=[0.0, 0.0, 0.0],
+        contact=[
+            {"between": ["wheel", f"anchor/{pallet}"], "restitution": restitution}
+            for pallet in ("entry", "exit")
+        ],
+        joint=[
+            {"kind": "revolute", "name": "arbor", "between": ["world", "wheel"]},
+            {
+                "kind": "revolute",
+                "name": "pivot",
+                "between": ["world", "anchor"],
+                "position": [0.0, PIVOT, 0.0],
+            },
+        ],
+        torque=[{"body": "wheel", "torque": [0.0, 0.0, torque]}],
+    )
