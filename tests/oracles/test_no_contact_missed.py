@@ -11,6 +11,7 @@ from modelgen import Accuracy
 from modelgen.rotations import rotation_of
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
+from tests.benchmarks.non_convex_scenes import judge
 from tests.oracles.pieces import TABLE, ran
 
 Array = np.ndarray[Any, Any]
@@ -168,3 +169,11 @@ def test_a_stone_never_leaves_a_hollow(name: str, seed: int) -> None:
     sphere /= np.linalg.norm(sphere, axis=1)[:, None]
     for p, q in zip(path.p[:, 1], path.quaternion[:, 1], strict=True):
         assert outside(p + (sphere * axes) @ rotation_of(tuple(map(float, q))).T).max() < 1e-9
+
+
+@pytest.mark.cases(5)
+@pytest.mark.parametrize("seed", range(1000))
+def test_what_is_trusted_does_not_penetrate(seed: int) -> None:
+    """Random solids in flight, in heaps of two, in hollows, in tubes and on posts, by decades of clearance."""
+    verdict = judge(seed)
+    assert not verdict.fails, str(verdict)

@@ -3,7 +3,6 @@
    rest. */
 #include "base/base.h"
 
-
 static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
 
 /* Bounds of the linear and of the quadratic part. */
