@@ -174,6 +174,6 @@ def test_a_stone_never_leaves_a_hollow(name: str, seed: int) -> None:
 @pytest.mark.cases(5)
 @pytest.mark.parametrize("seed", range(1000))
 def test_what_is_trusted_does_not_penetrate(seed: int) -> None:
-    """Random solids in flight, in heaps of two, in hollows, in tubes and on posts, by decades of clearance."""
+    """Random solids in flight, in heaps of two, in hollows, tubes and on posts, by decades of clearance."""
     verdict = judge(seed)
     assert not verdict.fails, str(verdict)
