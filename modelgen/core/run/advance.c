@@ -22,7 +22,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
-      if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
+      if (mg_has_slip_onset(c)) run->h = c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
