@@ -62,7 +62,8 @@ def compiler_words() -> tuple[str, ...]:
         command = _command()
     except CompilerMissing:
         return ()
-    return tuple(os.path.realpath(shutil.which(word) or word) for word in command)
+    found = ((word, shutil.which(word)) for word in command)
+    return tuple(os.path.realpath(path) if path else word for word, path in found)
 
 
 def _command() -> tuple[str, ...]:
