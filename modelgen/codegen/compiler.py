@@ -18,7 +18,7 @@ from modelgen.errors import CompilerMissing, LibraryError
 
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
-FLAGS = ("-std=c99", "-fno-math-errno", "-fvisibility=hidden", "-fPIC")
+FLAGS = ("-std=c99", "-fno-math-errno", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
 SHARED = ("-shared", *(("-Wl,-z,defs",) if sys.platform == "linux" else ()))
 LIBRARIES = ("-lm",)
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
