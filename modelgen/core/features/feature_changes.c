@@ -275,6 +275,16 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
 }
 
+/* Adds the minima of the feature pairs of a pair that are within reach and neither in use nor covered to those kept. */
+static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
+                                         mg_minima *kept) {
+  const mg_system *s = c->system;
+  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
+    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
+        !mg_is_out_of_reach(c, feature_pair))
+      mg_search_feature_pair(c, feature_pair, limits, least, kept);
+}
+
 /* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
    and than a half of the smaller ball around the shapes, so that sides that face away from each other are none. */
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
@@ -301,10 +311,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   mg_minima found;
   int count = found.count = 0;
   c->search.open_gap = MG_MAX;
-  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
-    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
-        !mg_is_out_of_reach(c, feature_pair))
-      mg_search_feature_pair(c, feature_pair, &limits, least, &found);
+  mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   c->run->unfollowed_gap[pair] = fmax(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
@@ -344,10 +351,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   int kind = MG_ALL_FOLLOWED;
   mg_minima found;
   found.count = 0;
-  for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
-    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
-        !mg_is_out_of_reach(c, feature_pair))
-      mg_search_feature_pair(c, feature_pair, &limits, least, &found);
+  mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_ignored(c, each) ||
