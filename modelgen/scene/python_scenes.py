@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 
 from modelgen.scene.assemble import scene_from_bodies
 from modelgen.scene.constants import with_constants
+from modelgen.scene.inputs import with_inputs
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
@@ -241,7 +242,7 @@ def planar(name: str, *shapes: Shape, **keys: object) -> Body:
 
 def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
     """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
-    place = with_constants(Place(SOURCE, name), keys)
+    place = with_inputs(with_constants(Place(SOURCE, name), keys), keys)
     SCENE_NAME.read(name, place)
     values = SCENE.read({"body": [], **keys}, place)
     written = tuple(read_body(each, at) for at, each in values["body"])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
+from modelgen.scene.scene_types import Input
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +19,7 @@ class Place:
     label: str = ""  # such as "body 'egg'"
     remarks: list[str] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
     constants: Mapping[str, float] = field(default_factory=dict, compare=False)  # of the scene, by name
+    inputs: tuple[Input, ...] = field(default=(), compare=False)  # of the scene
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
