@@ -86,12 +86,14 @@ class ContactKind:
 @dataclass(frozen=True, slots=True)
 class LoadKind:
     name: str  # C identifier
-    kind: Literal["force", "torque", "spring", "joint_spring"]
+    kind: Literal["force", "torque", "spring", "joint_spring", "actuator"]
     motions: tuple[BodyMotion, ...]  # one body, or two for a spring
     expressions: tuple[str, ...] = ()  # texts, for the identity of the kind
     load: ForceLoad | TorqueLoad | None = None  # whose expressions it compiles; without its body and point
     arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
-    joint: str = ""  # the kind of joint whose coordinate a joint_spring acts on
+    joint: str = ""  # the kind of joint whose coordinate a joint_spring or an actuator acts on
+    law: Expression | None = None  # of an actuator
+    limited: bool = False  # an actuator whose force has limits, which are parameters
     inputs: tuple[InputKind, ...] = ()  # of the scene, if the load depends on one
 
     @property

@@ -157,7 +157,10 @@ def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:
     motion = motion_of(scene, body, mass, pairs)
     if motion == "free" and mass is not None and mass.inertia is None:
         raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
-    sprung = any(body.name in joint.between for joint in scene.joints if joint.is_sprung)
+    driving = {actuator.joint for actuator in scene.actuators}
+    sprung = any(
+        body.name in joint.between for joint in scene.joints if joint.is_sprung or joint.name in driving
+    )
     loaded = sprung or any(body.name in bodies_of(load) for load in scene.loads)
     return Piece(body, motion, mass, loaded)
 

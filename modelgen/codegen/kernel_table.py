@@ -16,10 +16,11 @@ from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
+from modelgen.joint.joint_actuators import law_of
 from modelgen.joint.joint_limits import is_turn
 from modelgen.joint.joint_rows import row_count
 from modelgen.joint.joint_table import FORMS
-from modelgen.model import ContactKind, JointKind, Model
+from modelgen.model import ContactKind, JointKind, LoadKind, Model
 from modelgen.sensing import need_rates, sensor_names
 
 HEAD = """#ifndef MG_HASH
@@ -153,7 +154,7 @@ def _tables(derivation: Derivation) -> list[str]:
     loads = [
         _row(
             sizes["wrench", formula.kind],
-            *_hidden(formula.function, model.load_kinds[formula.kind].kind),
+            *_hidden(formula.function, model.load_kinds[formula.kind]),
             int(model.load_kinds[formula.kind].is_spring),
         )
         for formula in derivation.formulas
@@ -182,10 +183,13 @@ def _searched(derivation: Derivation) -> list[bool]:
     return [kind in shapes for kind in model.shape_kinds]
 
 
-def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:
+def _hidden(wrench: ca.Function, kind: LoadKind) -> tuple[int, int]:
     """Whether a load may oscillate between samples of a step with time, and with the state of its bodies;
     springs do not."""
-    given = kind in ("force", "torque")
+    if kind.kind == "actuator":
+        law = law_of(kind)
+        return int(hides(law, "t")), int(hides(law, "state"))
+    given = kind.kind in ("force", "torque")
     return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
 
 

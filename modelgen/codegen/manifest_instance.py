@@ -163,7 +163,8 @@ def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
     """Names of the parameters of the kernels of a kind of joint, of its limits or of its springs, in
     order."""
     if isinstance(kind, LoadKind):
-        return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
+        own = _SPRING_NAMES if kind.is_spring else ("gain", *(("least", "largest") if kind.limited else ()))
+        return [*_joint_parameters(kind.joint), *own]
     bound = ["bound"] if isinstance(kind, LimitKind) else []
     return [*_joint_parameters(kind.kind), *bound]
 

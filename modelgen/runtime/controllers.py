@@ -18,7 +18,8 @@ from modelgen.runtime.tables.ctypes_structures import address
 Commands = Mapping[str, float] | float | None
 C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]  # the base of all pointers to C functions
 PythonController = Callable[[float, Readings], Commands]
-ControlFunction = PythonController | ca.Function | int
+Expressions = Mapping[str, str]  # by input: expressions of t and components of sensors
+ControlFunction = PythonController | ca.Function | int | Expressions
 
 
 class Controller:
@@ -49,6 +50,10 @@ class Controller:
 
     def _entry(self, session: Session, function: ControlFunction) -> tuple[Any, int]:
         """What must be kept alive, and the address of a function of type mg_control."""
+        if isinstance(function, Mapping):
+            from modelgen.runtime.expression_controllers import function_of
+
+            function = function_of(function, self._inputs, session.instance["sensors"]["names"])
         if isinstance(function, ca.Function):
             from modelgen.codegen.controllers import ENTRY, compiled_controller  # needs a compiler
 
@@ -64,7 +69,7 @@ class Controller:
         if callable(function):
             callback = session.tables.Control(self._called(function))
             return callback, _address(callback)
-        allowed = "a Python function (t, sensors), a CasADi function, or the address of a C function"
+        allowed = "expressions by input, a Python or CasADi function, or the address of a C function"
         raise SimulationError("controller", repr(function), allowed, "give one of these")
 
     def _called(self, function: PythonController) -> Callable[..., None]:

@@ -115,11 +115,13 @@ class Simulation:
         """Let a function set inputs at sampled instants: now and after each further time `every`, s.
 
         Args:
-            function: Python's (t, sensors) -> a dict of inputs and values, a number if there is one input,
-                or None; or a CasADi function whose inputs are `t` and sensors and whose outputs are inputs
-                of the scene, by name; or the address of a C function of type mg_control (modelgen.h). The
-                command of an input with hold = "linear" is its rate, per s. A value beyond the range of its
-                input is set to the nearest end.
+            function: expressions of t and components of sensors by input, {"push": "-3*place_x"}; or
+                Python's (t, sensors) -> a dict of inputs and values, a number if there is one input, or
+                None; or a CasADi function whose inputs are `t` and sensors and whose outputs are inputs of
+                the scene, by name; or the address of a C function of type mg_control (modelgen.h).
+                Expressions and CasADi functions are compiled. The command of an input with
+                hold = "linear" is its rate, per s. A value beyond the range of its input is set to the
+                nearest end.
             every: time between two instants, s. The function is never called in between, so that steps,
                 events and their errors are those of a run with piecewise given inputs.
 

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
+from modelgen.scene.actuators import actuators_of, check_names
 from modelgen.scene.constants import with_constants
 from modelgen.scene.inputs import remark_on_unused, with_inputs
 from modelgen.scene.patterns import repeated
 from modelgen.scene.remarks import remark_on_gravity
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
-from modelgen.scene.scene_types import Body, Joint, Load, RunSettings, Scene, Sensor, SpringLoad
+from modelgen.scene.scene_types import Actuator, Body, Joint, Load, RunSettings, Scene, Sensor, SpringLoad
 from modelgen.scene.sensors import sensors_of
 from modelgen.scene.shapes_and_bodies import read_body, unique_names
 from modelgen.scene.source_location import Place
@@ -43,8 +44,10 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     )
     loads = contacts_and_loads.loads(values, known)
     pairs = contacts_and_loads.contacts(values["contact"], known)
+    check_names(place)
+    actuators = actuators_of(values["actuator"], joined)
     sensors = sensors_of(values["sensor"], known, pairs, joined)
-    remark_on_unused(place.inputs, _names_used(bodies, loads, joined, sensors), place)
+    remark_on_unused(place.inputs, _names_used(bodies, loads, joined, actuators, sensors), place)
     return Scene(
         name=name,
         source=place.source,
@@ -52,6 +55,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         contacts=pairs,
         loads=loads,
         joints=joined,
+        actuators=actuators,
         inputs=place.inputs,
         sensors=sensors,
         gravity=values["gravity"],
@@ -63,12 +67,17 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
 
 
 def _names_used(
-    bodies: Sequence[Body], loads: Sequence[Load], joined: Sequence[Joint], sensors: Sequence[Sensor]
+    bodies: Sequence[Body],
+    loads: Sequence[Load],
+    joined: Sequence[Joint],
+    actuators: Sequence[Actuator],
+    sensors: Sequence[Sensor],
 ) -> frozenset[str]:
-    """The names that occur in the expressions of loads, paths, motions of joints, and sensors."""
+    """The names that occur in the expressions of loads, paths, motions of joints, actuators and sensors."""
     paths = [body.path for body in bodies if body.path is not None]
     found = [each for path in paths for each in (*path.position, *path.rotation_vector)]
     found += [each for load in loads if not isinstance(load, SpringLoad) for each in load.components]
     found += [joint.motion for joint in joined if joint.motion is not None]
+    found += [actuator.force for actuator in actuators]
     found += [sensor.value for sensor in sensors if sensor.value is not None]
     return frozenset().union(*(each.names for each in found))

@@ -72,6 +72,7 @@ _JOINT_KEYS: Mapping[str, tuple[Field, ...]] = {
     "rope": _LIMITS,
     "gear": (_TEETH,),
 }
+SPRUNG_KINDS = tuple(kind for kind, keys in _JOINT_KEYS.items() if set(_SPRUNG) <= set(keys))
 _FRAME_OR_FRAMES = tuple((key, "frames") for key in ("position", *ORIENTATIONS))
 
 JOINT = Tagged(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from modelgen.scene.actuators import ACTUATORS
 from modelgen.scene.constants import NAMED
 from modelgen.scene.custom_solid import own_fields
 from modelgen.scene.friction import FRICTION_FIELDS
@@ -212,6 +213,7 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("actuator", ACTUATORS, "forces along the coordinates of joints", default=()),
         Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
         Field("constants", NAMED, "named numbers that expressions may use", default=()),
         Field("input", INPUTS, "numbers that expressions may use and that are set during a run", default=()),

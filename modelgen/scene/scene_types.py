@@ -260,6 +260,16 @@ class Joint:
         return self.stiffness > 0 or self.damping > 0
 
 
+@dataclass(frozen=True, slots=True)
+class Actuator:
+    """A force along the first coordinate of a joint: gain times an expression, within limits."""
+
+    joint: str
+    force: Expression  # of t, coordinate, rate and inputs; N or N m
+    gain: float = 1.0
+    limits: tuple[float | None, float | None] = (None, None)  # N or N m
+
+
 Load = ForceLoad | TorqueLoad | SpringLoad
 
 
@@ -299,6 +309,7 @@ class Scene:
     contacts: tuple[ContactPair, ...]
     loads: tuple[Load, ...] = ()
     joints: tuple[Joint, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
     inputs: tuple[Input, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     gravity: Vector = (0.0, 0.0, -9.81)  # m/s^2
