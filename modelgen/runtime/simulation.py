@@ -51,10 +51,13 @@ def start(
 
 
 class Simulation:
-    """A run between two steps. `start` makes one; arrays are views that change as the run goes on."""
+    """A run between two steps. `start` makes one; arrays are views that change as the run goes on.
+
+    `session` is the run in the core's memory, with its statistics in `session.run` (modelgen.h).
+    """
 
     def __init__(self, session: Session) -> None:
-        self._session = session
+        self.session = session
         self._record = session.tables.Record()
         self._code: int | None = None  # of the core, once the run has ended
         self.inputs = Inputs(session)
@@ -67,15 +70,15 @@ class Simulation:
 
     def begin(self) -> None:
         """Settle the start on its constraints with the inputs as they are; raises SimulationError."""
-        begin(self._session)
-        if self._session.start_code:
-            self._code = self._session.start_code
-        self._early = tuple(self._session.drain_events())
+        begin(self.session)
+        if self.session.start_code:
+            self._code = self.session.start_code
+        self._early = tuple(self.session.drain_events())
 
     @property
     def t(self) -> float:
         """Time, s."""
-        return float(self._session.run.t)
+        return float(self.session.run.t)
 
     @property
     def outcome(self) -> Outcome | None:
@@ -85,7 +88,7 @@ class Simulation:
     @property
     def state(self) -> Array:
         """(n,) q and u of all bodies, eta of all contacts, work: the core's own array, not to be written."""
-        return self._session.x
+        return self.session.x
 
     def step(self, until: float) -> tuple[Event, ...]:
         """Go on to the time `until`, s; the events on the way, each located. Inputs that were set since the
@@ -96,7 +99,7 @@ class Simulation:
         Raises:
             SimulationError: `until` is no time after the present, or the run has ended.
         """
-        session = self._session
+        session = self.session
         if not until >= session.run.t:
             raise self._wrong_time(until)
         if self._code is not None:
@@ -128,9 +131,9 @@ class Simulation:
         Raises:
             SimulationError: names or sizes of the function are none of the scene.
         """
-        self._controller = controller = Controller(self._session, function, every)
-        self._advance = self._session.library.cdll.mg_advance_controlled
-        self._head, self._tail = self._session.advance_arguments(STEPS, self._record)
+        self._controller = controller = Controller(self.session, function, every)
+        self._advance = self.session.library.cdll.mg_advance_controlled
+        self._head, self._tail = self.session.advance_arguments(STEPS, self._record)
         self._head = (*self._head, ctypes.byref(controller.structure))
 
     def _stop(self, code: int) -> None:
