@@ -9,7 +9,7 @@ load. States on which no observed quantity depends are left out. May import `geo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.assembly.characteristic_scales import scales_of
@@ -48,6 +48,7 @@ from modelgen.model import (
     Model,
     PairEntry,
     PatchEntry,
+    Scales,
     Search,
     ShapeKind,
 )
@@ -93,8 +94,10 @@ class Touching:
         return sum(entry.room for entry in self.contacts)
 
 
-def require(scene: Scene) -> Model:
+def require(scene: Scene, scales: Scales | None = None) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
+
+    `scales` are those at the nominal values of the scene's parameters, where they are known.
 
     Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
     or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
@@ -103,17 +106,19 @@ def require(scene: Scene) -> Model:
     names = contact_names(scene)
     check_observed(scene, names)
     part, dropped = influencing(scene, names)
-    return _model(part, scene, dropped)
+    if scales is None and scene.nominal is not None:
+        nominal, _ = influencing(replace(scene.nominal, observe=scene.observe), names)
+        scales = _scales(nominal, _pieces(nominal))
+    return _model(part, scene, dropped, scales)
 
 
-def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
+def _model(scene: Scene, whole: Scene, dropped: Sequence[str], scales: Scales | None) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
-    pairs = pairs_by_body(scene)
-    pieces = tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
+    pieces = _pieces(scene)
     warnings = (*scene.remarks, *soundness(scene))
     body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
     touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
-    scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+    scales = scales or _scales(scene, pieces)
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
@@ -144,9 +149,18 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
     )
 
 
+def _scales(scene: Scene, pieces: Sequence[Piece]) -> Scales:
+    return scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+
+
 def eta_size(kind: ContactKind) -> int:
     """Number of entries of eta of one contact of this kind."""
     return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
+
+
+def _pieces(scene: Scene) -> tuple[Piece, ...]:
+    pairs = pairs_by_body(scene)
+    return tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
 
 
 def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:

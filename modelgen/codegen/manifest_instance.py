@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
 
@@ -35,7 +35,8 @@ from modelgen.model import (
     Side,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.scene.scene_types import Shape
+from modelgen.scene.assemble import scene_with
+from modelgen.scene.scene_types import Scene, Shape
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {
@@ -212,6 +213,25 @@ def instance_of(model: Model) -> dict[str, Any]:
         "warnings": list(model.warnings),
         "unlisted": unlisted_of(model),
         "run": scene.run.said(),
+    }
+
+
+def parameters_of(scene: Scene) -> dict[str, Any]:
+    """The parameters of a scene that has some, and the tables that it can be read from again, for its
+    instance.
+
+    The latter are None of a scene that was changed since it was read.
+    """
+    if not scene.parameters:
+        return {}
+    origin = scene.origin
+    if origin is not None:
+        values = {each.name: each.value for each in scene.parameters}
+        again = scene_with(scene.name, origin, scene.source, values)
+        origin = origin if again == replace(scene, nominal=None) else None
+    return {
+        "parameters": [asdict(each) for each in scene.parameters],
+        "origin": origin and {"tables": origin.tables, "form": origin.form},
     }
 
 

@@ -146,11 +146,15 @@ Valued = tuple[Node, float | None]  # a node and, where it has no names, its val
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it."""
+    """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it.
+
+    `constants` are the names for whose numbers stand in the tree.
+    """
 
     text: str
     tree: Node = field(hash=False)
     names: frozenset[str] = field(hash=False)
+    constants: frozenset[str] = field(default=frozenset(), compare=False)
 
 
 def parse_expression(
@@ -175,7 +179,7 @@ def parse_expression(
         raise _error(text, "it is nested too deeply", None) from None
     walker = _Walker(text, frozenset(names), CONSTANTS | dict(constants or {}), indent)
     node, _ = walker.visit(tree, 1)
-    return Expression(text, node, frozenset(walker.used))
+    return Expression(text, node, frozenset(walker.used), frozenset(walker.replaced))
 
 
 def _what_is_wrong(text: str, names: Collection[str]) -> tuple[str, str]:
@@ -274,6 +278,7 @@ class _Walker:
         self.constants = constants
         self.indent = indent
         self.used: set[str] = set()
+        self.replaced: set[str] = set()
 
     def visit(self, node: ast.expr, depth: int) -> Valued:
         if depth > MAX_DEPTH:
@@ -314,6 +319,7 @@ class _Walker:
             return Name(node.id), None
         if node.id in self.constants:
             value = self.constants[node.id]
+            self.replaced.add(node.id)
             return number(value), value
         known = sorted(self.names) + [name for name in self.constants if name not in self.names]
         if node.id in FUNCTIONS:

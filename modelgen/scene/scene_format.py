@@ -10,6 +10,7 @@ from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.parameters import PARAMETERS
 from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
@@ -212,6 +213,7 @@ SCENE = Table(
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
         Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
         Field("constants", NAMED, "named numbers that expressions may use", default=()),
+        Field("parameter", PARAMETERS, "named numbers that runs may change", default=()),
         Field(
             "gravity",
             Sequence(NUMBER, 3, "[0.0, 0.0, -9.81]"),

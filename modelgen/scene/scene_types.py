@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from math import inf
 from typing import Any, Literal
@@ -255,6 +256,28 @@ class RunSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class Parameter:
+    """A named number of a scene that runs may change."""
+
+    name: str
+    value: float
+    nominal: float  # at which the characteristic length, mass and time are taken
+    minimum: float | None = None
+    maximum: float | None = None
+    unit: str = ""
+    doc: str = ""
+    uses: tuple[str, ...] = ()  # places of the scene whose numbers follow from it
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The plain tables that a scene was read from, and the form that was forced on its contacts."""
+
+    tables: Mapping[str, Any]
+    form: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Scene:
     name: str
     source: str  # file name, for messages; "<python>" when built in Python
@@ -267,3 +290,6 @@ class Scene:
     fold: bool = False  # numbers become constants of the generated code
     run: RunSettings = field(default_factory=RunSettings)
     remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words
+    parameters: tuple[Parameter, ...] = ()
+    nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
+    origin: Origin | None = field(default=None, compare=False, repr=False)  # of a scene with parameters

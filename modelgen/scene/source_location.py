@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
+
+
+class Use(NamedTuple):
+    """A value of the scene that follows from a parameter."""
+
+    parameter: str
+    path: str
+    label: str
+
+    def __str__(self) -> str:
+        return f"{self.path} ({self.label})" if self.label else self.path
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +30,10 @@ class Place:
     label: str = ""  # such as "body 'egg'"
     remarks: list[str] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
     constants: Mapping[str, float] = field(default_factory=dict, compare=False)  # of the scene, by name
+    following: Mapping[str, frozenset[str]] = field(
+        default_factory=dict, compare=False
+    )  # the parameters that a constant follows from, one itself among them
+    uses: list[Use] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -43,9 +59,39 @@ class Place:
     def expression(self, text: str, names: Collection[str]) -> Expression:
         """The expression `text` over `names`; a refusal names this place."""
         try:
-            return parse_expression(text, names, self.constants)
+            expression = parse_expression(text, names, self.constants)
         except ExpressionError as error:
             raise self.error(f"in {error.where}: {error.found}", error.allowed, error.remedy) from None
+        followed = self._followed(expression)
+        if followed and names:
+            raise self.error(
+                f"in {describe(text)}: the parameter {followed[0]!r} in an expression of {' '.join(names)}",
+                "parameters are allowed in numbers; such an expression is compiled",
+                "write a number or a constant in its place",
+            )
+        self.note(followed)
+        return expression
+
+    def _followed(self, expression: Expression) -> list[str]:
+        """The parameters that an expression follows from."""
+        if not self.following:
+            return []
+        return sorted({each for name in expression.constants for each in self.following.get(name, ())})
+
+    def note(self, parameters: Iterable[str]) -> None:
+        """Keep that the value at this place follows from these parameters."""
+        self.uses.extend(Use(name, self.path, self.label) for name in parameters)
+
+    def follows(self, *keys: str) -> bool:
+        """Whether a value at this place, or below one of these keys of it, follows from a parameter."""
+        if not self.uses:
+            return False
+        paths = [self.key(key).path for key in keys] or [self.path]
+        return any(
+            use.path == path or use.path.startswith((f"{path}.", f"{path}["))
+            for use in self.uses
+            for path in paths
+        )
 
     def number(self, text: str) -> float:
         """The value of an expression without names but those of constants, such as `pi/2`."""
