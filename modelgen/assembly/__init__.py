@@ -15,6 +15,7 @@ from itertools import accumulate
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.contact_inputs import contact_inputs, contact_inputs_of
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
@@ -85,8 +86,11 @@ class Touching:
     pairs: tuple[PairEntry, ...]
     feature_pairs: tuple[FeaturePairEntry, ...]
     contacts: tuple[ContactEntry, ...]
-    faces: tuple[FaceEntry, ...] = ()
-    patches: tuple[PatchEntry, ...] = ()
+    faces: tuple[FaceEntry, ...]
+    patches: tuple[PatchEntry, ...]
+    shape_kinds: tuple[ShapeKind, ...]
+    contact_kinds: tuple[ContactKind, ...]
+    warnings: tuple[str, ...]  # on the shapes
 
     @property
     def n_eta(self) -> int:
@@ -94,10 +98,11 @@ class Touching:
         return sum(entry.room for entry in self.contacts)
 
 
-def require(scene: Scene, scales: Scales | None = None) -> Model:
+def require(scene: Scene, scales: Scales | None = None, known: Model | None = None) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
 
-    `scales` are those at the nominal values of the scene's parameters, where they are known.
+    `scales` are those at the nominal values of the scene's parameters, where they are known; `known` is a
+    model of the scene with other values, whose contacts are taken over where they follow from none.
 
     Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
     or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
@@ -109,24 +114,30 @@ def require(scene: Scene, scales: Scales | None = None) -> Model:
     if scales is None and scene.nominal is not None:
         nominal, _ = influencing(replace(scene.nominal, observe=scene.observe), names)
         scales = _scales(nominal, _pieces(nominal))
-    return _model(part, scene, dropped, scales)
+    pieces = _pieces(part)
+    touching = None if known is None else _taken_over(part, pieces, known)
+    return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
 
 
-def _model(scene: Scene, whole: Scene, dropped: Sequence[str], scales: Scales | None) -> Model:
+def _model(
+    scene: Scene,
+    pieces: Sequence[Piece],
+    touching: Touching,
+    whole: Scene,
+    dropped: Sequence[str],
+    scales: Scales | None,
+) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
-    pieces = _pieces(scene)
-    warnings = (*scene.remarks, *soundness(scene))
-    body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
-    touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
+    body_kinds = KindList[BodyKind]()
     scales = scales or _scales(scene, pieces)
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
         whole=whole,
         bodies=_body_entries(scene, pieces, body_kinds),
-        shape_kinds=shape_kinds.kinds,
+        shape_kinds=touching.shape_kinds,
         body_kinds=body_kinds.kinds,
-        contact_kinds=contact_kinds.kinds,
+        contact_kinds=touching.contact_kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
@@ -145,7 +156,7 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str], scales: Scales | 
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
-        warnings=warnings,
+        warnings=(*scene.remarks, *touching.warnings),
     )
 
 
@@ -199,13 +210,21 @@ def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: KindList[BodyKi
     return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
 
 
-def _touching(
-    scene: Scene,
-    pieces: Sequence[Piece],
-    shapes: KindList[ShapeKind],
-    kinds: KindList[ContactKind],
-) -> Touching:
+def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
+    """The contacts of another model of the scene, where they are the same in this one."""
+    motions, centres = [piece.motion for piece in pieces], [piece.centre for piece in pieces]
+    if contact_inputs(scene, motions, centres) != contact_inputs_of(known):
+        return None
+    return Touching(
+        known.pairs, known.feature_pairs, known.contacts, known.faces, known.patches,
+        known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :],
+    )  # fmt: skip
+
+
+def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
+    warnings = soundness(scene)
+    shapes, kinds = KindList[ShapeKind](), KindList[ContactKind]()
     faces, shown, wholes = Faces(shapes), [], Wholes(scene, pieces)
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
@@ -246,8 +265,9 @@ def _touching(
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
     patches = unions.patches(shown)
     return Touching(
-        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches
-    )
+        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches,
+        shapes.kinds, kinds.kinds, warnings,
+    )  # fmt: skip
 
 
 def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:

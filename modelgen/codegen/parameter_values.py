@@ -8,8 +8,7 @@ of bodies, contacts, features and conditions, must be those of the library.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
 from numbers import Real
 from typing import Any
@@ -21,28 +20,19 @@ from modelgen.codegen.manifest import Json
 from modelgen.codegen.manifest_instance import instance_of, kinds_of
 from modelgen.errors import LibraryError, SceneError, SimulationError, nearest
 from modelgen.model import Model, Scales
-from modelgen.scene.assemble import scene_with
 from modelgen.scene.parameters import out_of_range
+from modelgen.scene.reading_again import SceneReader
 from modelgen.scene.scalar_types import HUGE
 from modelgen.scene.scene_types import Origin
 
-KEPT = 64  # sets of values of a library whose tables are kept
+KEPT = 64  # sets of values of a library that are kept
 KINDS = ("body", "contact", "load", "shape", "joint", "limit")
-FREE = ("warnings", "unlisted", "search", "parameters", "origin")  # what no size of the core follows from
+FREE = ("warnings", "unlisted", "search")  # what no size of the core follows from
+
+Values = Mapping[str, float]
 
 
-@dataclass
-class _Read:
-    """What is known of a library: its model at its own values, and its libraries at others."""
-
-    model: Model
-    kept: OrderedDict[tuple[float, ...], Library] = field(default_factory=OrderedDict)
-
-
-_READ: WeakKeyDictionary[Library, _Read] = WeakKeyDictionary()
-
-
-def library_with(library: Library, values: Mapping[str, float]) -> Library:
+def library_with(library: Library, values: Values) -> Library:
     """The functions of a library with other values of the parameters of its scene.
 
     Args:
@@ -55,28 +45,26 @@ def library_with(library: Library, values: Mapping[str, float]) -> Library:
         LibraryError: the library is of another version.
     """
     known = {each["name"]: each for each in library.manifest.instance.get("parameters", ())}
-    chosen = {name: each["value"] for name, each in known.items()}
-    chosen |= {name: _checked(name, value, known) for name, value in values.items()}
-    if all(chosen[name] == known[name]["value"] for name in values):
+    own = {name: each["value"] for name, each in known.items()}
+    chosen = own | {name: _checked(name, value, known) for name, value in values.items()}
+    if chosen == own:
         return library
-    read = _READ.get(library)
-    if read is None:
-        read = _READ[library] = _Read(_model_of(library))
-    key = tuple(chosen.values())
-    if key not in read.kept:
-        read.kept[key] = _made(library, read.model, chosen)
-        if len(read.kept) > KEPT:
-            read.kept.popitem(last=False)
-    read.kept.move_to_end(key)
-    return read.kept[key]
+    variants = _VARIANTS.get(library)
+    if variants is None:
+        variants = _VARIANTS[library] = _Variants(library, own)
+    kept, key = variants.kept, tuple(chosen.values())
+    if key not in kept:
+        kept[key] = library.with_instance(variants.instance(chosen))
+        if len(kept) > KEPT:
+            kept.popitem(last=False)
+    kept.move_to_end(key)
+    return kept[key]
 
 
 def _checked(name: str, value: object, known: Mapping[str, Json]) -> float:
     if name not in known:
-        allowed = "parameters: " + (
-            ", ".join(known) or "none; a scene names them in its [[parameter]] tables"
-        )
-        raise SimulationError("parameters", f"no parameter {name!r}", allowed, nearest(name, known))
+        told = ", ".join(known) or "none; a scene names them in its [[parameter]] tables"
+        raise SimulationError("parameters", f"no parameter {name!r}", f"known: {told}", nearest(name, known))
     where = f"parameters: {name}"
     if isinstance(value, bool) or not isinstance(value, Real):
         raise SimulationError(where, repr(value), "a number is allowed")
@@ -88,101 +76,98 @@ def _checked(name: str, value: object, known: Mapping[str, Json]) -> float:
     return number
 
 
-def _model_of(library: Library) -> Model:
-    """The model of a library at its own values."""
-    instance = library.manifest.instance
-    model = _model(instance, {each["name"]: each["value"] for each in instance["parameters"]})
-    if kinds_of(model) != library.manifest.kinds:
-        found = "its scene, read again, needs other kinds"
-        raise LibraryError(str(library.path), found, "", "it is stale: build again")
-    return model
+class _Variants:
+    """Instances of the scene of a library with other values of its parameters, over the same kinds."""
+
+    def __init__(self, library: Library, own: Values) -> None:
+        instance = library.manifest.instance
+        origin = instance["origin"]
+        if origin is None:
+            raise SimulationError(
+                "parameters", "the scene was changed after it was read, and cannot be read again",
+                "parameters need a scene as its tables say", "write the change into its tables",
+            )  # fmt: skip
+        self.kept: OrderedDict[tuple[float, ...], Library] = OrderedDict()
+        self._own, self._parameters, self._origin = own, instance["parameters"], origin
+        self._scales = Scales(**instance["scales"])
+        self._reader = SceneReader(instance["name"], instance["source"], Origin(**origin))
+        self._model = require(self._reader.scene(own), self._scales)
+        self._instance = instance_of(self._model)
+        if kinds_of(self._model) != library.manifest.kinds:
+            found = "its scene, read again, needs other kinds"
+            raise LibraryError(str(library.path), found, "", "it is stale: build again")
+
+    def instance(self, values: Values) -> Json:
+        """The instance with these values of all parameters; raises SimulationError."""
+        try:
+            found, change = self._read(values)
+        except SceneError as error:
+            where = f"parameters: {self._told(values, self._changed(values))}"
+            remedy = error.remedy or "choose another value"
+            told = f"refused by {error.where}: {error.found}"
+            raise SimulationError(where, told, error.allowed, remedy) from None
+        if change:
+            raise self._other_structure(values, change)
+        parameters = [{**each, "value": values[each["name"]]} for each in self._parameters]
+        return found | {"parameters": parameters, "origin": self._origin}
+
+    def _read(self, values: Values) -> tuple[Json, str]:
+        """The instance with these values, and what differs other than in numbers, in words."""
+        model = require(self._reader.scene(values), self._scales, self._model)
+        instance = instance_of(model, (self._model, self._instance))
+        return instance, next(self._changes(model, instance), "")
+
+    def _changes(self, model: Model, instance: Json) -> Iterator[str]:
+        for group in KINDS:
+            before, after = (getattr(each, f"{group}_kinds") for each in (self._model, model))
+            if before != after:
+                names = [", ".join(kind.name for kind in kinds) or "none" for kinds in (before, after)]
+                same = names[0] == names[1]
+                told = f"numbers in {names[0]}" if same else f"{names[1]} in place of {names[0]}"
+                yield f"kinds of {group}: {told}"
+        yield from differences(self._instance, instance)
+
+    def _other_structure(self, values: Values, change: str) -> SimulationError:
+        """The error of values that need another library; it names the parameters that do so alone."""
+        changed = self._changed(values)
+        alone = [name for name in changed if self._changes_alone(name, values[name])] or changed
+        return SimulationError(
+            f"parameters: {self._told(values, alone)}",
+            f"another structure ({change})",
+            f"only numbers may differ from those of the library, built at {self._told(self._own, alone)}",
+            "write the value into the scene and build that",
+        )
+
+    def _changes_alone(self, name: str, value: float) -> bool:
+        try:
+            return self._read({**self._own, name: value})[1] != ""
+        except SceneError:
+            return True
+
+    def _changed(self, values: Values) -> list[str]:
+        return [name for name, value in values.items() if value != self._own[name]]
+
+    @staticmethod
+    def _told(values: Values, names: Iterable[str]) -> str:
+        return ", ".join(f"{name} = {values[name]:.9g}" for name in names)
 
 
-def _model(instance: Json, values: Mapping[str, float]) -> Model:
-    origin = instance["origin"]
-    if origin is None:
-        raise SimulationError(
-            "parameters", "the scene was changed after it was read, and cannot be read again",
-            "parameters need a scene as its file or tables say", "write the change into the scene",
-        )  # fmt: skip
-    scene = scene_with(instance["name"], Origin(**origin), instance["source"], values)
-    return require(scene, Scales(**instance["scales"]))
+_VARIANTS: WeakKeyDictionary[Library, _Variants] = WeakKeyDictionary()
 
 
-def _made(library: Library, own: Model, values: Mapping[str, float]) -> Library:
-    instance = library.manifest.instance
-    changed = [each["name"] for each in instance["parameters"] if values[each["name"]] != each["value"]]
-    try:
-        model = _model(instance, values)
-    except SceneError as error:
-        remedy = error.remedy or "choose another value"
-        found = f"refused by {error.where}: {error.found}"
-        raise SimulationError(_where(values, changed), found, error.allowed, remedy) from None
-    told = [{**each, "value": values[each["name"]]} for each in instance["parameters"]]
-    other = instance_of(model) | {"parameters": told, "origin": instance["origin"]}
-    change = next(_changes(own, instance, model, other), None)
-    if change is not None:
-        raise _other_structure(library, own, values, changed, change)
-    return library.with_instance(other)
-
-
-def _where(values: Mapping[str, float], names: list[str]) -> str:
-    return f"parameters: {_at(values, names)}"
-
-
-def _changes(own: Model, instance: Json, model: Model, other: Json) -> Iterator[str]:
-    """What differs, in words, other than in numbers."""
-    for group in KINDS:
-        before, after = (getattr(each, f"{group}_kinds") for each in (own, model))
-        if before != after:
-            names = [", ".join(kind.name for kind in kinds) or "none" for kinds in (before, after)]
-            told = f"{names[1]} in place of {names[0]}" if names[0] != names[1] else f"numbers in {names[0]}"
-            yield f"kinds of {group}: {told}"
-    for key in instance:
-        if key not in FREE:
-            yield from _differences(instance[key], other.get(key), key)
-
-
-def _differences(before: Any, after: Any, path: str) -> Iterator[str]:
-    """Where two tables differ in more than the values of their numbers."""
-    if isinstance(before, float) and isinstance(after, float):
+def differences(before: Any, after: Any, path: str = "") -> Iterator[str]:
+    """Where two instances differ in more than the values of their numbers, in words."""
+    if before is after or (isinstance(before, float) and isinstance(after, float)):
         return
     if isinstance(before, dict) and isinstance(after, dict) and before.keys() == after.keys():
         for key, each in before.items():
             if key not in FREE:
-                yield from _differences(each, after[key], f"{path}.{key}")
+                yield from differences(each, after[key], f"{path}.{key}" if path else key)
     elif isinstance(before, list | tuple) and isinstance(after, list | tuple):
         if len(before) != len(after):
             yield f"{path}: {len(after)} in place of {len(before)}"
             return
         for index, (one, two) in enumerate(zip(before, after, strict=True)):
-            yield from _differences(one, two, f"{path}[{index}]")
+            yield from differences(one, two, f"{path}[{index}]")
     elif before != after:
         yield f"{path}: {after!r} in place of {before!r}"
-
-
-def _other_structure(
-    library: Library, own: Model, values: Mapping[str, float], changed: list[str], change: str
-) -> SimulationError:
-    """The error of values that need another library; names the parameters each of which does so alone."""
-    instance = library.manifest.instance
-    before = {each["name"]: each["value"] for each in instance["parameters"]}
-    alone = [name for name in changed if _alone(own, instance, {**before, name: values[name]})]
-    return SimulationError(
-        _where(values, alone or changed),
-        f"another structure ({change})",
-        f"only numbers may differ from those of the library, built at {_at(before, alone or changed)}",
-        "write the value into the scene and build that",
-    )
-
-
-def _alone(own: Model, instance: Json, values: Mapping[str, float]) -> bool:
-    try:
-        model = _model(instance, values)
-    except SceneError:
-        return True
-    return next(_changes(own, instance, model, instance_of(model)), None) is not None
-
-
-def _at(values: Mapping[str, float], names: list[str]) -> str:
-    return ", ".join(f"{name} = {values[name]:.9g}" for name in names)

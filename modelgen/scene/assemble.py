@@ -34,17 +34,6 @@ def scene_from_tables(name: str, written: object, source: str) -> Scene:
     return replace(scene, origin=Origin(written), nominal=_at_nominal(name, written, source, parameters))
 
 
-def scene_with(name: str, origin: Origin, source: str, values: Mapping[str, float]) -> Scene:
-    """The scene of an origin with these values of all its parameters, without that at the nominal values.
-
-    Raises SceneError.
-    """
-    written = parameters_of(origin.tables, Place(source))
-    parameters = tuple(replace(each, value=values[each.name]) for each in written)
-    scene = replace(_scene(name, origin.tables, source, parameters), origin=Origin(origin.tables))
-    return scene if origin.form is None else with_form(scene, origin.form)
-
-
 def with_form(scene: Scene, form: str) -> Scene:
     """The scene with one form of the equations forced on all its contacts."""
     return replace(

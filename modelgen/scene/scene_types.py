@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any, Literal
 
@@ -252,7 +252,8 @@ class RunSettings:
 
     def said(self) -> dict[str, Any]:
         """The settings as a table; of what may be left open, only what the scene says."""
-        return {key: value for key, value in asdict(self).items() if key == "tolerance" or value is not None}
+        table = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {key: value for key, value in table.items() if key == "tolerance" or value is not None}
 
 
 @dataclass(frozen=True, slots=True)

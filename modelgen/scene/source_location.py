@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
@@ -40,13 +40,16 @@ class Place:
         return f"{where} ({self.label})" if self.label else where
 
     def key(self, key: str) -> Place:
-        return replace(self, path=f"{self.path}.{key}" if self.path else key)
+        return self._at(f"{self.path}.{key}" if self.path else key, self.label)
 
     def item(self, index: int) -> Place:
-        return replace(self, path=f"{self.path}[{index}]")
+        return self._at(f"{self.path}[{index}]", self.label)
 
     def named(self, label: str) -> Place:
-        return replace(self, label=label)
+        return self._at(self.path, label)
+
+    def _at(self, path: str, label: str) -> Place:
+        return Place(self.source, path, label, self.remarks, self.constants, self.following, self.uses)
 
     def error(self, found: str, allowed: str = "", remedy: str = "") -> SceneError:
         return SceneError(str(self), found, allowed, remedy)

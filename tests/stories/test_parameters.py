@@ -1,4 +1,4 @@
-"""Parameters: a library with other values runs as a scene with these numbers in its file does, bit for bit."""
+"""Parameters: a library with other values runs as a scene with these numbers does, bit for bit."""
 
 from __future__ import annotations
 
