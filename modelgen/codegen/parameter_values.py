@@ -121,26 +121,35 @@ class _Variants:
         for group in KINDS:
             before, after = (getattr(each, f"{group}_kinds") for each in (self._model, model))
             if before != after:
-                names = [", ".join(kind.name for kind in kinds) or "none" for kinds in (before, after)]
-                same = names[0] == names[1]
-                told = f"numbers in {names[0]}" if same else f"{names[1]} in place of {names[0]}"
+                lost = [kind.name for kind in before if kind not in after]
+                new = [kind.name for kind in after if kind not in before]
+                same = lost == new  # in name
+                told = (
+                    f"numbers in {_listed(lost)}" if same else f"{_listed(new)} in place of {_listed(lost)}"
+                )
                 yield f"kinds of {group}: {told}"
-        yield from differences(self._instance, instance)
+        if not same_but_for_numbers(self._instance, instance):
+            yield from differences(self._instance, instance)
 
     def _other_structure(self, values: Values, change: str) -> SimulationError:
-        """The error of values that need another library; it names the parameters that do so alone."""
-        changed = self._changed(values)
-        alone = [name for name in changed if self._changes_alone(name, values[name])] or changed
+        """The error of values that need another library; it names the parameters that do so."""
+        blamed = self._blamed(values)
         return SimulationError(
-            f"parameters: {self._told(values, alone)}",
+            f"parameters: {self._told(values, blamed)}",
             f"another structure ({change})",
-            f"only numbers may differ from those of the library, built at {self._told(self._own, alone)}",
+            f"only numbers may differ from those of the library, built at {self._told(self._own, blamed)}",
             "write the value into the scene and build that",
         )
 
-    def _changes_alone(self, name: str, value: float) -> bool:
+    def _blamed(self, values: Values) -> list[str]:
+        """Of the values, those without which the structure stays; else those with which alone it does not."""
+        changed = self._changed(values)
+        needed = [name for name in changed if not self._differs({**values, name: self._own[name]})]
+        return needed or [n for n in changed if self._differs({**self._own, n: values[n]})] or changed
+
+    def _differs(self, values: Values) -> bool:
         try:
-            return self._read({**self._own, name: value})[1] != ""
+            return self._read(values)[1] != ""
         except SceneError:
             return True
 
@@ -152,12 +161,27 @@ class _Variants:
         return ", ".join(f"{name} = {values[name]:.9g}" for name in names)
 
 
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"
+
+
 _VARIANTS: WeakKeyDictionary[Library, _Variants] = WeakKeyDictionary()
+
+
+def same_but_for_numbers(before: Any, after: Any) -> bool:
+    """Whether `differences` finds none; equal parts are passed over at once."""
+    if before == after or (isinstance(before, float) and isinstance(after, float)):
+        return True
+    if isinstance(before, dict) and isinstance(after, dict) and before.keys() == after.keys():
+        return all(key in FREE or same_but_for_numbers(each, after[key]) for key, each in before.items())
+    if isinstance(before, list | tuple) and isinstance(after, list | tuple) and len(before) == len(after):
+        return all(same_but_for_numbers(one, two) for one, two in zip(before, after, strict=True))
+    return False
 
 
 def differences(before: Any, after: Any, path: str = "") -> Iterator[str]:
     """Where two instances differ in more than the values of their numbers, in words."""
-    if before is after or (isinstance(before, float) and isinstance(after, float)):
+    if before == after or (isinstance(before, float) and isinstance(after, float)):
         return
     if isinstance(before, dict) and isinstance(after, dict) and before.keys() == after.keys():
         for key, each in before.items():
@@ -169,5 +193,5 @@ def differences(before: Any, after: Any, path: str = "") -> Iterator[str]:
             return
         for index, (one, two) in enumerate(zip(before, after, strict=True)):
             yield from differences(one, two, f"{path}[{index}]")
-    elif before != after:
+    else:
         yield f"{path}: {after!r} in place of {before!r}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import casadi as ca
 
 from modelgen.geometry.casadi_expressions import lower
@@ -30,6 +32,7 @@ def values_of(kind: JointKind, m: Meeting, numbers: ca.SX) -> ca.SX:
     return ca.vertcat(ca.SX(0, 1), *rows)
 
 
+@lru_cache(maxsize=256)
 def row_count(kind: JointKind) -> int:
     """Number of rows of a joint of this kind."""
     return int(values_of(kind, meeting(), numbers_of(kind.kind)).numel())

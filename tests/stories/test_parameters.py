@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from modelgen import require, simulate
+from modelgen import build, derive, emit, normal_rates, record_of, require, simulate, simulate_batch
 from modelgen.codegen.library import Library
 from modelgen.codegen.parameter_values import library_with
+from modelgen.errors import ModelgenError, SceneError, SimulationError
 from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene.assemble import with_form
+from modelgen.scene.python_scenes import dynamic, fixed, plane, sphere
+from modelgen.scene.python_scenes import scene as python_scene
 from modelgen.scene.read import read_text
-from tests.running import library_of
+from tests.running import library_of, scene_of
 
 GROUND = """
 [[body]]
@@ -233,6 +238,238 @@ def test_a_run_with_another_value_is_that_of_a_scene_with_that_number(case: str)
     run = simulate(base, parameters={"number": value})
     assert_equal_runs(run, simulate(other))
     assert run.parameters == {"number": value}
+
+
+def with_table(text: str, *lines: str) -> str:
+    """A scene with one parameter."""
+    return "\n".join((text, "[[parameter]]", *lines, ""))
+
+
+BALL = """
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = "a" }
+density = 1000.0
+position = [0.0, 0.0, 0.3]
+[[contact]]
+between = ["ball", "ground"]
+"""
+FORCE = """
+[[force]]
+body = "ball"
+force = ["FACTOR*t", 0, 0]
+"""
+A = ('name = "a"', "value = 0.1")
+MISTAKES: Mapping[str, tuple[str, list[str]]] = {
+    "unused": (
+        with_table(GROUND + BALL, *A, "[[parameter]]", 'name = "b"', "value = 1"),
+        ["'b'", "nothing uses"],
+    ),
+    "used in an unused constant": (
+        with_table("[constants]\nc = 'b'\n" + GROUND + BALL, *A, "[[parameter]]", 'name = "b"', "value = 1"),
+        ["parameter[1]", "'b'", "nothing uses"],
+    ),
+    "unknown": (with_table(GROUND + BALL, 'name = "ab"', "value = 1"), ["'a'", "did you mean 'ab'?"]),
+    "twice": (with_table(GROUND + BALL, *A, "[[parameter]]", *A), ["parameter[1].name", "another parameter"]),
+    "the name of a constant": (
+        with_table("[constants]\na = 1.0\n" + GROUND + BALL, *A),
+        ["the name 'a'", "a constant"],
+    ),
+    "the name of a variable": (with_table(GROUND + BALL, 'name = "vx"', "value = 1"), ["'vx'", "but not t"]),
+    "of a parameter": (
+        with_table(GROUND + BALL, 'name = "a"', 'value = "b/2"', "[[parameter]]", 'name = "b"', "value = 1"),
+        ["parameter[0].value", "unknown name 'b'"],
+    ),
+    "a constant in a ring": (
+        with_table("[constants]\nb = 'a + c'\nc = 'b'\n" + GROUND + BALL, *A),
+        ["b -> c -> b"],
+    ),
+    "below its minimum": (
+        with_table(GROUND + BALL, *A, "minimum = 0.2"),
+        ["parameter[0].value", "0.1", "at least 0.2"],
+    ),
+    "nominal above its maximum": (
+        with_table(GROUND + BALL, *A, "nominal = 3", "maximum = 0.2"),
+        ["parameter[0].nominal", "at most 0.2"],
+    ),
+    "an empty range": (with_table(GROUND + BALL, *A, "minimum = 1", "maximum = 0"), ["minimum 1, maximum 0"]),
+    "no value": (with_table(GROUND + BALL, 'name = "a"'), ["'value' is missing"]),
+    "a nominal value that is no scene": (
+        with_table(GROUND + BALL, *A, "nominal = -1"),
+        ["shape.radius", "at the nominal values of the parameters", "positive"],
+    ),
+    "folded": (with_table("fold = true\n" + GROUND + BALL, *A), ["fold", "remove fold"]),
+    "a count": (
+        with_table(GROUND + BALL + '[[pattern]]\nof = "ball"\ncount = "40*a"\n', *A),
+        ["pattern[0].count", "follows from a parameter"],
+    ),
+    "in an expression of t": (
+        with_table(GROUND + BALL + FORCE.replace("FACTOR", "a"), *A),
+        ["force[0].force[0]", "the parameter 'a' in an expression of t x"],
+    ),
+    "a constant of it in an expression of t": (
+        with_table("[constants]\nb = '2*a'\n" + GROUND + BALL + FORCE.replace("FACTOR", "b"), *A),
+        ["force[0].force[0]", "the parameter 'a' in an expression of t x"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_mistake_in_the_scene_is_named_with_its_place(case: str) -> None:
+    text, told = MISTAKES[case]
+    with pytest.raises(SceneError) as refused:
+        read_text(text, "scene.toml")
+    assert not [part for part in told if part not in str(refused.value)], str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"b": 1.0}, ["no parameter 'b'", "known: a"]),
+        ({"A": 1.0}, ["no parameter 'A'"]),
+        ({"a": 0.001}, ["parameters: a", "0.001", "at least 0.01"]),
+        ({"a": float("nan")}, ["parameters: a", "nan"]),
+        ({"a": float("inf")}, ["parameters: a", "inf"]),
+        ({"a": "0.1"}, ["parameters: a", "a number is allowed"]),
+        ({"a": True}, ["parameters: a", "a number is allowed"]),
+        ([0.1], ["parameters", "a list", "parameters={"]),
+    ],
+)
+def test_a_wrong_value_is_named(values: Any, told: list[str]) -> None:
+    with pytest.raises(SimulationError) as refused:
+        simulate(built(with_table(GROUND + BALL, *A, "minimum = 0.01")), parameters=values)
+    assert not [part for part in told if part not in str(refused.value)], str(refused.value)
+
+
+def test_a_value_that_the_scene_refuses_is_told_with_its_place() -> None:
+    library = built(with_table(GROUND + BALL, *A))
+    with pytest.raises(SimulationError, match=r"a = -1: refused by scene.toml: body\[1\].shape.radius"):
+        simulate(library, parameters={"a": -1.0})
+
+
+def test_a_scene_without_parameters_says_that_it_has_none() -> None:
+    with pytest.raises(SimulationError, match=r"no parameter 'a'; known: none"):
+        simulate(scene_of("bouncing_ball"), parameters={"a": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("case", "value", "told"),
+    [
+        ("friction", 0.0, ["number = 0", "kinds of contact", "built at number = 0.31"]),
+        ("size of a box", -1.0, ["refused by"]),
+        ("inertia", 0.004632, None),
+        ("joint stiffness", 0.0, ["refused by"]),
+        ("semi-axis", 0.07, None),
+    ],
+)
+def test_another_structure_is_refused(case: str, value: float, told: list[str] | None) -> None:
+    library = built(with_parameter(case))
+    if told is None:
+        assert simulate(library, until=0.01, parameters={"number": value}).parameters == {"number": value}
+        return
+    with pytest.raises(SimulationError) as refused:
+        simulate(library, parameters={"number": value})
+    assert not [part for part in told if part not in str(refused.value)], str(refused.value)
+
+
+def test_of_several_parameters_those_that_change_the_structure_are_named() -> None:
+    egg = EGG.replace("mass = 1.2", 'mass = "m"').replace("[0.00312, 0.004632, 0.0054]", '["Ix", "Iy", "Iz"]')
+    tables = [("m", 1.2), ("Ix", 0.003), ("Iy", 0.004), ("Iz", 0.005)]
+    text = egg + "".join(f'[[parameter]]\nname = "{name}"\nvalue = {value}\n' for name, value in tables)
+    library = built(text)
+    simulate(library, until=0.01, parameters={"m": 1.3, "Ix": 0.004})
+    with pytest.raises(SimulationError) as refused:
+        simulate(library, parameters={"m": 1.3, "Ix": 0.004, "Iz": 0.004})
+    told = str(refused.value)
+    assert "free_isotropic_loaded in place of free_diagonal_loaded" in told
+    assert "parameters: Ix = 0.004, Iz = 0.004: another structure" in told
+
+
+def test_a_library_that_was_loaded_and_one_with_values_take_values_too(tmp_path: Path) -> None:
+    text = with_parameter("mass") + '[[parameter]]\nname = "rest"\nvalue = 0.33\n'
+    scene = read_text(text.replace("rest_length = 0.33", 'rest_length = "rest"'), "scene.toml")
+    build(emit(derive(require(scene))), folder=tmp_path, level="O1")
+    library = Library.load(tmp_path)
+    both = library_with(library, {"number": 1.4, "rest": 0.25})
+    chained = library_with(library_with(library, {"number": 1.4}), {"rest": 0.25})
+    assert both.manifest.instance == chained.manifest.instance != library.manifest.instance
+    assert library_with(library, {"rest": 0.25, "number": 1.4}) is both
+    assert library_with(library, {"rest": 0.33}) is library
+    assert_equal_runs(simulate(both), simulate(library, parameters={"rest": 0.25, "number": 1.4}))
+
+
+def test_a_scene_that_was_changed_after_reading_takes_no_values() -> None:
+    scene = read_text(with_table(GROUND + BALL, *A), "scene.toml")
+    library = library_of(replace(scene, gravity=(0.0, 0.0, -1.0)))
+    simulate(library, until=0.01)
+    with pytest.raises(SimulationError, match="changed after it was read"):
+        simulate(library, parameters={"a": 0.2})
+
+
+def test_a_forced_form_is_kept() -> None:
+    scene = read_text(with_parameter("semi-axis"), "scene.toml")
+    forced = with_form(scene, "block")
+    library = library_of(forced)
+    assert library.manifest.kinds["contact"][0]["form"] == "block"
+    assert library_with(library, {"number": 0.08}).manifest.kinds == library.manifest.kinds
+    other = library_of(with_form(read_text(with_parameter("semi-axis", 0.08), "scene.toml"), "block"))
+    assert_equal_runs(simulate(library, parameters={"number": 0.08}), simulate(other))
+
+
+def test_parameters_of_a_scene_in_python() -> None:
+    tables = {
+        "body": [
+            {"name": "ground", "motion": "fixed", "shape": {"kind": "plane"}},
+            {
+                "name": "ball",
+                "shape": {"kind": "sphere", "radius": "a"},
+                "density": 900.0,
+                "position": (0, 0, "3*a"),
+            },
+        ],
+        "contact": [{"between": ("ball", "ground"), "restitution": 0.5}],
+    }
+    one, two = (
+        python_scene("drop", [], parameter=[{"name": "a", "value": value, "nominal": 0.1}], **tables)
+        for value in (0.1, 0.13)
+    )
+    assert_equal_runs(simulate(library_of(one), parameters={"a": 0.13}), simulate(library_of(two)))
+
+
+def test_bodies_of_python_functions_have_no_parameters() -> None:
+    bodies = [fixed("ground", plane()), dynamic("ball", sphere(0.1), density=900.0)]
+    with pytest.raises(SceneError, match="bodies made by functions"):
+        python_scene("drop", bodies, parameter=[{"name": "a", "value": 0.1}])
+    with pytest.raises(SceneError, match="unknown name 'a'"):
+        dynamic("ball", sphere("a"), density=900.0)  # type: ignore[arg-type]
+
+
+def test_the_record_of_a_run_has_the_shapes_of_its_values() -> None:
+    text = with_parameter("semi-axis")
+    library, other = built(text), built(with_parameter("semi-axis", 0.085))
+    run = simulate(library, parameters={"number": 0.085})
+    mine, its = record_of(run, library).meshes, record_of(simulate(other), other).meshes
+    assert mine.keys() == its.keys()
+    assert mine
+    assert all(np.array_equal(mine[key], its[key]) for key in mine)
+
+
+def test_a_batch_takes_values() -> None:
+    library, other = built(with_parameter("mass")), built(with_parameter("mass", 1.37))
+    instance = library.manifest.instance
+    starts = np.array(instance["initial_q"]), np.array(instance["initial_u"])
+    mine = simulate_batch(library, *starts, until=0.1, parameters={"number": 1.37})
+    its = simulate_batch(other, *starts, until=0.1)
+    assert np.array_equal(mine.q, its.q)
+    assert np.array_equal(mine.u, its.u)
+
+
+def test_rates_of_normals_need_the_values_of_the_run() -> None:
+    scene = read_text(with_parameter("semi-axis"), "scene.toml")
+    derivation = derive(require(scene))
+    run = simulate(library_of(scene), parameters={"number": 0.085})
+    with pytest.raises(ModelgenError, match="other values of the scene's parameters"):
+        normal_rates(derivation, run)
 
 
 @pytest.mark.parametrize("case", ["mass", "semi-axis", "gravity", "frame of a joint"])
