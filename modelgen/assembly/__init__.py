@@ -315,7 +315,7 @@ class Wholes:
             body = find_body(self.scene, partner[0], where)
             piece = self.pieces[body]
             shape = find_shape(piece.body, partner[1], where)
-            at_world = piece.body.pose.is_identity and not piece.body.repeated
+            at_world = piece.body.pose.is_identity and not (piece.body.repeated or piece.body.placed)
             owner = Owner(body, piece.motion, at_world, piece.centre, self.scene.fold)
             self._known[partner] = Whole(owner, shape)
         return self._known[partner]

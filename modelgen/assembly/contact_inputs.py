@@ -15,7 +15,10 @@ def contact_inputs(scene: Scene, motions: Iterable[BodyMotion], centres: Iterabl
     """What pairs, feature pairs, contacts, faces and patches follow from, of bodies with these motions and
     centres of mass. Bodies that move may be anywhere."""
     bodies = tuple(
-        (body.name, body.shapes, motion, centre, body.repeated, body.pose if motion == "fixed" else None)
+        (
+            *(body.name, body.shapes, motion, centre, body.repeated, body.placed),
+            body.pose if motion == "fixed" else None,
+        )
         for body, motion, centre in zip(scene.bodies, motions, centres, strict=True)
     )
     return bodies, scene.contacts, scene.source, scene.fold, scene.run.form

@@ -75,6 +75,7 @@ class Shape:
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
     outline: Outline | None = None  # of pieces
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its place about the centre of mass follows from a parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +135,7 @@ class Body:
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
     normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its pose follows from a parameter
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 

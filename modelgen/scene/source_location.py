@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -75,6 +76,14 @@ class Place:
         self.note(followed)
         return expression
 
+    def followed_in(self, text: str, names: Collection[str]) -> dict[str, float]:
+        """The constants in an expression over `names` that follow from parameters, with their values;
+        they are noted."""
+        words = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text)) if self.following else {}
+        found = {w: self.constants[w] for w in words if w in self.following and w not in names}
+        self.note(sorted({each for name in found for each in self.following[name]}))
+        return found
+
     def _followed(self, expression: Expression) -> list[str]:
         """The parameters that an expression follows from."""
         if not self.following:
@@ -98,6 +107,9 @@ class Place:
 
     def number(self, text: str) -> float:
         """The value of an expression without names but those of constants, such as `pi/2`."""
+        if text in self.constants:
+            self.note(sorted(self.following.get(text, ())))
+            return self.constants[text]
         try:
             return self.value(self.expression(text, ()), {})
         except SceneError as error:

@@ -188,6 +188,7 @@ NUMBERS: Mapping[str, tuple[str, str, str, float]] = {
     "position of a shape": (DENSE, "position = [0.02, 0.0, 0.041]", "0.041", 0.045),
     "friction": (DENSE, "friction = 0.31", "0.31", 0.21),
     "point of a profile": (SMOOTH, "[0.047, -0.012]", "0.047", 0.049),
+    "number in a chart": (PLATE, 'z = "-a*cos(v)"', "a", 0.515),
     "radius": (PLATE, "radius = 0.041", "0.041", 0.036),
     "number of a chart": (PLATE, "a = 0.52", "0.52", 0.515),
     "position of a fixed body": (PLATE, "position = [0.0, 0.0, 0.53]", "0.53", 0.525),
