@@ -22,6 +22,7 @@ from modelgen.joint.joint_limits import CITATION, limit_kernels
 from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
 from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model, ShapeKind
+from modelgen.sensing import sensor_kernel
 
 Role = Literal[
     "pose",
@@ -40,6 +41,7 @@ Role = Literal[
     "angle",
     "rows",
     "coordinates",
+    "sensors",
     "rhs",
 ]
 
@@ -61,6 +63,7 @@ CITATIONS: dict[str, str] = {
     "joint_spring": "Hooke's law with viscous damping along the coordinate of a joint",
     "rows": "joints Theta with J and Gamma1 (2.3), (2.6)",
     "coordinates": "relative coordinates of the frames of a joint",
+    "sensors": "kinematics of points of bodies and joints; sums over the contacts of a pair",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
 
@@ -118,7 +121,7 @@ def derive(model: Model) -> Derivation:
     expect("derive", model, Model)
     formulas = (
         *(*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model)),
-        *(*_of_limits(model), *_of_joints(model)),
+        *(*_of_limits(model), *_of_joints(model), *_of_sensors(model)),
     )
     if why_not_closed(model):
         return Derivation(model, formulas)
@@ -193,3 +196,9 @@ def _of_joints(model: Model) -> list[Formula]:
         if FORMS_OF_JOINTS[kind.kind].coordinates:
             found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
     return found
+
+
+def _of_sensors(model: Model) -> list[Formula]:
+    if not model.scene.sensors:
+        return []
+    return [_formula(sensor_kernel(model), "sensors", 0, CITATIONS["sensors"])]

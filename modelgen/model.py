@@ -44,11 +44,20 @@ class ShapeKind:
 
 
 @dataclass(frozen=True, slots=True)
+class InputKind:
+    """An input of the scene as the kernels take it."""
+
+    name: str  # in expressions
+    hold: Literal["zero", "linear"]
+
+
+@dataclass(frozen=True, slots=True)
 class BodyKind:
     name: str  # C identifier
     motion: BodyMotion
     inertia: InertiaKind = "none"
     path: Path | None = None
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the path depends on one
     loaded: bool = False  # a load acts on it; otherwise its wrench has size 0
     folded: tuple[float, ...] | None = None  # mass and inertia when numbers are folded
 
@@ -83,6 +92,7 @@ class LoadKind:
     load: ForceLoad | TorqueLoad | None = None  # whose expressions it compiles; without its body and point
     arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
     joint: str = ""  # the kind of joint whose coordinate a joint_spring acts on
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the load depends on one
 
     @property
     def is_spring(self) -> bool:
@@ -96,7 +106,8 @@ class JointKind:
 
     name: str  # C identifier
     kind: str  # name in `joint.kinds.FORMS`
-    motion: Expression | None = None  # of t: what its first coordinate is held at
+    motion: Expression | None = None  # of t and inputs: what its first coordinate is held at
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the motion depends on one
 
 
 @dataclass(frozen=True, slots=True)

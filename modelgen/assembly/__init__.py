@@ -20,6 +20,7 @@ from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
 from modelgen.assembly.friction_constraints import friction_constraints_of
+from modelgen.assembly.input_kinds import input_kinds
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -33,7 +34,7 @@ from modelgen.assembly.masses import (
 )
 from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.patches import Faces, patches_of
-from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body
+from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body, watched
 from modelgen.contact.form_table import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
@@ -110,9 +111,9 @@ def require(scene: Scene, scales: Scales | None = None, known: Model | None = No
     expect("require", scene, Scene)
     names = contact_names(scene)
     check_observed(scene, names)
-    part, dropped = influencing(scene, names)
+    part, dropped = influencing(replace(scene, observe=watched(scene)), names)
     if scales is None and scene.nominal is not None:
-        nominal, _ = influencing(replace(scene.nominal, observe=scene.observe), names)
+        nominal, _ = influencing(replace(scene.nominal, observe=watched(scene)), names)
         scales = _scales(nominal, _pieces(nominal))
     pieces = _pieces(part)
     touching = None if known is None else _taken_over(part, pieces, known)
@@ -190,24 +191,26 @@ def _body_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[BodyKin
     starts_q = accumulate((Q_SIZE[piece.motion] for piece in pieces), initial=0)
     starts_u = accumulate((U_SIZE[piece.motion] for piece in pieces), initial=0)
     return tuple(
-        _body_entry(p, q, u, scene.fold, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
+        _body_entry(p, q, u, scene, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
     )
 
 
-def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: KindList[BodyKind]) -> BodyEntry:
+def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[BodyKind]) -> BodyEntry:
     name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
     if mass is None or not piece.moves:
-        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=piece.body.path))
+        path = piece.body.path
+        used = input_kinds(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
+        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=path, inputs=used))
         return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
     turning = mass.inertia if turns else None
     inertia = "none" if turning is None else inertia_kind(turning)
     numbers = (mass.mass, *(() if turning is None else inertia_numbers(turning)))
     base = "_".join([piece.motion, *([inertia] if turns else []), *(["loaded"] if piece.loaded else [])])
     kind = kinds.index(
-        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if fold else None)
+        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if scene.fold else None)
     )
     inverse = inverse_numbers(mass, turns)
-    return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
+    return BodyEntry(name, kind, q, u, () if scene.fold else numbers, inverse, mass.centre)
 
 
 def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
@@ -337,7 +340,7 @@ def _load_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[LoadKin
         where = f"{scene.source}: load[{index}]"
         bodies = tuple(find_body(scene, name, where) for name in bodies_of(load))
         centres = [pieces[body].centre for body in bodies]
-        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres)
+        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres, scene.inputs)
         entries.append(LoadEntry(kinds.index(kind), bodies, load_parameters(load, kind, centres)))
     return tuple(entries)
 

@@ -38,6 +38,7 @@ from modelgen.model import (
 from modelgen.notation import ETA_SIZE
 from modelgen.scene.reading_again import SceneReader
 from modelgen.scene.scene_types import Scene, Shape
+from modelgen.sensing import sensor_names, sensor_parameters
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {
@@ -74,6 +75,7 @@ def _body_kind(kind: BodyKind) -> dict[str, Any]:
         "n_u": U_SIZE[kind.motion],
         "parameters": [] if kind.folded is not None else list(names),
         **_folded(kind),
+        **_inputs(kind),
     }
 
 
@@ -120,6 +122,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
         "expressions": list(kind.expressions),
         "joint": kind.joint,
         "n_parameters": _load_size(kind),
+        **_inputs(kind),
     }
 
 
@@ -138,7 +141,13 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
         "parameters": parameters_of_joint(kind),
+        **_inputs(kind),
     }
+
+
+def _inputs(kind: BodyKind | LoadKind | JointKind) -> dict[str, list[dict[str, str]]]:
+    """Names and holds of the inputs that the kernel of the kind takes."""
+    return {"inputs": [asdict(each) for each in kind.inputs]} if kind.inputs else {}
 
 
 def _limit_kind(kind: LimitKind) -> dict[str, Any]:
@@ -206,6 +215,8 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "n_u": model.n_u,
         "n_eta": model.n_eta,
         "scales": asdict(model.scales),
+        "inputs": [asdict(each) for each in scene.inputs],
+        "sensors": {"names": sensor_names(scene.sensors), "parameters": sensor_parameters(model)},
         "initial_q": list(model.initial_q),
         "initial_u": list(model.initial_u),
         "gravity": list(scene.gravity),

@@ -43,7 +43,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 14 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 15 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -111,6 +111,8 @@ typedef struct {
   int n_cell;                /* room for the cells of all trees */
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
+  int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
+  int sensor_parameters;     /* offset into parameters of those of the sensors */
 
   const int *body_kind;       /* [n_body] body kind of the library */
   const int *body_q;          /* [n_body] offset into q */
@@ -180,6 +182,9 @@ typedef struct {
   const int *friction_row;  /* [n_friction] its first row, counted from the contact's first friction row */
   const int *friction_body; /* [n_friction] body in whose axes friction_direction is, or -1: isotropic */
 
+  const int *input_is_linear; /* [n_input] 1: the input follows a line, whose rate is set; 0: its value is set */
+
+  const mg_real *input_range;      /* [2 n_input] least and largest value that a controller may set */
   const mg_real *mass_inverse;     /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
                                       zeros for bodies that forces do not move */
   const mg_real *restitution;      /* [n_contact] coefficient of restitution of impact_law, 0..1 */
@@ -361,7 +366,7 @@ enum {
 };
 
 /* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
-   program), x (eta: 0 or a guess), feature_pair (-1) and the pointers; it fills the other arrays with zeros. */
+   program), x (eta: 0 or a guess), feature_pair (-1), input and the pointers; it fills the other arrays with zeros. */
 typedef struct {
   mg_real t;         /* time, s */
   mg_real h;         /* next step to try, s */
@@ -385,6 +390,10 @@ typedef struct {
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
   mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                                     along the plane and out of the hull, unit vector */
+  mg_real *input; /* [3 n_input] setting of each input: value; its rate, 1/s, used where the scene lets the input
+                     change along a line; time at which it has that value, s. The caller writes settings before
+                     mg_begin and between two calls of mg_advance, at whose start they take effect */
+  mg_real *applied_input; /* [3 n_input] settings that have taken effect */
 
   long steps;                /* accepted steps */
   long rejected;             /* rejected steps */
@@ -581,7 +590,9 @@ MG_API long mg_iwork_size(const mg_system *system);
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
                     int *iwork);
 
-/* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events.
+/* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events. Inputs that have
+   changed take effect first: contacts with bodies whose prescribed velocity jumps are struck or released, and the
+   contact modes under the new loads are chosen.
    Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 entries at every step. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
@@ -590,6 +601,27 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
    often as needed; no samples are taken. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* A controller: shown the sensors [n_sensor] at time t, it writes commands [n_input]: the value of an input, or its
+   rate if it follows a line. `command` holds the present ones when it is called. */
+typedef void (*mg_control)(void *data, mg_real t, const mg_real *sensors, mg_real *command);
+
+/* When a controller is called. The caller fills all but `calls`, which is 0 at first. */
+typedef struct {
+  mg_control call;
+  void *data;       /* passed on to it */
+  mg_real period;   /* s, between two calls */
+  mg_real start;    /* time of its first call, s */
+  long calls;       /* calls so far */
+  mg_real *sensors; /* [n_sensor] memory for what it is shown */
+  mg_real *command; /* [n_input] memory for its commands */
+} mg_controller;
+
+/* As mg_advance, with a controller called at its instants from run->t on, t_stop excluded. A value beyond the range of
+   its input is set to the nearest end; a command that is not finite ends the run with MG_NOT_FINITE. */
+MG_API int mg_advance_controlled(const mg_system *system, const mg_settings *settings, mg_run *run,
+                                 mg_controller *controller, mg_real t_stop, long max_steps, mg_record *record,
+                                 mg_events *events, mg_real *work, int *iwork);
 
 /* Takes n steps of RK4 of settings->step with a fixed active set: no events, no projection, no diagnostics. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
@@ -608,6 +640,10 @@ MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings,
 /* After MG_NOT_FINITE: returns the first function of time that is not finite or has a pole where the run ended, or -1.
    Loads are numbered first, then bodies (their prescribed paths), then joints (their prescribed motions). */
 MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork);
+
+/* Writes what the sensors of the scene show at the run's state into sensors [kernels->n_sensor]. */
+MG_API void mg_sense(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *sensors, mg_real *work,
+                     int *iwork);
 
 /* Writes the poses of all bodies at the run's state into pose [12 n_body]. */
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,

@@ -102,6 +102,7 @@ def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], d
     n, m = len(x), session.n_contact + 1
     runs = (session.tables.Run * n)()
     columns: dict[str, Array] = {"x": x, "feature_pair": np.full((n, m), -1, dtype=np.intc)}
+    columns["input"] = np.tile(session.input, (n, 1))
     for name in RUN_ARRAYS:
         like = getattr(session, name)
         columns.setdefault(name, np.zeros((n, len(like)), dtype=like.dtype))

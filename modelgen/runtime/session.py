@@ -55,11 +55,14 @@ class Session:
         self.closed, self.active = integers["closed"], integers["active"]
         self.friction_mode, self.patch_mode = integers["friction_mode"], integers["patch_mode"]
         self.rolling_start, self.feature_pair = integers["rolling_start"], integers["feature_pair"]
+        self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
+        self.input[0 : 3 * len(self.instance["inputs"]) : 3] = [i["default"] for i in self.instance["inputs"]]
         self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
         of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
         self._event_columns = [arrays[name] for name in of_events]
         self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
+        self.sensed = self._reals(sum(size for _, size in self.instance["sensors"]["names"]) + 1)
         self.work = self._reals(shared.work_size)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
@@ -109,6 +112,10 @@ class Session:
         )
         return self.start_code
 
+    def sense(self) -> None:
+        """Writes what the sensors show at the state into `sensed`."""
+        self.library.cdll.mg_sense(*self._head, ctypes.c_void_p(address(self.sensed)), *self._scratch)
+
     def ranks(self) -> list[int]:
         """How many rows of each joint are independent of those of the joints before it."""
         rank = np.zeros(len(self.joints) + 1, dtype=np.intc)
@@ -146,16 +153,13 @@ class Session:
 
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:
         """Runs to t_stop or for max_steps accepted steps; returns the core's code."""
-        return int(
-            self.library.cdll.mg_advance(
-                *self._head,
-                self.tables.real(t_stop),
-                ctypes.c_long(max_steps),
-                ctypes.byref(record),
-                ctypes.byref(self.events),
-                *self._scratch,
-            )
-        )
+        head, tail = self.advance_arguments(max_steps, record)
+        return int(self.library.cdll.mg_advance(*head, self.tables.real(t_stop), *tail))
+
+    def advance_arguments(self, max_steps: int, record: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """The arguments of mg_advance before and after t_stop, made once for many calls."""
+        rest = ctypes.byref(record), ctypes.byref(self.events)
+        return self._head, (ctypes.c_long(max_steps), *rest, *self._scratch)
 
     def smooth(self, n: int) -> None:
         """Takes n RK4 steps without events, projection or energy ledger."""

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from modelgen.errors import SceneError
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.constants import with_constants
+from modelgen.scene.inputs import remark_on_unused, with_inputs
 from modelgen.scene.parameters import parameters_of, with_uses
 from modelgen.scene.patterns import repeated
 from modelgen.scene.remarks import remark_on_gravity
 from modelgen.scene.run_settings import RUN, check_run
 from modelgen.scene.scene_format import SCENE
-from modelgen.scene.scene_types import Body, Origin, Parameter, RunSettings, Scene
+from modelgen.scene.scene_types import (
+    Body,
+    Joint,
+    Load,
+    Origin,
+    Parameter,
+    RunSettings,
+    Scene,
+    Sensor,
+    SpringLoad,
+)
+from modelgen.scene.sensors import sensors_of
 from modelgen.scene.shapes_and_bodies import read_body, unique_names
 from modelgen.scene.source_location import Place
 
@@ -58,11 +70,17 @@ def _at_nominal(name: str, written: object, source: str, parameters: tuple[Param
 
 def _scene(name: str, written: object, source: str, parameters: tuple[Parameter, ...]) -> Scene:
     """The scene with these parameters in place of those in its tables."""
-    place = with_constants(Place(source), written, {each.name: each.value for each in parameters})
+    place = place_of(Place(source), written, {each.name: each.value for each in parameters})
     values = SCENE.read(written, place)
     bodies = tuple(read_body(each, at) for at, each in values["body"])
     scene = scene_from_bodies(name, bodies, values, place)
     return replace(scene, parameters=with_uses(parameters, place.uses, place)) if parameters else scene
+
+
+def place_of(place: Place, written: object, parameters: Mapping[str, float]) -> Place:
+    """The place of a scene, whose expressions may use its parameters, constants and inputs; raises
+    SceneError."""
+    return with_inputs(with_constants(place, written, parameters), written)
 
 
 def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, Any], place: Place) -> Scene:
@@ -80,16 +98,34 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     observe = contacts_and_loads.observed(
         values["observe"], known, (each.name for each in joined), place.key("observe")
     )
+    loads = contacts_and_loads.loads(values, known)
+    pairs = contacts_and_loads.contacts(values["contact"], known)
+    sensors = sensors_of(values["sensor"], known, pairs, joined)
+    remark_on_unused(place.inputs, _names_used(bodies, loads, joined, sensors), place)
     return Scene(
         name=name,
         source=place.source,
         bodies=bodies,
-        contacts=contacts_and_loads.contacts(values["contact"], known),
-        loads=contacts_and_loads.loads(values, known),
+        contacts=pairs,
+        loads=loads,
         joints=joined,
+        inputs=place.inputs,
+        sensors=sensors,
         gravity=values["gravity"],
         observe=observe,
         fold=values["fold"],
         run=RunSettings(**run),
         remarks=tuple(place.remarks),
     )
+
+
+def _names_used(
+    bodies: Sequence[Body], loads: Sequence[Load], joined: Sequence[Joint], sensors: Sequence[Sensor]
+) -> frozenset[str]:
+    """The names that occur in the expressions of loads, paths, motions of joints, and sensors."""
+    paths = [body.path for body in bodies if body.path is not None]
+    found = [each for path in paths for each in (*path.position, *path.rotation_vector)]
+    found += [each for load in loads if not isinstance(load, SpringLoad) for each in load.components]
+    found += [joint.motion for joint in joined if joint.motion is not None]
+    found += [sensor.value for sensor in sensors if sensor.value is not None]
+    return frozenset().union(*(each.names for each in found))

@@ -13,8 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from modelgen.scene.assemble import scene_from_bodies, scene_from_tables
-from modelgen.scene.constants import with_constants
+from modelgen.scene.assemble import place_of, scene_from_bodies, scene_from_tables
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
@@ -247,7 +246,7 @@ def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
     SCENE_NAME.read(name, Place(SOURCE, name))
     if "parameter" in keys:
         return _with_parameters(name, bodies, keys)
-    place = with_constants(Place(SOURCE, name), keys, {})
+    place = place_of(Place(SOURCE, name), keys, {})
     values = SCENE.read({"body": [], **keys}, place)
     written = tuple(read_body(each, at) for at, each in values["body"])
     return scene_from_bodies(name, (*bodies, *written), values, place)

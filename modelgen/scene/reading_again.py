@@ -7,12 +7,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from modelgen.scene.assemble import scene_from_bodies, with_form
-from modelgen.scene.constants import with_constants
+from modelgen.scene.assemble import place_of, scene_from_bodies, with_form
 from modelgen.scene.list_types import Several
 from modelgen.scene.parameters import parameters_of, with_uses
 from modelgen.scene.scene_format import SCENE
-from modelgen.scene.scene_types import Body, Origin, Parameter, Scene
+from modelgen.scene.scene_types import Body, Input, Origin, Parameter, Scene
 from modelgen.scene.shapes_and_bodies import read_body
 from modelgen.scene.source_location import Place
 
@@ -32,6 +31,7 @@ class SceneReader:
         self.name, self.source, self.origin = name, source, origin
         self._written = parameters_of(origin.tables, Place(source))
         self._parameters: tuple[Parameter, ...] | None = None  # with their uses
+        self._inputs: tuple[Input, ...] = ()
         self._parts: dict[tuple[str, int], _Part] = {}
 
     def scene(self, values: Mapping[str, float]) -> Scene:
@@ -39,7 +39,10 @@ class SceneReader:
 
         Raises SceneError.
         """
-        place = with_constants(Place(self.source), self.origin.tables, values)
+        place = place_of(Place(self.source), self.origin.tables, values)
+        if place.inputs != self._inputs:  # motions start at the values of inputs
+            self._inputs = place.inputs
+            self._parts.clear()
         read = {field.key: self._value(field.key, field.type, field.default, place) for field in SCENE.fields}
         bodies: tuple[Body, ...] = tuple(body for _, body in read["body"])
         scene = scene_from_bodies(self.name, bodies, read, place)

@@ -174,6 +174,43 @@ class ContactPair:
 
 
 @dataclass(frozen=True, slots=True)
+class Input:
+    """A number that expressions use by name and that the caller of a run sets while it runs."""
+
+    name: str
+    default: float = 0.0  # until it is set
+    minimum: float | None = None
+    maximum: float | None = None
+    hold: Literal["zero", "linear"] = "zero"  # between settings: the value stays, or changes at a given rate
+    unit: str = ""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest value, infinite where there is no bound."""
+        return -inf if self.minimum is None else self.minimum, inf if self.maximum is None else self.maximum
+
+
+@dataclass(frozen=True, slots=True)
+class Measurand:
+    """A quantity of a body, of a pair that may touch, or of a joint."""
+
+    owner: Literal["body", "pair", "joint"]
+    name: str  # of the owner
+    quantity: str
+    point: Vector | None = None  # of a body, axes and origin as written, m; None: its centre of mass
+    relative_to: str | None = None  # body in whose axes it is measured; None: the world
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A result of a run under a name: a quantity, or an expression of t, inputs and other sensors."""
+
+    name: str
+    measurand: Measurand | None = None
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class ForceLoad:
     """A force at a material point, in world or body axes; expressions of t and the body's state."""
 
@@ -288,6 +325,8 @@ class Scene:
     contacts: tuple[ContactPair, ...]
     loads: tuple[Load, ...] = ()
     joints: tuple[Joint, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
     gravity: Vector = (0.0, 0.0, -9.81)  # m/s^2
     observe: tuple[str, ...] = ()  # names such as "ball.position"; empty: everything
     fold: bool = False  # numbers become constants of the generated code

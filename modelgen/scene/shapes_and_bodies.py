@@ -9,9 +9,10 @@ from typing import Any
 
 from modelgen.scene.checked_expressions import finite, triple
 from modelgen.scene.custom_solid import read_solid
+from modelgen.scene.motions import check_motion, motion_names, motion_start
 from modelgen.scene.pose_input import POSE_KEYS, read_pose
 from modelgen.scene.remarks import remark_on_density
-from modelgen.scene.scene_format import PATH_NAMES, ZERO
+from modelgen.scene.scene_format import ZERO
 from modelgen.scene.scene_types import Body, Path, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
@@ -159,9 +160,12 @@ def _is_closed(shape: Shape) -> bool:
 
 
 def _path(values: Mapping[str, Any], place: Place) -> Path:
-    position = triple(values["position"], PATH_NAMES, place.key("position"))
-    rotation = triple(values["rotation_vector"], PATH_NAMES, place.key("rotation_vector"))
-    for key, expressions in (("position", position), ("rotation_vector", rotation)):
-        for index, expression in enumerate(expressions):
-            finite(expression, {"t": 0.0}, place.key(key).item(index))
+    found = []
+    for key in ("position", "rotation_vector"):
+        at = place.key(key)
+        found.append(triple(values[key], motion_names(at), at))
+        for index, expression in enumerate(found[-1]):
+            check_motion(expression, at.item(index))
+            finite(expression, motion_start(at), at.item(index))
+    position, rotation = found
     return Path(position, rotation)

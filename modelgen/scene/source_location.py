@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
+from modelgen.scene.scene_types import Input
 
 
 class Use(NamedTuple):
@@ -35,6 +36,7 @@ class Place:
         default_factory=dict, compare=False
     )  # the parameters that a constant follows from, one itself among them
     uses: list[Use] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
+    inputs: tuple[Input, ...] = field(default=(), compare=False)  # of the scene
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -50,7 +52,9 @@ class Place:
         return self._at(self.path, label)
 
     def _at(self, path: str, label: str) -> Place:
-        return Place(self.source, path, label, self.remarks, self.constants, self.following, self.uses)
+        return Place(
+            *(self.source, path, label, self.remarks, self.constants, self.following, self.uses, self.inputs)
+        )
 
     def error(self, found: str, allowed: str = "", remedy: str = "") -> SceneError:
         return SceneError(str(self), found, allowed, remedy)

@@ -13,6 +13,7 @@ from modelgen.model import Model
 from modelgen.verification.bodies import GRAVITY, states
 from modelgen.verification.contact_sides import feature_of
 from modelgen.verification.contacts import moving_inputs, sample
+from modelgen.verification.sensors import sensor_inputs
 from modelgen.verification.sympy_evaluation import value_of
 from modelgen.verification.sympy_translation import Line, component
 from modelgen.verification.verify import (
@@ -84,8 +85,10 @@ def _random(
     from modelgen.verification.right_hand_side import random_state
 
     if role == "rhs":
-        names = ("t", "q", "u", "eta", "gravity", "parameters")
-        return dict(zip(names, random_state(model, random), strict=True))
+        of_state = ("t", "q", "u", "eta", "gravity", "parameters", "inputs")
+        return dict(zip(of_state, random_state(model, random), strict=False))
+    if role == "sensors":
+        return sensor_inputs(model, random)
     load = next(load for load in model.loads if load.kind == formula.kind)
     pose = np.concatenate([random.normal(size=3), np.eye(3).ravel()])
     return {

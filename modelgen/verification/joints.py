@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
 from modelgen.verification.findings import Finding, compared
+from modelgen.verification.input_settings import drawn_settings, with_settings
 from modelgen.verification.joint_reference import COORDINATES, differenced, frames_at, rows_of
 
 Array = np.ndarray[Any, Any]
@@ -125,13 +126,22 @@ def check_rows(function: ca.Function, kind: JointKind, drawn: Sequence[Drawn]) -
     return [*findings, *_gathered(held, [_on_the_joint(function, kind, at) for at in drawn])]
 
 
-def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
-    def rows(motions: Motions) -> tuple[Array, Array, Array]:
-        return differenced(
-            lambda h: rows_of(kind.kind, kind.motion, frames_at(motions, at.parameters, at.t, h))
-        )
+def _settings(kind: JointKind, at: Drawn) -> list[Array]:
+    """The last argument of the rows, if their motion depends on inputs."""
+    random = np.random.default_rng(int(1e6 * at.t))
+    return [drawn_settings(kind.inputs, 1, random).ravel()] if kind.inputs else []
 
-    value, flat, gamma, bias = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
+
+def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
+    settings, motion = _settings(kind, at), kind.motion
+    if settings and motion is not None:
+        motion = with_settings(motion, kind.inputs, settings[0])
+
+    def rows(motions: Motions) -> tuple[Array, Array, Array]:
+        return differenced(lambda h: rows_of(kind.kind, motion, frames_at(motions, at.parameters, at.t, h)))
+
+    found = function(at.t, *at.moving, at.parameters, *settings)
+    value, flat, gamma, bias = (np.asarray(x).ravel() for x in found)
     J = flat.reshape(-1, 12)
     wanted, first, second = rows(at.motions)
     still = tuple((pose, np.zeros(6), np.zeros(6)) for pose, _, _ in at.motions)
@@ -144,7 +154,8 @@ def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
 def _on_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
     """Beside ones, so that zero is told against the length; without the row of a given motion."""
     pose_a, twist_a, _, twist_b = at.moving
-    value = np.asarray(function(at.t, pose_a, twist_a, at.together, twist_b, at.parameters)[0]).ravel()
+    given = (at.t, pose_a, twist_a, at.together, twist_b, at.parameters, *_settings(kind, at))
+    value = np.asarray(function.call([ca.DM(each) for each in given])[0]).ravel()
     kept = value[: len(value) - (kind.motion is not None)]
     return {"value": (1.0 + kept / at.parameters[24], np.ones_like(kept))}
 

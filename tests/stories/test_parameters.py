@@ -188,7 +188,6 @@ NUMBERS: Mapping[str, tuple[str, str, str, float]] = {
     "position of a shape": (DENSE, "position = [0.02, 0.0, 0.041]", "0.041", 0.045),
     "friction": (DENSE, "friction = 0.31", "0.31", 0.21),
     "point of a profile": (SMOOTH, "[0.047, -0.012]", "0.047", 0.049),
-    "number in a chart": (PLATE, 'z = "-a*cos(v)"', "a", 0.515),
     "radius": (PLATE, "radius = 0.041", "0.041", 0.036),
     "number of a chart": (PLATE, "a = 0.52", "0.52", 0.515),
     "position of a fixed body": (PLATE, "position = [0.0, 0.0, 0.53]", "0.53", 0.525),
@@ -239,6 +238,44 @@ def test_a_run_with_another_value_is_that_of_a_scene_with_that_number(case: str)
     run = simulate(base, parameters={"number": value})
     assert_equal_runs(run, simulate(other))
     assert run.parameters == {"number": value}
+
+
+def test_expressions_of_a_shape_follow_parameters() -> None:
+    """Also by way of a constant; the shape then has a parameter of that name."""
+    text = PLATE.replace("parameters = { a = 0.52 }\n", "")
+    text = "[constants]\na = 'number/2'\n[run]\nuntil = 0.3\n" + text
+    one, two = (
+        built(f'{text}[[parameter]]\nname = "number"\nvalue = {value}\nnominal = 1.04\n')
+        for value in (1.04, 1.03)
+    )
+    assert one.manifest.kinds == built(f"[run]\nuntil = 0.3\n{PLATE}").manifest.kinds
+    assert_equal_runs(simulate(one, parameters={"number": 1.03}), simulate(two))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "values"),
+    [
+        (PLATE, "position = [0.0, 0.0, 0.53]", (0.0, 0.53)),  # of a fixed body: at the world's frame or not
+        (EGG, "center_of_mass = [0.001, 0.0, 0.002]", (0.0, 0.002)),  # at the shape's frame or not
+    ],
+)
+def test_places_that_follow_from_a_parameter_go_through_zero(
+    text: str, line: str, values: tuple[float, float]
+) -> None:
+    text = "[run]\nuntil = 0.02\n" + text.replace(line, line.rpartition("[")[0] + '[0.0, 0.0, "number"]')
+    for own, other in (values, values[::-1]):
+        one, two = (
+            built(f'{text}[[parameter]]\nname = "number"\nvalue = {value}\nnominal = 0.1\n')
+            for value in (own, other)
+        )
+        assert numbers_of(library_with(one, {"number": other})) == numbers_of(two)
+        assert one.manifest.kinds == two.manifest.kinds
+
+
+def test_the_default_of_an_input_follows_a_parameter() -> None:
+    text = GROUND + BALL + '[[input]]\nname = "wind"\ndefault = "5*a"\n' + FORCE.replace("FACTOR", "wind")
+    one, two = (built(with_table(text, 'name = "a"', f"value = {a}", "nominal = 0.1")) for a in (0.1, 0.12))
+    assert_equal_runs(simulate(one, until=0.2, parameters={"a": 0.12}), simulate(two, until=0.2))
 
 
 def with_table(text: str, *lines: str) -> str:

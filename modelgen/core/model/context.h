@@ -272,6 +272,12 @@ typedef struct {
   mg_singular_passage passage; /* singular passage */
 } mg_event_workspace;
 
+/* What sensors show the contacts and joints of. */
+typedef struct {
+  mg_real *pair;  /* [2 n_pair] least gap, m; sum of the normal forces, N */
+  mg_real *joint; /* [6 n_joint] wrench on the second body */
+} mg_sensor_workspace;
+
 /* Numbers of rows and states. */
 typedef struct {
   int joint_row_begin;            /* first row of joints */
@@ -352,6 +358,7 @@ typedef struct {
   mg_search_workspace search;
   mg_step_workspace step;
   mg_event_workspace events;
+  mg_sensor_workspace sensors;
 } mg_context;
 
 /* Two shapes of a contact kind at given poses. */

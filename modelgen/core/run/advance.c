@@ -214,18 +214,26 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
 
+/* True if the list has room for the events of a step. */
+static int mg_has_event_room(const mg_context *c, const mg_events *events) {
+  return events->count + 4 * c->system->n_contact + 2 <= events->capacity;
+}
+
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop;
   mg_evaluate_run_state(&c);
+  if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
+  const int refused = mg_apply_inputs(&c, events);
+  if (refused) return refused;
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
-    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_LIST_FULL;
+    if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
     const int last = h >= left * (1 - 8 * MG_EPS);

@@ -5,8 +5,6 @@
 #include "model/model.h"
 #include "timestep/timestep.h"
 
-enum { MG_JOINT_ROWS = 6 }; /* most rows of a joint */
-
 /* Largest magnitude of n values and `size`; MG_MAX if one is not finite. */
 static mg_real mg_largest_magnitude(const mg_real *values, int n, mg_real size) {
   for (int i = 0; i < n; i++) {
@@ -32,8 +30,8 @@ static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
 static mg_real mg_driven_path_magnitude(const mg_context *c, int body, mg_real t) {
   mg_real place[24] = {0};
   if (!mg_is_driven_body(c->system, body)) return 0;
-  c->kernels->body_path(mg_body_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body], place,
-                        place + 12, place + 18);
+  c->kernels->body_path(mg_body_kind_of(c, body), &t, c->system->parameters + c->system->body_parameters[body],
+                        c->run->input, place, place + 12, place + 18);
   return mg_largest_magnitude(place, 24, 0);
 }
 
@@ -41,12 +39,12 @@ static mg_real mg_driven_path_magnitude(const mg_context *c, int body, mg_real t
 static mg_real mg_joint_motion_magnitude(const mg_context *c, int joint, mg_real t) {
   const mg_system *s = c->system;
   const int kind = s->joint_kind[joint], a = s->joint_a[joint], b = s->joint_b[joint];
-  mg_real row[3 * MG_JOINT_ROWS] = {0}, J[12 * MG_JOINT_ROWS];
+  mg_real row[3 * MG_JOINT_ROWS_MAX] = {0}, J[12 * MG_JOINT_ROWS_MAX];
   if (!c->kernels->joint_kinds[kind].prescribed) return 0;
   c->kernels->joint_rows(kind, &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a, c->bodies.pose + 12 * b,
-                         c->bodies.twist + 6 * b, s->parameters + s->joint_parameters[joint], row, J,
-                         row + MG_JOINT_ROWS, row + 2 * MG_JOINT_ROWS);
-  return mg_largest_magnitude(row, 3 * MG_JOINT_ROWS, 0);
+                         c->bodies.twist + 6 * b, s->parameters + s->joint_parameters[joint], c->run->input, row, J,
+                         row + MG_JOINT_ROWS_MAX, row + 2 * MG_JOINT_ROWS_MAX);
+  return mg_largest_magnitude(row, 3 * MG_JOINT_ROWS_MAX, 0);
 }
 
 /* Largest value of a function of time at t, MG_MAX if one is not finite; loads, bodies and joints are numbered in

@@ -29,6 +29,7 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
+    *("n_input", "sensor_parameters"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -58,8 +59,10 @@ SYSTEM_INDICES = (
         "friction_row",
         "friction_body",
     ),
+    "input_is_linear",
 )
 SYSTEM_REALS = (
+    "input_range",
     *("mass_inverse", "restitution", "parameters", "numbers"),
     *(
         "friction_static",
@@ -140,7 +143,7 @@ RUN_ARRAYS = (
         "patch_slip_direction",
         "reference_force",
     ),
-    *("force", "margin", "rolling_start", "tilt_direction"),
+    *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),
 )
 RUN_COUNTS = (
     "steps",
@@ -258,6 +261,14 @@ class Tables:
             "Events",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
         )
+        self.Controller = structure(
+            "Controller",
+            [
+                *[("call", pointer), ("data", pointer), ("period", real), ("start", real)],
+                *[("calls", ctypes.c_long), ("sensors", pointer), ("command", pointer)],
+            ],
+        )
+        self.Control = ctypes.CFUNCTYPE(None, pointer, real, pointer, pointer)
         self.Queries = _queries(real)
         self.MinimaQueries = structure(
             "MinimaQueries",
@@ -308,9 +319,17 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
+    of_inputs = len(instance["inputs"]), append(parameters, instance["sensors"]["parameters"])
     constraints = FrictionTables(instance)
-    integers |= constraints.integers
-    reals = _reals(instance) | {"parameters": parameters, "numbers": sides.numbers} | constraints.reals
+    integers |= constraints.integers | {
+        "input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]
+    }
+    reals = (
+        _reals(instance)
+        | {"input_range": _input_ranges(tables, instance)}
+        | {"parameters": parameters, "numbers": sides.numbers}
+        | constraints.reals
+    )
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
@@ -318,7 +337,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
-    counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows
+    of_searches = trees, cell_capacity(trees)
+    counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, *of_inputs
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
@@ -391,6 +411,17 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
             for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
         ],
     }
+
+
+def _input_ranges(tables: Tables, instance: Mapping[str, Any]) -> list[float]:
+    """Least and largest value of each input; the largest number where there is no bound."""
+    most = float(np.finfo(tables.dtype).max)
+    ends = [(each["minimum"], each["maximum"]) for each in instance["inputs"]]
+    return [
+        value
+        for low, high in ends
+        for value in (-most if low is None else low, most if high is None else high)
+    ]
 
 
 def _room(manifest: Manifest) -> int:

@@ -118,6 +118,7 @@ def _sizes_of_run(
         "force": m,
         "margin": m,
         "tilt_direction": 3 * n_contact + 3,
+        **dict.fromkeys(("input", "applied_input"), 3 * len(instance["inputs"]) + 1),
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
