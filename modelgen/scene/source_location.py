@@ -74,8 +74,8 @@ class Place:
         if followed and names:
             raise self.error(
                 f"in {describe(text)}: the parameter {followed[0]!r} in an expression of {' '.join(names)}",
-                "parameters are allowed in numbers; such an expression is compiled",
-                "write a number or a constant in its place",
+                "parameters are allowed in numbers and shapes; such an expression is compiled",
+                f'name an [[input]] with default = "{followed[0]}", and use that',
             )
         self.note(followed)
         return expression

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from modelgen import build, derive, emit, normal_rates, record_of, require, simu
 from modelgen.codegen.library import Library
 from modelgen.codegen.parameter_values import library_with
 from modelgen.errors import ModelgenError, SceneError, SimulationError
+from modelgen.runtime.simulation import start
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.assemble import with_form
 from modelgen.scene.python_scenes import dynamic, fixed, plane, sphere
@@ -343,7 +345,7 @@ MISTAKES: Mapping[str, tuple[str, list[str]]] = {
     ),
     "in an expression of t": (
         with_table(GROUND + BALL + FORCE.replace("FACTOR", "a"), *A),
-        ["force[0].force[0]", "the parameter 'a' in an expression of t x"],
+        ["force[0].force[0]", "the parameter 'a' in an expression of t x", '[[input]] with default = "a"'],
     ),
     "a constant of it in an expression of t": (
         with_table("[constants]\nb = '2*a'\n" + GROUND + BALL + FORCE.replace("FACTOR", "b"), *A),
@@ -490,6 +492,50 @@ def test_the_record_of_a_run_has_the_shapes_of_its_values() -> None:
     assert mine.keys() == its.keys()
     assert mine
     assert all(np.array_equal(mine[key], its[key]) for key in mine)
+
+
+def test_a_driven_run_takes_values() -> None:
+    library, other = built(with_parameter("mass")), built(with_parameter("mass", 1.37))
+    mine, its = start(library, parameters={"number": 1.37}), start(other)
+    for t in (0.1, 0.25):
+        assert mine.step(t) == its.step(t)
+        assert np.array_equal(mine.state, its.state)
+
+
+def test_values_from_the_command_line(modelgen: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, value in (("one", None), ("two", 1.37)):
+        text = with_parameter("mass", value).replace("value", 'unit = "kg"\nmaximum = 2.0\nvalue')
+        Path(f"{name}.toml").write_text(text, encoding="utf-8")
+    mine = modelgen("simulate", "one.toml", "--set", "number=2.74/2", "--json").json
+    its = modelgen("simulate", "two.toml", "--json").json
+    assert mine["parameters"] == its["parameters"] == {"number": 1.37}
+    assert mine["final"] == its["final"]
+    assert "parameters: number = 1.37" in modelgen("simulate", "one.toml", "--set", "number=1.37").out
+    (told,) = modelgen("check", "one.toml", "--brief", "--json").json["parameters"]
+    assert told["uses"] == ["body[1].mass (body 'egg')"]
+    text = modelgen("check", "one.toml", "--brief").out
+    assert re.search(r"number +1.2 +1.2 +\.\.2 +kg +body\[1\]\.mass", text)
+
+
+@pytest.mark.parametrize(
+    ("texts", "told"),
+    [
+        (["numbr=1"], "did you mean 'number'?"),
+        (["number"], "write --set mass=1.2"),
+        (["number=x"], "unknown name 'x'"),
+        (["number=1", "number=2"], "a second value of 'number'"),
+        (["number=-1"], "refused by"),
+    ],
+)
+def test_wrong_values_on_the_command_line(
+    texts: list[str], told: str, modelgen: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("one.toml").write_text(with_parameter("mass"), encoding="utf-8")
+    refused = modelgen("simulate", "one.toml", *(part for text in texts for part in ("--set", text)))
+    assert refused.code == 2
+    assert told in refused.err
 
 
 def test_a_batch_takes_values() -> None:
