@@ -113,8 +113,7 @@ def require(scene: Scene, scales: Scales | None = None, known: Model | None = No
     check_observed(scene, names)
     part, dropped = influencing(replace(scene, observe=watched(scene)), names)
     if scales is None and scene.nominal is not None:
-        nominal, _ = influencing(replace(scene.nominal, observe=watched(scene)), names)
-        scales = _scales(nominal, _pieces(nominal))
+        scales = _scales_at(replace(scene.nominal, observe=watched(scene)))
     pieces = _pieces(part)
     touching = None if known is None else _taken_over(part, pieces, known)
     return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
@@ -159,6 +158,12 @@ def _model(
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
         warnings=(*scene.remarks, *touching.warnings),
     )
+
+
+def _scales_at(scene: Scene) -> Scales:
+    """The scales of a scene of which nothing else is needed."""
+    part, _ = influencing(scene, contact_names(scene))
+    return _scales(part, _pieces(part))
 
 
 def _scales(scene: Scene, pieces: Sequence[Piece]) -> Scales:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from modelgen import build, derive, emit, normal_rates, record_of, require, simulate, simulate_batch
+from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.codegen.library import Library
 from modelgen.codegen.parameter_values import library_with
 from modelgen.errors import ModelgenError, SceneError, SimulationError
@@ -565,3 +566,12 @@ def test_the_scales_are_those_of_the_nominal_values(case: str) -> None:
     assert library_with(built(plain), {"number": value}).manifest.instance["scales"] == {
         "length": nominal.length, "mass": nominal.mass, "time": nominal.time
     }  # fmt: skip
+
+
+def test_a_scene_in_other_units_has_its_nominal_values_in_them() -> None:
+    scene = read_text(with_parameter("semi-axis", 0.085), "scene.toml")
+    scales, units = require(scene).scales, Units(length=10.0, mass=3.0, time=7.0)
+    other = require(in_units(scene, units)).scales
+    assert (other.length, other.mass, other.time) == pytest.approx(
+        (10.0 * scales.length, 3.0 * scales.mass, 7.0 * scales.time), rel=1e-12
+    )
