@@ -15,6 +15,7 @@ from itertools import accumulate
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.contact_inputs import contact_inputs, contact_inputs_of
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
@@ -49,6 +50,7 @@ from modelgen.model import (
     Model,
     PairEntry,
     PatchEntry,
+    Scales,
     Search,
     ShapeKind,
 )
@@ -85,8 +87,11 @@ class Touching:
     pairs: tuple[PairEntry, ...]
     feature_pairs: tuple[FeaturePairEntry, ...]
     contacts: tuple[ContactEntry, ...]
-    faces: tuple[FaceEntry, ...] = ()
-    patches: tuple[PatchEntry, ...] = ()
+    faces: tuple[FaceEntry, ...]
+    patches: tuple[PatchEntry, ...]
+    shape_kinds: tuple[ShapeKind, ...]
+    contact_kinds: tuple[ContactKind, ...]
+    warnings: tuple[str, ...]  # on the shapes
 
     @property
     def n_eta(self) -> int:
@@ -94,8 +99,11 @@ class Touching:
         return sum(entry.room for entry in self.contacts)
 
 
-def require(scene: Scene) -> Model:
+def require(scene: Scene, scales: Scales | None = None, known: Model | None = None) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
+
+    `scales` are those at the nominal values of the scene's parameters, where they are known; `known` is a
+    model of the scene with other values, whose contacts are taken over where they follow from none.
 
     Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
     or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
@@ -104,25 +112,32 @@ def require(scene: Scene) -> Model:
     names = contact_names(scene)
     check_observed(scene, names)
     part, dropped = influencing(replace(scene, observe=watched(scene)), names)
-    return _model(part, scene, dropped)
+    if scales is None and scene.nominal is not None:
+        scales = _scales_at(replace(scene.nominal, observe=watched(scene)))
+    pieces = _pieces(part)
+    touching = None if known is None else _taken_over(part, pieces, known)
+    return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
 
 
-def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
+def _model(
+    scene: Scene,
+    pieces: Sequence[Piece],
+    touching: Touching,
+    whole: Scene,
+    dropped: Sequence[str],
+    scales: Scales | None,
+) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
-    pairs = pairs_by_body(scene)
-    pieces = tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
-    warnings = (*scene.remarks, *soundness(scene))
-    body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
-    touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
-    scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+    body_kinds = KindList[BodyKind]()
+    scales = scales or _scales(scene, pieces)
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
         whole=whole,
         bodies=_body_entries(scene, pieces, body_kinds),
-        shape_kinds=shape_kinds.kinds,
+        shape_kinds=touching.shape_kinds,
         body_kinds=body_kinds.kinds,
-        contact_kinds=contact_kinds.kinds,
+        contact_kinds=touching.contact_kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
@@ -141,13 +156,28 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
-        warnings=warnings,
+        warnings=(*scene.remarks, *touching.warnings),
     )
+
+
+def _scales_at(scene: Scene) -> Scales:
+    """The scales of a scene of which nothing else is needed."""
+    part, _ = influencing(scene, contact_names(scene))
+    return _scales(part, _pieces(part))
+
+
+def _scales(scene: Scene, pieces: Sequence[Piece]) -> Scales:
+    return scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
 
 
 def eta_size(kind: ContactKind) -> int:
     """Number of entries of eta of one contact of this kind."""
     return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
+
+
+def _pieces(scene: Scene) -> tuple[Piece, ...]:
+    pairs = pairs_by_body(scene)
+    return tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
 
 
 def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:
@@ -191,13 +221,21 @@ def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[Body
     return BodyEntry(name, kind, q, u, () if scene.fold else numbers, inverse, mass.centre)
 
 
-def _touching(
-    scene: Scene,
-    pieces: Sequence[Piece],
-    shapes: KindList[ShapeKind],
-    kinds: KindList[ContactKind],
-) -> Touching:
+def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
+    """The contacts of another model of the scene, where they are the same in this one."""
+    motions, centres = [piece.motion for piece in pieces], [piece.centre for piece in pieces]
+    if contact_inputs(scene, motions, centres) != contact_inputs_of(known):
+        return None
+    return Touching(
+        known.pairs, known.feature_pairs, known.contacts, known.faces, known.patches,
+        known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :],
+    )  # fmt: skip
+
+
+def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
+    warnings = soundness(scene)
+    shapes, kinds = KindList[ShapeKind](), KindList[ContactKind]()
     faces, shown, wholes = Faces(shapes), [], Wholes(scene, pieces)
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
@@ -238,8 +276,9 @@ def _touching(
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
     patches = unions.patches(shown)
     return Touching(
-        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches
-    )
+        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches,
+        shapes.kinds, kinds.kinds, warnings,
+    )  # fmt: skip
 
 
 def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
@@ -287,7 +326,7 @@ class Wholes:
             body = find_body(self.scene, partner[0], where)
             piece = self.pieces[body]
             shape = find_shape(piece.body, partner[1], where)
-            at_world = piece.body.pose.is_identity and not piece.body.repeated
+            at_world = piece.body.pose.is_identity and not (piece.body.repeated or piece.body.placed)
             owner = Owner(body, piece.motion, at_world, piece.centre, self.scene.fold)
             self._known[partner] = Whole(owner, shape)
         return self._known[partner]

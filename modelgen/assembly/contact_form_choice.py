@@ -39,7 +39,7 @@ class Partner:
     @cached_property
     def side(self) -> Side:
         moved = self.shape.pose.position != self.owner.centre or not self._is_straight
-        placed = moved or self.shape.repeated
+        placed = moved or self.shape.repeated or self.shape.placed
         return Side(
             self.kind,
             self.owner.motion,

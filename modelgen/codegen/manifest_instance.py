@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
+from modelgen.assembly.contact_inputs import contact_inputs_of
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
@@ -35,7 +36,8 @@ from modelgen.model import (
     Side,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.scene.scene_types import Shape
+from modelgen.scene.reading_again import SceneReader
+from modelgen.scene.scene_types import Scene, Shape
 from modelgen.sensing import sensor_names, sensor_parameters
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
@@ -192,18 +194,18 @@ def _finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def instance_of(model: Model) -> dict[str, Any]:
-    """The scene as tables that refer to the kinds by number."""
-    scene, shapes = model.scene, _Shapes(model)
+def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None) -> dict[str, Any]:
+    """The scene as tables that refer to the kinds by number.
+
+    `known`: another model with its instance, whose tables of contacts are taken over where the model has
+    the same entries.
+    """
+    scene = model.scene
     return {
         "name": scene.name,
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
-        "pairs": [_pair(entry) for entry in model.pairs],
-        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
-        "contacts": [asdict(entry) for entry in model.contacts],
-        "faces": [face_table(model, entry) for entry in model.faces],
-        "patches": [patch_table(entry) for entry in model.patches],
+        **(_contacts(model) if known is None else _contacts_like(model, *known)),
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -222,8 +224,50 @@ def instance_of(model: Model) -> dict[str, Any]:
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
         "warnings": list(model.warnings),
-        "unlisted": unlisted_of(model),
         "run": scene.run.said(),
+    }
+
+
+CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted")
+
+
+def _contacts(model: Model) -> dict[str, Any]:
+    """The tables that follow from shapes, their places about the centres of mass, and contact pairs."""
+    shapes = _Shapes(model)
+    return {
+        "pairs": [_pair(entry) for entry in model.pairs],
+        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
+        "contacts": [asdict(entry) for entry in model.contacts],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
+        "unlisted": unlisted_of(model),
+    }
+
+
+def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[str, Any]:
+    """The same, taken over from another model where that has the same contacts and joined bodies."""
+    joined = [[(joint.a, joint.b) for joint in each.joints] for each in (model, other)]
+    if joined[0] == joined[1] and contact_inputs_of(model) == contact_inputs_of(other):
+        return {key: known[key] for key in CONTACTS}
+    return _contacts(model)
+
+
+def parameters_of(scene: Scene) -> dict[str, Any]:
+    """The parameters of a scene that has some, and the tables that it can be read from again, for its
+    instance.
+
+    The latter are None of a scene that was changed since it was read.
+    """
+    if not scene.parameters:
+        return {}
+    origin = scene.origin
+    if origin is not None:
+        values = {each.name: each.value for each in scene.parameters}
+        again = SceneReader(scene.name, scene.source, origin).scene(values)
+        origin = origin if again == replace(scene, nominal=None) else None
+    return {
+        "parameters": [asdict(each) for each in scene.parameters],
+        "origin": origin and {"tables": origin.tables, "form": origin.form},
     }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import casadi as ca
 
 from modelgen.dynamics.inputs import input_argument, input_values
@@ -31,6 +33,7 @@ def values_of(kind: JointKind, m: Meeting, numbers: ca.SX, settings: dict[str, c
     return ca.vertcat(ca.SX(0, 1), *rows)
 
 
+@lru_cache(maxsize=256)
 def row_count(kind: JointKind) -> int:
     """Number of rows of a joint of this kind."""
     return int(values_of(kind, meeting(), numbers_of(kind.kind), input_argument(kind.inputs)).numel())

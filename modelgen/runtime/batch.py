@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_span
+from modelgen.runtime.arguments import check_span, with_parameters
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import RUN_ARRAYS, Array, address
@@ -30,7 +31,13 @@ class Batch:
 
 
 def simulate_batch(
-    library: Library, q: Array, u: Array, *, until: float, accuracy: Accuracy | str | None = None
+    library: Library,
+    q: Array,
+    u: Array,
+    *,
+    until: float,
+    accuracy: Accuracy | str | None = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> Batch:
     """Run one scene from n starts.
 
@@ -40,12 +47,14 @@ def simulate_batch(
         u: (n, n_u) velocities (m/s, world; rad/s, body axes).
         until: end time, s.
         accuracy: as for `simulate`; `balanced` when None.
+        parameters: as for `simulate`, the same in all runs.
 
     Raises:
         SimulationError: the shapes do not fit, or a start interpenetrates; names the run and the contact.
     """
     expect("simulate_batch", library, Library)
     check_span("until", until, "give the end of the runs")
+    library = with_parameters(library, parameters)
     session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
     n_q, n_u = session.instance["n_q"], session.instance["n_u"]
     starts = np.concatenate(_as_many(_checked("q", q, n_q), _checked("u", u, n_u)), axis=1)

@@ -9,7 +9,7 @@ from typing import Unpack
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords
+from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.controllers import ControlFunction, Controller
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
@@ -20,13 +20,14 @@ from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 STEPS = 1_000_000  # in one call of the core
-START_KEYWORDS = ("inputs", "accuracy", *STEPPING)  # of `start`
+START_KEYWORDS = ("inputs", "parameters", "accuracy", *STEPPING)  # of `start`
 
 
 def start(
     library: Library,
     *,
     inputs: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
     accuracy: Accuracy | str | None = None,
     **stepping: Unpack[Stepping],
 ) -> Simulation:
@@ -35,14 +36,17 @@ def start(
     Args:
         library: what `build` returned.
         inputs: values of inputs at t = 0, by name; the scene's defaults for the others.
+        parameters: values of parameters of the scene by name; others keep the scene's own.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Raises:
-        ModelgenError: what is given is no library, or the start, an input or a setting is refused.
+        ModelgenError: what is given is no library, or the start, an input, a parameter or a setting is
+            refused.
     """
     expect("start", library, Library)
     check_keywords("start", stepping, START_KEYWORDS)
+    library = with_parameters(library, parameters)
     session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
     simulation = Simulation(session)
     simulation.inputs.update(inputs or {})

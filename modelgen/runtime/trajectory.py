@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Literal, get_args
 
@@ -176,6 +177,7 @@ class Trajectory:
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
     doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
+    parameters: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
 
     @property
     def position_error(self) -> Array:
@@ -231,6 +233,7 @@ class Trajectory:
         last = len(self.t) - 1
         return {
             "scene": self.scene,
+            "parameters": dict(self.parameters),
             "t_end": self.t_end,
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,

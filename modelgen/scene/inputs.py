@@ -44,9 +44,10 @@ def inputs_of(read: tuple[tuple[Place, Mapping[str, Any]], ...], scene: Place) -
     for place, values in read:
         each = Input(**values)
         if each.name in found or each.name in scene.constants:
-            other = "input" if each.name in found else "constant"
+            named = "parameter" if each.name in scene.following.get(each.name, ()) else "constant"
+            other = "another input" if each.name in found else f"a {named}"
             raise place.key("name").error(
-                f"the name {each.name!r}, which is that of another {other}", "", "give it a name of its own"
+                f"the name {each.name!r}, which is that of {other}", "", "give it a name of its own"
             )
         _check_range(each, place)
         found[each.name] = each

@@ -12,6 +12,7 @@ from modelgen.scene.inertia import Inertia
 from modelgen.scene.inputs import INPUTS
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.parameters import PARAMETERS
 from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
@@ -216,6 +217,7 @@ SCENE = Table(
         Field("actuator", ACTUATORS, "forces along the coordinates of joints", default=()),
         Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
         Field("constants", NAMED, "named numbers that expressions may use", default=()),
+        Field("parameter", PARAMETERS, "named numbers that runs may change", default=()),
         Field("input", INPUTS, "numbers that expressions may use and that are set during a run", default=()),
         Field("sensor", SENSORS, "what is measured during a run, by name", default=()),
         Field(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any, Literal
 
@@ -74,6 +75,7 @@ class Shape:
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
     outline: Outline | None = None  # of pieces
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its place about the centre of mass follows from a parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +135,7 @@ class Body:
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
     normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its pose follows from a parameter
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 
@@ -298,7 +301,30 @@ class RunSettings:
 
     def said(self) -> dict[str, Any]:
         """The settings as a table; of what may be left open, only what the scene says."""
-        return {key: value for key, value in asdict(self).items() if key == "tolerance" or value is not None}
+        table = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {key: value for key, value in table.items() if key == "tolerance" or value is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A named number of a scene that runs may change."""
+
+    name: str
+    value: float
+    nominal: float  # at which the characteristic length, mass and time are taken
+    minimum: float | None = None
+    maximum: float | None = None
+    unit: str = ""
+    doc: str = ""
+    uses: tuple[str, ...] = ()  # places of the scene whose numbers follow from it
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The plain tables that a scene was read from, and the form that was forced on its contacts."""
+
+    tables: Mapping[str, Any]
+    form: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,3 +343,6 @@ class Scene:
     fold: bool = False  # numbers become constants of the generated code
     run: RunSettings = field(default_factory=RunSettings)
     remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words
+    parameters: tuple[Parameter, ...] = ()
+    nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
+    origin: Origin | None = field(default=None, compare=False, repr=False)  # of a scene with parameters

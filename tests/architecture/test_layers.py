@@ -34,6 +34,7 @@ NUMERIC_SIDE = (
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",
     "modelgen.codegen.amalgamation",
+    "modelgen.codegen.parameter_values",  # reads a scene again, loaded where a run asks for it
 )
 
 ENTRY = "modelgen.__main__"
