@@ -15,8 +15,9 @@
    run->failed_joint then say where. mg_batch does this for many runs of one system.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
-   nothing. Arrays of an mg_system and an mg_settings are read only. The scratch memory belongs to one run from mg_begin
-   on: mg_advance finds there what the previous call left.
+   nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
+   memory belongs to no run: runs of systems of equal sizes may take turns on it. It keeps bounds of shapes from one
+   search to the next, which are made anew where the shapes are others; no result depends on what it holds.
 
    Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
    independent if they share nothing but an mg_system and an mg_settings.
@@ -43,7 +44,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 14 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 15 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -111,6 +112,8 @@ typedef struct {
   int n_cell;                /* room for the cells of all trees */
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
+  int n_parameters;          /* length of parameters */
+  int n_numbers;             /* length of numbers */
 
   const int *body_kind;       /* [n_body] body kind of the library */
   const int *body_q;          /* [n_body] offset into q */
@@ -180,14 +183,15 @@ typedef struct {
   const int *friction_row;  /* [n_friction] its first row, counted from the contact's first friction row */
   const int *friction_body; /* [n_friction] body in whose axes friction_direction is, or -1: isotropic */
 
-  const mg_real *mass_inverse;     /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
-                                      zeros for bodies that forces do not move */
-  const mg_real *restitution;      /* [n_contact] coefficient of restitution of impact_law, 0..1 */
-  const mg_real *parameters;       /* parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
-  const mg_real *numbers;          /* numbers of features, conditions, patches and arcs */
-  const mg_real *friction_static;  /* [2 n_friction] static coefficients along the direction and across it; 1 for
-                                      slip, m for spin and rolling */
-  const mg_real *friction_kinetic; /* [2 n_friction] the same, kinetic */
+  const mg_real *mass_inverse; /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
+                                  zeros for bodies that forces do not move */
+  const mg_real *restitution;  /* [n_contact] coefficient of restitution of impact_law, 0..1 */
+  const mg_real
+      *parameters; /* [n_parameters] parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
+  const mg_real *numbers;            /* [n_numbers] numbers of features, conditions, patches and arcs */
+  const mg_real *friction_static;    /* [2 n_friction] static coefficients along the direction and across it; 1 for
+                                        slip, m for spin and rolling */
+  const mg_real *friction_kinetic;   /* [2 n_friction] the same, kinetic */
   const mg_real *friction_direction; /* [3 n_friction] principal direction of anisotropic friction, axes of
                                         friction_body */
   const mg_real *patch_friction;     /* [2 n_patch] static and kinetic coefficient; 0 without friction */
@@ -385,6 +389,12 @@ typedef struct {
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
   mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                                     along the plane and out of the hull, unit vector */
+  mg_real *search_bound;         /* [n_cell_tree] bound up to which the unbounded coordinates of the features of a tree
+                                    have been searched for closest points */
+  mg_real *joint_independence_max; /* [n_joint] largest product of the independence of its rows so far, 0..1 */
+  mg_real *joint_response;         /* [12 n_joint_row] M^-1 J^T at the last accepted step */
+  int *joint_row_independent;      /* [n_joint_row] 1: independent of the rows before it at the last accepted step */
+  int *joint_row_ever_independent; /* [n_joint_row] 1: the same at any accepted step so far */
 
   long steps;                /* accepted steps */
   long rejected;             /* rejected steps */
@@ -590,6 +600,31 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
    often as needed; no samples are taken. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* What mg_load found. */
+enum {
+  MG_LOADED = 0,              /* the run has been loaded; with any other code it is as it was */
+  MG_LOAD_NO_CHECKPOINT = 1,  /* the bytes are no checkpoint, or one of a machine with another order of bytes */
+  MG_LOAD_OTHER_ABI = 2,      /* saved with another MG_ABI */
+  MG_LOAD_OTHER_REAL = 3,     /* saved with another mg_real */
+  MG_LOAD_OTHER_LIBRARY = 4,  /* saved with a library of another content hash */
+  MG_LOAD_OTHER_SIZES = 5,    /* saved of a system of other sizes: numbers of bodies, contacts, .. */
+  MG_LOAD_OTHER_TABLES = 6,   /* saved of a system with other tables: indices, parameters, masses, friction, .. */
+  MG_LOAD_OTHER_SETTINGS = 7, /* saved with other settings */
+  MG_LOAD_DAMAGED = 8         /* bytes are missing, or are not those that were saved */
+};
+
+/* Length in bytes of a checkpoint of a run of this system. */
+MG_API long mg_save_size(const mg_system *system);
+
+/* Saves the state of a run between two calls, mg_save_size bytes. A run into which it is loaded goes on bit for bit as
+   this one. System and settings are not saved; their digests are, so that mg_load can compare them. */
+MG_API void mg_save(const mg_system *system, const mg_settings *settings, const mg_run *run, unsigned char *bytes);
+
+/* Loads `length` bytes that mg_save wrote into a run, whose pointers are set and which need not have begun. Returns
+   MG_LOADED or what differs. */
+MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run *run, const unsigned char *bytes,
+                   long length);
 
 /* Takes n steps of RK4 of settings->step with a fixed active set: no events, no projection, no diagnostics. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,

@@ -94,7 +94,7 @@ def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], d
     runs = (session.tables.Run * n)()
     columns: dict[str, Array] = {"x": x, "feature_pair": np.full((n, m), -1, dtype=np.intc)}
     for name in RUN_ARRAYS:
-        like = getattr(session, name)
+        like = session.run_arrays[name]
         columns.setdefault(name, np.zeros((n, len(like)), dtype=like.dtype))
     for index, run in enumerate(runs):
         for name, array in columns.items():

@@ -10,6 +10,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE
+from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.tables.ctypes_structures import (
     EVENT_ARRAYS,
@@ -47,14 +48,11 @@ class Session:
         integers, integer_at = shared.integers.zeros(INTEGER)
         arrays, at = reals | integers, real_at | integer_at
         self._placed = {at[name]: array for name, array in arrays.items()}
+        self.run_arrays = {name: arrays[name] for name in RUN_ARRAYS}
         self.x, self.force, self.margin = reals["x"], reals["force"], reals["margin"]
-        self.point, self.reference_force = reals["point"], reals["reference_force"]
-        self.slip_direction, self.tilt_direction = reals["slip_direction"], reals["tilt_direction"]
-        self.patch_slip_direction = reals["patch_slip_direction"]
-        self.moved_since_search, self.unfollowed_gap = reals["moved_since_search"], reals["unfollowed_gap"]
+        self.tilt_direction, self.rolling_start = reals["tilt_direction"], integers["rolling_start"]
         self.closed, self.active = integers["closed"], integers["active"]
-        self.friction_mode, self.patch_mode = integers["friction_mode"], integers["patch_mode"]
-        self.rolling_start, self.feature_pair = integers["rolling_start"], integers["feature_pair"]
+        self.friction_mode, self.feature_pair = integers["friction_mode"], integers["feature_pair"]
         self.x[:], self.feature_pair[:] = shared.start, -1
         self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
         of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
@@ -108,6 +106,20 @@ class Session:
             self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
         )
         return self.start_code
+
+    def save(self) -> bytes:
+        """The whole state of the run. A session of the same library and settings into which it is loaded goes
+        on bit for bit as this one would. Events that were not drained are not part of it."""
+        return checkpoint.save(self.library.cdll, self._head, self.shared.checkpoint_size)
+
+    def load(self, state: bytes) -> None:
+        """Go to a saved state; the session need not have begun. Its undrained events are dropped.
+
+        Raises SimulationError where the bytes are not what `save` returned for the same library and
+        settings; it says what differs. The run then is as it was.
+        """
+        checkpoint.load(self.library.cdll, self._head, state)
+        self.events.count = self.start_code = 0
 
     def ranks(self) -> list[int]:
         """How many rows of each joint are independent of those of the joints before it."""

@@ -1,6 +1,7 @@
 /* The start of a run (mg_begin): closest points, closed contacts, assembly of the joints, first impacts and
    contact modes. Writes the state, contacts and statistics of the run. */
 #include "run/run.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "closest/closest.h"
 #include "forces/forces.h"
@@ -90,6 +91,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   for (int i = 0; i < system->n_friction; i++)
     run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c.layout.work_state] = 0;
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);

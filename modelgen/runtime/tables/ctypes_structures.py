@@ -29,6 +29,7 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
+    *("n_parameters", "n_numbers"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -141,6 +142,8 @@ RUN_ARRAYS = (
         "reference_force",
     ),
     *("force", "margin", "rolling_start", "tilt_direction"),
+    *("search_bound", "joint_independence_max", "joint_response"),
+    *("joint_row_independent", "joint_row_ever_independent"),
 )
 RUN_COUNTS = (
     "steps",
@@ -319,7 +322,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
     counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows
-    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
+    pools = len(parameters), len(sides.numbers)
+    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*instance["gravity"])
