@@ -405,7 +405,6 @@ typedef struct {
   long progress_tries;       /* steps and rejected when progress was last checked */
   long progress_rejected;    /* rejected when progress was last checked */
   long fallbacks;            /* how often the run has fallen back on time-stepping */
-  long fallback_steps_left;  /* steps left of the present fallback */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
   long chatters;             /* how often the run went on by time-stepping because its events cost too much */
   long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
@@ -437,6 +436,7 @@ typedef struct {
   mg_real fallback_end;        /* end of the last fallback, s */
   mg_real fallback_time;       /* duration of all fallbacks, s */
   mg_real fallback_step;       /* step of the present fallback, s */
+  mg_real fallback_left;       /* time left of the present fallback, s; 0: none */
   mg_real event_work;          /* work of events beyond what time-stepping would have cost, evaluations of a contact */
   mg_real event_work_t;        /* t when event_work was last updated, s */
   mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */

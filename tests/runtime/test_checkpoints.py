@@ -7,8 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -16,23 +14,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, derive, emit, read, require
-from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
+from modelgen import Accuracy, read
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.runtime.c_program import driver_text
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
 from tests.running import NAMES, SCENES, library_of, scene_of
+from tests.runtime.c_programs import needs_c, program_of
 
 HERE = Path(__file__).parent
 PER_SCENE = 6  # with 40 scenes, more than 200 instants
 LONGEST = 1.0  # s: how much of a run is sampled
 AHEAD = 12  # accepted steps that are compared after an instant
 STEPPING = Accuracy(method="time-stepping", step=2e-3)
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-
-needs_c = pytest.mark.skipif(CC is None, reason="needs a C compiler")
 
 
 def begun(library: Library, accuracy: Accuracy) -> Session:
@@ -109,7 +103,7 @@ def kinds_of(session: Session) -> set[str]:
         "sticking": (session.run_arrays["friction_mode"] == 1).any(),
         "slipping": (session.run_arrays["friction_mode"] == 4).any(),
         "flat": (session.feature_pair[session.n_shown : session.n_contact] >= 0).any(),
-        "time-stepping": session.settings.method == 2 or run.fallback_steps_left > 0,
+        "time-stepping": session.settings.method == 2 or run.fallback_left > 0,
         "event": run.t == run.t_event and run.t > 0,
         "joints": bool(session.joints),
         "searched": session.system.n_cell_tree > 0,
@@ -125,7 +119,7 @@ def test_the_instants_are_of_every_kind() -> None:
     assert min(counts.values()) >= 4, counts
 
 
-@pytest.mark.parametrize("name", ["cube_toss", "gears", "four_bar"])
+@pytest.mark.parametrize("name", ["cube_toss", "gears", "four_bar", "sliding_puck", "brake_shoe"])
 def test_the_scratch_memory_holds_nothing_of_a_run(name: str) -> None:
     """A run is the same when what its scratch memory holds is replaced between calls, by noise and by what
     another run of the scene left."""
@@ -229,31 +223,6 @@ int main(int argc, char **argv) {{
 """
 
 
-@cache
-def c_library(name: str) -> Library:
-    return scene_of(name)
-
-
-def c_program(name: str, folder: Path) -> Callable[..., int]:
-    """A C program of a scene that begins or loads, goes on, and saves; it returns its exit code."""
-    library = c_library(name)
-    text = driver_text(library, Accuracy.balanced(), 1.0).partition("int main(void)")[0]
-    session = Session(library, Accuracy.balanced())
-    (folder / "run.c").write_text(text + C_MAIN.format(size=session.shared.checkpoint_size))
-    package = emit(derive(require(read(SCENES / f"{name}.toml"))))
-    for file, content in {**package.files, HEADER: header_text(), SOURCE: runtime_text()}.items():
-        (folder / file).write_text(content)
-    # the content hash of the library, so that its states are taken for the program's own
-    command = [str(CC), "-O1", "-std=c99", f'-DMG_HASH="{library.record.hash}"', "run.c", "model.c", SOURCE]
-    subprocess.run([*command, "-lm", "-o", "run"], cwd=folder, check=True)
-
-    def program(*arguments: object) -> int:
-        words = [str(folder / "run"), *map(str, arguments)]
-        return subprocess.run(words, cwd=folder, check=False).returncode
-
-    return program
-
-
 @needs_c
 @pytest.mark.cases(2)
 @pytest.mark.parametrize(
@@ -263,11 +232,15 @@ def c_program(name: str, folder: Path) -> Callable[..., int]:
 def test_a_saved_state_goes_on_in_c(name: str, tmp_path: Path) -> None:
     """One process saves and goes on, another loads and goes on: the same bytes. A state that Python saved is
     loaded, too, and is where the program is."""
-    program = c_program(name, tmp_path)
+    run = program_of(name, tmp_path, C_MAIN, Accuracy.balanced())
+
+    def program(*arguments: object) -> int:
+        return subprocess.run([run, *map(str, arguments)], cwd=tmp_path, check=False).returncode
+
     assert program("begin", 0.31, "state", 0.43, "end") == 0
     assert program("load", 0, "state", 0.43, "again") == 0
     assert (tmp_path / "again").read_bytes() == (tmp_path / "end").read_bytes()
-    session = begun(c_library(name), Accuracy.balanced())
+    session = begun(scene_of(name), Accuracy.balanced())
     advanced(session, 0.31, 10**6)
     (tmp_path / "python").write_bytes(session.save())
     assert program("load", 0, "python", 0.43, "from_python") == 0

@@ -202,10 +202,11 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   const int first_event = events->count;
   const long evaluations = c->run->rhs_evals;
+  const mg_real t = c->run->t;
   int outcome;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
-    if (!outcome) outcome = mg_count_fallback_step(c, events, first_event);
+    if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
     outcome = mg_event_driven_step(c, h, record, events);
     if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
@@ -214,12 +215,26 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
 
+/* True if a step of length h ends at t_stop, which is `left` away: it reaches it, or leaves less than the resolution of
+   time. */
+static int mg_ends_at_stop(const mg_context *c, mg_real h, mg_real left) {
+  const mg_real resolution = c->settings->event_tolerance * c->system->time;
+  return h >= left - resolution - 8 * MG_EPS * (left + fabs(c->step.stop_time));
+}
+
+/* Evaluates the state at which a call begins; it was counted when it was accepted. */
+static void mg_evaluate_known_state(mg_context *c) {
+  const long evaluations = c->run->rhs_evals;
+  mg_evaluate_run_state(c);
+  c->run->rhs_evals = evaluations;
+}
+
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop;
-  mg_evaluate_run_state(&c);
+  mg_evaluate_known_state(&c);
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
@@ -228,9 +243,10 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
     if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_LIST_FULL;
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
-    const int last = h >= left * (1 - 8 * MG_EPS);
+    const int last = mg_ends_at_stop(&c, h, left);
     const int outcome = mg_advance_step(&c, last ? left : h, record, events);
     if (outcome) return outcome;
+    run->progress_tries += last && left < h; /* a step that t_stop has cut does not count as slow progress */
     if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);
   }

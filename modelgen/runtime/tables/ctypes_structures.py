@@ -156,7 +156,6 @@ RUN_COUNTS = (
         "progress_tries",
         "progress_rejected",
         "fallbacks",
-        "fallback_steps_left",
         "fallback_transitions",
         "chatters",
         "loose_solutions",
@@ -171,7 +170,7 @@ RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step"),
+    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step", "fallback_left"),
     *("event_work", "event_work_t", "chatter_first", "chatter_time"),
     *(
         "impact_gain_max",
@@ -389,10 +388,13 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
         "pair_ball": [
-            value
-            for p in pairs
-            for ball in p["bounding_balls"]
-            for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+            *(
+                value
+                for p in pairs
+                for ball in p["bounding_balls"]
+                for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+            ),
+            *([0.0, 0.0, 0.0, -1.0] * (2 * len(limits))),
         ],
     }
 
