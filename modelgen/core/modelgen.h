@@ -12,12 +12,14 @@
    and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory. It calls mg_begin once, then mg_advance
    as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL (after which it empties the lists
    and calls again). MG_DONE says that t_stop has been reached. Any other code ends the run; run->failed_contact and
-   run->failed_joint then say where. mg_batch does this for many runs of one system.
+   run->failed_joint then say where. mg_batch does this for many runs of one system, mg_begin_many and mg_advance_many
+   for many runs of systems that may differ.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
    nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
-   memory belongs to no run: runs of systems of equal sizes may take turns on it. It keeps bounds of shapes from one
-   search to the next, which are made anew where the shapes are others; no result depends on what it holds.
+   memory belongs to no run: runs, also of other systems, may take turns on it where it is long enough. It keeps bounds
+   of shapes from one search to the next, which are made anew where the shapes are others; no result depends on what it
+   holds.
 
    Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
    independent if they share nothing but an mg_system and an mg_settings.
@@ -600,6 +602,18 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
    often as needed; no samples are taken. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* Begins n lanes: runs that have nothing in common but the settings and the scratch memory. Arrays have one entry for
+   each lane: its system, which lanes may share; its run; its outcome, as mg_begin returns it; its list of events. */
+MG_API void mg_begin_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* Advances n lanes that have begun, each to its own t_stop [n]. Lanes whose outcome is a failure, MG_PENETRATION or
+   higher, are left as they are. Of the others the outcome becomes MG_DONE, MG_LIST_FULL (empty the list and call
+   again), or that which ended the run; it does not depend on other lanes. Threads may each take a part of the lanes, on
+   scratch memory of their own, which is as long as that of the largest system. */
+MG_API void mg_advance_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                            const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work, int *iwork);
 
 /* What mg_load found. */
 enum {

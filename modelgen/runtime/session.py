@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from modelgen.runtime.tables.ctypes_structures import (
     settings_of,
 )
 from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
+from modelgen.runtime.tables.own_numbers import OwnNumbers
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
@@ -30,14 +31,17 @@ CONTINUE, FULL = 1, 2
 class Session:
     """The state of a run in the core's memory. Arrays are views: they change as the run advances."""
 
-    def __init__(self, library: Library, accuracy: Accuracy) -> None:
+    def __init__(self, library: Library, accuracy: Accuracy, own: OwnNumbers | None = None) -> None:
+        """`own`: numbers that take the place of those of the library."""
         shared = library_tables(library)
+        self.own = own
         self.shared = shared
         self.library = library
         self.accuracy = accuracy
         self.redundant_joints: list[str] = []
         self.instance: Mapping[str, Any] = library.manifest.instance
-        self.tables, self.system = shared.tables, shared.system
+        self.tables = shared.tables
+        self.system = own.system if own else shared.system
         self.feature_pair_names = shared.feature_pair_names  # limits have no features
         self.contacts, self.joints = shared.contact_names, shared.joint_names
         self.n_shown, self.n_patch_slot = len(self.contacts), shared.n_patch_slot
@@ -73,7 +77,8 @@ class Session:
 
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures point to, by address."""
-        return {address(array): array for array in self.shared.arrays} | self._placed
+        own = self.own.arrays.values() if self.own else ()
+        return {address(array): array for array in (*self.shared.arrays, *own)} | self._placed
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
@@ -83,11 +88,16 @@ class Session:
 
     def drain_events(self) -> list[Event]:
         """The events since the last call, removed from the core's list."""
-        columns = [a[: self.events.count].tolist() for a in self._event_columns]
+        told = self.named(self._event_columns, self.events.count)
         self.events.count = 0
+        return told
+
+    def named(self, columns: Sequence[Array], count: int) -> list[Event]:
+        """The first events of an mg_events, given by its columns."""
+        given = [column[:count].tolist() for column in columns]
         return [
             Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))
-            for t, kind, contact, feature_pair, speed in zip(*columns, strict=True)
+            for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
         ]
 
     def _named(self, contact: int, feature_pair: int) -> tuple[str, str]:

@@ -105,8 +105,7 @@ static mg_digest mg_digest_searched_shapes(const mg_context *c) {
 }
 
 MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
-  if (!c->system->n_cell_tree) return;
-  const mg_digest digest = mg_digest_searched_shapes(c);
+  const mg_digest digest = c->system->n_cell_tree ? mg_digest_searched_shapes(c) : MG_DIGEST_START;
   if (*c->search.cells_digest != digest) mg_forget_cells(c);
   *c->search.cells_digest = digest;
 }

@@ -78,13 +78,13 @@ static long mg_bounds_memory_max(const mg_system *s) {
 /* Memory of searches for closest points, in mg_real. */
 static long mg_search_memory_size(const mg_system *s) {
   return mg_count_reals(MG_SAMPLES, sizeof(mg_sample)) + mg_count_reals(s->n_cell, sizeof(mg_cell)) +
-         mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) +
-         mg_count_reals(s->n_cell_tree > 0, sizeof(mg_digest)) + MG_SAMPLES + s->n_cell_tree;
+         mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + mg_count_reals(1, sizeof(mg_digest)) +
+         MG_SAMPLES + mg_count_reals(s->n_cell_tree, sizeof(mg_real));
 }
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return s->n_pair + (s->n_cell_tree ? 1 + s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
+  return 1 + s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 MG_API long mg_work_size(const mg_system *s) {
@@ -154,14 +154,24 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   for (int g = 0; g < s->n_friction; g++) c->friction.is_stiff[g] = 0;
 }
 
+/* Takes the memory of the cells, at the same place for all systems that may keep each other's cells. */
+static void mg_set_cell_arrays(mg_context *c, mg_real **work, int **iwork) {
+  const mg_system *s = c->system;
+  c->search.cells_digest = mg_take_memory(work, 1, sizeof(mg_digest));
+  c->search.cells = mg_take_memory(work, s->n_cell, sizeof(mg_cell));
+  c->search.tree_bound = mg_take_memory(work, s->n_cell_tree, sizeof(mg_real)); /* pointers follow */
+  c->search.n_cells = mg_take_ints(iwork, 1);
+  c->search.tree_root = mg_take_ints(iwork, s->n_cell_tree);
+}
+
 /* Divides the memory. */
 static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
   const long b = s->n_body, m = s->n_contact, r = c->layout.spring_row_end, n = mg_held_row_capacity(s),
              k = s->closed_capacity, x = c->layout.n_states;
-  c->search.cells_digest = mg_take_memory(&work, s->n_cell_tree > 0, sizeof(mg_digest));
+  mg_set_cell_arrays(c, &work, &iwork);
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
-  c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers and digests first */
+  c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
   c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
   c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
   c->rows.J = mg_take_reals(&work, 12 * r), c->rows.MJ = mg_take_reals(&work, 12 * r);
@@ -181,11 +191,8 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r);
   c->joints.independence = mg_take_reals(&work, s->n_joint_row), c->events.gap_before = mg_take_reals(&work, 2 * m);
   c->search.samples = mg_take_memory(&work, MG_SAMPLES, sizeof(mg_sample)),
-  c->search.cells = mg_take_memory(&work, s->n_cell, sizeof(mg_cell)),
   c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
-  c->search.n_cells = mg_take_ints(&iwork, s->n_cell_tree > 0);
-  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.tree_bound = mg_take_reals(&work, s->n_cell_tree),
-  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
+  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
   c->bodies.motion = mg_take_ints(&iwork, b);
