@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy
-from modelgen.runtime.session import FULL, Session
+from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
+from tests.oracles import test_flat_places as flat_places
 from tests.running import NAMES, scene_of
 from tests.runtime.c_programs import needs_c, program_of
 
@@ -188,3 +189,27 @@ int main(void) {{
 def test_no_call_allocates_memory(name: str, tmp_path: Path) -> None:
     program = program_of(name, tmp_path, COUNTED, BALANCED)
     assert subprocess.run([program], check=False).returncode == 0
+
+
+def test_a_stop_within_a_singular_passage_does_not_end_the_run() -> None:
+    """The passage of a place without curvature pauses at the stop, and goes on from there."""
+    library = flat_places.library(flat_places.superellipsoid(), "rocker")
+    until, inside = 0.12, list[float]()
+    one = Session(library, BALANCED)
+    record = one.tables.Record()
+    assert one.begin() == 0
+    code = CONTINUE
+    while code == CONTINUE:
+        before, passed = float(one.run.t), one.run.singular_passages
+        code = one.advance(until, 1, record)
+        if one.run.singular_passages > passed:
+            inside += [before + (one.run.t - before) * part for part in (1e-3, 0.1, 0.5, 0.9, 0.999)]
+    assert code == 0
+    assert len(inside) >= 5
+    for stop in inside:
+        many = Session(library, BALANCED)
+        assert many.begin() == many.advance(stop, 10**8, record) == 0
+        assert many.run.t == stop
+        assert many.advance(until, 10**8, record) == 0
+        assert many.run.singular_passages == one.run.singular_passages
+        assert many.x == pytest.approx(one.x, abs=1e-7)

@@ -131,6 +131,7 @@ typedef struct {
   mg_real *impulse_work;  /* [6 per body] change of the twist by loads and by the forces at both ends */
   mg_real power;          /* power of the loads before, W */
   mg_real margin;         /* least margin of a closed contact after */
+  int is_paused;          /* 1: the run stops within the passage, which goes on in the next call of mg_advance */
 } mg_singular_passage;
 
 /* Complementarity problem over listed rows, and memory of its solvers. */

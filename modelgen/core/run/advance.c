@@ -148,7 +148,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   if (!outcome && mg_search_all_pairs(c, events, h)) mg_evaluate_run_state(c);
   mg_update_diagnostics(c);
   if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
-  if (!outcome) outcome = mg_check_margins(c, events);
+  if (!outcome && !c->events.passage.is_paused) outcome = mg_check_margins(c, events);
   if (!outcome) outcome = mg_check_penetration(c, 0);
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
@@ -241,6 +241,10 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_LIST_FULL;
+    if (!step && !mg_is_time_stepping(&c)) { /* a passage in which the call before this one stopped */
+      const int resumed = mg_cross_singular_contacts(&c, record, events);
+      if (resumed || run->t >= t_stop) return resumed;
+    }
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
     const int last = mg_ends_at_stop(&c, h, left);
