@@ -12,11 +12,14 @@
    and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory. It calls mg_begin once, then mg_advance
    as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL (after which it empties the lists
    and calls again). MG_DONE says that t_stop has been reached. Any other code ends the run; run->failed_contact and
-   run->failed_joint then say where. mg_batch does this for many runs of one system.
+   run->failed_joint then say where. mg_batch does this for many runs of one system, mg_begin_many and mg_advance_many
+   for many runs of systems that may differ.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
-   nothing. Arrays of an mg_system and an mg_settings are read only. The scratch memory belongs to one run from mg_begin
-   on: mg_advance finds there what the previous call left.
+   nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
+   memory belongs to no run: runs, also of other systems, may take turns on it where it is long enough. It keeps bounds
+   of shapes from one search to the next, which are made anew where the shapes are others; no result depends on what it
+   holds.
 
    Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
    independent if they share nothing but an mg_system and an mg_settings.
@@ -113,6 +116,8 @@ typedef struct {
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
   int sensor_parameters;     /* offset into parameters of those of the sensors */
+  int n_parameters;          /* length of parameters */
+  int n_numbers;             /* length of numbers */
 
   const int *body_kind;       /* [n_body] body kind of the library */
   const int *body_q;          /* [n_body] offset into q */
@@ -184,15 +189,16 @@ typedef struct {
 
   const int *input_is_linear; /* [n_input] 1: the input follows a line, whose rate is set; 0: its value is set */
 
-  const mg_real *input_range;      /* [2 n_input] least and largest value that a controller may set */
-  const mg_real *mass_inverse;     /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
-                                      zeros for bodies that forces do not move */
-  const mg_real *restitution;      /* [n_contact] coefficient of restitution of impact_law, 0..1 */
-  const mg_real *parameters;       /* parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
-  const mg_real *numbers;          /* numbers of features, conditions, patches and arcs */
-  const mg_real *friction_static;  /* [2 n_friction] static coefficients along the direction and across it; 1 for
-                                      slip, m for spin and rolling */
-  const mg_real *friction_kinetic; /* [2 n_friction] the same, kinetic */
+  const mg_real *input_range;  /* [2 n_input] least and largest value that a controller may set */
+  const mg_real *mass_inverse; /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
+                                  zeros for bodies that forces do not move */
+  const mg_real *restitution;  /* [n_contact] coefficient of restitution of impact_law, 0..1 */
+  const mg_real
+      *parameters; /* [n_parameters] parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
+  const mg_real *numbers;            /* [n_numbers] numbers of features, conditions, patches and arcs */
+  const mg_real *friction_static;    /* [2 n_friction] static coefficients along the direction and across it; 1 for
+                                        slip, m for spin and rolling */
+  const mg_real *friction_kinetic;   /* [2 n_friction] the same, kinetic */
   const mg_real *friction_direction; /* [3 n_friction] principal direction of anisotropic friction, axes of
                                         friction_body */
   const mg_real *patch_friction;     /* [2 n_patch] static and kinetic coefficient; 0 without friction */
@@ -394,6 +400,12 @@ typedef struct {
                      change along a line; time at which it has that value, s. The caller writes settings before
                      mg_begin and between two calls of mg_advance, at whose start they take effect */
   mg_real *applied_input; /* [3 n_input] settings that have taken effect */
+  mg_real *search_bound;  /* [n_cell_tree] bound up to which the unbounded coordinates of the features of a tree
+                             have been searched for closest points */
+  mg_real *joint_independence_max; /* [n_joint] largest product of the independence of its rows so far, 0..1 */
+  mg_real *joint_response;         /* [12 n_joint_row] M^-1 J^T at the last accepted step */
+  int *joint_row_independent;      /* [n_joint_row] 1: independent of the rows before it at the last accepted step */
+  int *joint_row_ever_independent; /* [n_joint_row] 1: the same at any accepted step so far */
 
   long steps;                /* accepted steps */
   long rejected;             /* rejected steps */
@@ -404,7 +416,6 @@ typedef struct {
   long progress_tries;       /* steps and rejected when progress was last checked */
   long progress_rejected;    /* rejected when progress was last checked */
   long fallbacks;            /* how often the run has fallen back on time-stepping */
-  long fallback_steps_left;  /* steps left of the present fallback */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
   long chatters;             /* how often the run went on by time-stepping because its events cost too much */
   long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
@@ -436,6 +447,7 @@ typedef struct {
   mg_real fallback_end;        /* end of the last fallback, s */
   mg_real fallback_time;       /* duration of all fallbacks, s */
   mg_real fallback_step;       /* step of the present fallback, s */
+  mg_real fallback_left;       /* time left of the present fallback, s; 0: none */
   mg_real event_work;          /* work of events beyond what time-stepping would have cost, evaluations of a contact */
   mg_real event_work_t;        /* t when event_work was last updated, s */
   mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
@@ -622,6 +634,42 @@ typedef struct {
 MG_API int mg_advance_controlled(const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_controller *controller, mg_real t_stop, long max_steps, mg_record *record,
                                  mg_events *events, mg_real *work, int *iwork);
+/* Begins n lanes: runs that have nothing in common but the settings and the scratch memory. Arrays have one entry for
+   each lane: its system, which lanes may share; its run; its outcome, as mg_begin returns it; its list of events. */
+MG_API void mg_begin_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* Advances n lanes that have begun, each to its own t_stop [n]. Lanes whose outcome is a failure, MG_PENETRATION or
+   higher, are left as they are. Of the others the outcome becomes MG_DONE, MG_LIST_FULL (empty the list and call
+   again), or that which ended the run; it does not depend on other lanes. Threads may each take a part of the lanes, on
+   scratch memory of their own, which is as long as that of the largest system. */
+MG_API void mg_advance_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                            const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* What mg_load found. */
+enum {
+  MG_LOADED = 0,              /* the run has been loaded; with any other code it is as it was */
+  MG_LOAD_NO_CHECKPOINT = 1,  /* the bytes are no checkpoint, or one of a machine with another order of bytes */
+  MG_LOAD_OTHER_ABI = 2,      /* saved with another MG_ABI */
+  MG_LOAD_OTHER_REAL = 3,     /* saved with another mg_real */
+  MG_LOAD_OTHER_LIBRARY = 4,  /* saved with a library of another content hash */
+  MG_LOAD_OTHER_SIZES = 5,    /* saved of a system of other sizes: numbers of bodies, contacts, .. */
+  MG_LOAD_OTHER_TABLES = 6,   /* saved of a system with other tables: indices, parameters, masses, friction, .. */
+  MG_LOAD_OTHER_SETTINGS = 7, /* saved with other settings */
+  MG_LOAD_DAMAGED = 8         /* bytes are missing, or are not those that were saved */
+};
+
+/* Length in bytes of a checkpoint of a run of this system. */
+MG_API long mg_save_size(const mg_system *system);
+
+/* Saves the state of a run between two calls, mg_save_size bytes. A run into which it is loaded goes on bit for bit as
+   this one. System and settings are not saved; their digests are, so that mg_load can compare them. */
+MG_API void mg_save(const mg_system *system, const mg_settings *settings, const mg_run *run, unsigned char *bytes);
+
+/* Loads `length` bytes that mg_save wrote into a run, whose pointers are set and which need not have begun. Returns
+   MG_LOADED or what differs. */
+MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run *run, const unsigned char *bytes,
+                   long length);
 
 /* Takes n steps of RK4 of settings->step with a fixed active set: no events, no projection, no diagnostics. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,

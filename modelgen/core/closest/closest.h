@@ -72,6 +72,9 @@ MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 /* Forgets all cells. */
 MG_INTERNAL void mg_forget_cells(mg_context *c);
 
+/* Forgets the cells in the scratch memory that were not made of the shapes of this system. */
+MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
+
 /* First cell of a feature: its domain, cut where it is unbounded so that it contains all that can be near the other
    feature. Returns 0 if there is no room. */
 MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side);

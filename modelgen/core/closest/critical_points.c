@@ -351,7 +351,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
   if (!s.has_cells) mg_set_closed_view(&s);
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
-  if (c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
+  if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
   root[0] = mg_root_cell(c, feature_pair, s.first);
   if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
   if (!root[0] || (s.has_cells && !root[1])) return 0;

@@ -225,16 +225,21 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
                                               : MG_MAX;
 }
 
-/* Take the longest passage step whose estimated error is within the tolerance; returns its length in s, 0 if
-   there is none. */
+/* Take the longest passage step up to stop_time whose estimated error is within the tolerance; returns its length in
+   s, 0 if there is none. */
 static mg_real mg_choose_passage_step(mg_context *c) {
-  const mg_real least = c->settings->event_tolerance * c->system->time;
+  const mg_real least = c->settings->event_tolerance * c->system->time, left = c->step.stop_time - c->run->t;
   mg_store_passage_start(c);
-  for (mg_real tau = mg_longest_passage * c->system->time; tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
-    if (c->run->t + tau <= c->step.stop_time && mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
+  for (mg_real tau = fmin(mg_longest_passage * c->system->time, left); tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
+    if (mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
     mg_update_poses(c, c->run->t, c->run->x);
   }
   return 0;
+}
+
+/* True if stop_time is reached within the resolution of time. */
+static int mg_is_stop_reached(const mg_context *c) {
+  return c->step.stop_time - c->run->t < c->settings->event_tolerance * c->system->time;
 }
 
 /* Set time and state of the run and evaluate them; returns 0 if an extremum is lost. */
@@ -266,19 +271,25 @@ static int mg_is_passage_allowed(const mg_context *c) {
   return c->settings->method == MG_DOP853 && c->settings->project && c->settings->use_gamma && c->settings->newton;
 }
 
-/* Integrate across the singular place of a closed contact until its margin is regular; returns 0, with the state
-   restored, where that fails. */
+/* Integrate across the singular place of a closed contact until its margin is regular, or up to stop_time, where the
+   passage pauses; returns 0, with the state restored, where that fails. */
 static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   mg_run *run = c->run;
   const mg_real t = run->t;
   mg_real tau = 0;
   int crossed = 0;
+  c->events.passage.is_paused = mg_is_stop_reached(c);
   for (int k = 0; k < c->layout.n_states; k++) c->step.settled[k] = run->x[k];
-  for (int k = 0; k < MG_PASSAGES_MAX && !crossed; k++) {
+  for (int k = 0; k < MG_PASSAGES_MAX && !crossed && !c->events.passage.is_paused; k++) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;
     crossed = c->events.passage.margin >= 2 * c->settings->margin_refuse;
     mg_record_passage(c, record);
+    c->events.passage.is_paused = !crossed && mg_is_stop_reached(c);
+  }
+  if (c->events.passage.is_paused) {
+    run->t = c->step.stop_time, run->t_roundoff = 0;
+    return 1;
   }
   if (!crossed) mg_set_run_state(c, t, c->step.settled);
   else if (run->h < tau) run->h = tau;
@@ -291,6 +302,7 @@ MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_
   if (singular == c->system->n_contact || !mg_is_passage_allowed(c)) return MG_DONE;
   mg_clear_triggered_events(c);
   if (mg_cross_singular_place(c, record)) {
+    if (c->events.passage.is_paused) return MG_DONE;
     mg_merge_contacts(c, events);
     if (mg_is_on_feature_pair(c, singular)) mg_split_contact(c, events, singular);
   } else if (!mg_replace_singular_contact(c, events, singular)) return MG_DONE;

@@ -1,8 +1,8 @@
 /* The context of one call: the caller's structures and the scratch memory, by subject.
 
    Every public function makes an mg_context on its stack (run/workspace.c) and passes it down. Its arrays are parts of
-   the caller's `work` and `iwork`. Scratch is valid within one call, except c->joints, which also lasts from one call
-   of mg_advance to the next.
+   the caller's `work` and `iwork`. Scratch is valid within one call, except the cells of c->search, which last as long
+   as the shapes are the same.
 
    Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
    contact (which tries feature pairs out), rows of joints, friction rows, springs. The number of a contact is the
@@ -11,6 +11,7 @@
 #ifndef MG_CONTEXT_H
 #define MG_CONTEXT_H
 
+#include "base/base.h"
 #include "solve/friction/friction.h"
 #include "kernels.h"
 #include "solve/lcp/solvers.h"
@@ -130,6 +131,7 @@ typedef struct {
   mg_real *impulse_work;  /* [6 per body] change of the twist by loads and by the forces at both ends */
   mg_real power;          /* power of the loads before, W */
   mg_real margin;         /* least margin of a closed contact after */
+  int is_paused;          /* 1: the run stops within the passage, which goes on in the next call of mg_advance */
 } mg_singular_passage;
 
 /* Complementarity problem over listed rows, and memory of its solvers. */
@@ -161,10 +163,6 @@ typedef struct {
 /* Rank of the joint rows. */
 typedef struct {
   mg_real *independence; /* [per joint row] part of its diagonal entry of J M^-1 J^T independent of rows before, 0..1 */
-  mg_real *best_independence; /* [per joint] largest product of the independence of its rows so far */
-  mg_real *previous_MJ;       /* [12 per joint row] M^-1 J^T after the step before */
-  int *was_independent;       /* [per joint row] 1: independent after the step before */
-  int *is_independent;        /* [per joint row] 1: independent after any step so far */
 } mg_joint_workspace;
 
 /* Springs and dampers as rows. */
@@ -222,9 +220,10 @@ typedef struct {
   mg_sample *samples;             /* [MG_SAMPLES] samples of a feature */
   mg_real *face_gap;              /* [MG_SAMPLES] least gap of a flat face of one solid to the features of another, m */
   mg_cell *cells;                 /* [system->n_cell] cells of all trees; cell 0 is not used */
-  int n_cells;                    /* cells in use, cell 0 included */
+  int *n_cells;                   /* [1] cells in use, cell 0 included */
   int *tree_root;                 /* [per cell tree] its first cell, or 0 */
   mg_real *tree_bound;            /* [per cell tree] where a coordinate has no bound: that of its first cell */
+  mg_digest *cells_digest;        /* [1] digest of the shapes to which the cells belong */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */
   int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */

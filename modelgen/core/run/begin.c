@@ -1,6 +1,7 @@
 /* The start of a run (mg_begin): closest points, closed contacts, assembly of the joints, first impacts and
    contact modes. Writes the state, contacts and statistics of the run. */
 #include "run/run.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "closest/closest.h"
 #include "forces/forces.h"
@@ -44,10 +45,11 @@ static void mg_report_touch_downs(mg_context *c, mg_events *events) {
 /* Resets what the run reports. */
 static void mg_reset_report(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
-  run->redundant_max = run->fallbacks = run->fallback_steps_left = run->loose_solutions = run->relaxed_solutions = 0;
+  run->redundant_max = run->fallbacks = run->loose_solutions = run->relaxed_solutions = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->singular_passages = 0, run->passage_contact = -1;
-  run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
+  run->fallback_first = run->fallback_end = run->fallback_time = run->fallback_left = 0,
+  run->fallback_cause = run->fallback_doublings = 0;
   mg_reset_event_work(run);
   run->energy_error_max = run->kinetic_max = run->gap_max = run->penetration_max = run->complementarity_max =
       run->lcp_residual_max = 0;
@@ -91,6 +93,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   for (int i = 0; i < system->n_friction; i++)
     run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c.layout.work_state] = 0;
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);

@@ -30,6 +30,7 @@ SYSTEM_INTEGERS = (
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
     *("n_input", "sensor_parameters"),
+    *("n_parameters", "n_numbers"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -144,6 +145,8 @@ RUN_ARRAYS = (
         "reference_force",
     ),
     *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),
+    *("search_bound", "joint_independence_max", "joint_response"),
+    *("joint_row_independent", "joint_row_ever_independent"),
 )
 RUN_COUNTS = (
     "steps",
@@ -156,7 +159,6 @@ RUN_COUNTS = (
         "progress_tries",
         "progress_rejected",
         "fallbacks",
-        "fallback_steps_left",
         "fallback_transitions",
         "chatters",
         "loose_solutions",
@@ -171,7 +173,7 @@ RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step"),
+    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step", "fallback_left"),
     *("event_work", "event_work_t", "chatter_first", "chatter_time"),
     *(
         "impact_gain_max",
@@ -339,7 +341,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     trees = max(integers["feature_tree"], default=-1) + 1
     of_searches = trees, cell_capacity(trees)
     counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, *of_inputs
-    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
+    pools = len(parameters), len(sides.numbers)
+    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*instance["gravity"])
@@ -405,10 +408,13 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
         "pair_ball": [
-            value
-            for p in pairs
-            for ball in p["bounding_balls"]
-            for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+            *(
+                value
+                for p in pairs
+                for ball in p["bounding_balls"]
+                for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+            ),
+            *([0.0, 0.0, 0.0, -1.0] * (2 * len(limits))),
         ],
     }
 
