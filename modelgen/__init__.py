@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from modelgen.runtime.distance_minima import distance_minima as distance_minima
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.runtime.simulation import start as start
+    from modelgen.runtime.simulations import start_many as start_many
     from modelgen.scene.read import read as read
 
 __version__ = "0.1.0"
@@ -56,6 +57,7 @@ __all__ = [
     "simulate",
     "simulate_batch",
     "start",
+    "start_many",
     "tune",
 ]
 
@@ -67,6 +69,7 @@ _HOMES = {
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
     "start": "modelgen.runtime.simulation",
+    "start_many": "modelgen.runtime.simulations",
     "closest_points": "modelgen.runtime.closest_points",
     "distance_minima": "modelgen.runtime.distance_minima",
     "simulate_batch": "modelgen.runtime.batch",

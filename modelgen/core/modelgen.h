@@ -646,6 +646,10 @@ MG_API void mg_begin_many(int n, const mg_system *const *systems, const mg_setti
 MG_API void mg_advance_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
                             const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work, int *iwork);
 
+/* Writes what the sensors of n lanes show at their states into sensors [n * kernels->n_sensor], lane after lane. */
+MG_API void mg_sense_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          mg_real *sensors, mg_real *work, int *iwork);
+
 /* What mg_load found. */
 enum {
   MG_LOADED = 0,              /* the run has been loaded; with any other code it is as it was */

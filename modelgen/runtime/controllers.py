@@ -43,6 +43,15 @@ class Controller:
             entry, None, every, float(session.run.t), 0, address(self._sensors), address(self._command)
         )
 
+    @property
+    def instants(self) -> tuple[int, float]:
+        """How often it has been called, and the time of its first call, s."""
+        return int(self.structure.calls), float(self.structure.start)
+
+    @instants.setter
+    def instants(self, value: tuple[int, float]) -> None:
+        self.structure.calls, self.structure.start = value
+
     def wrong_command(self) -> str:
         """The name of an input whose command is not finite; empty if there is none."""
         bad = np.flatnonzero(~np.isfinite(self._command[:-1]))

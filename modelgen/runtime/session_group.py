@@ -85,6 +85,9 @@ class SessionGroup:
             (ctypes.addressof(entries), ctypes.sizeof(entries) // self.n)
             for entries in (self._systems, self._runs, self._lists)
         )
+        n_sensor = sum(size for _, size in library.manifest.instance["sensors"]["names"])
+        self.sensed = np.zeros((self.n, n_sensor), self._like.tables.dtype)
+        self._sensed_at = address(self.sensed), self.sensed.strides[0]
         self._codes_at, self._ends_at = ((address(a), a.itemsize) for a in (self.codes, self._ends))
         self._told: list[list[Event]] = [[] for _ in range(self.n)]
         self._scratch: list[_Scratch] = []
@@ -121,6 +124,30 @@ class SessionGroup:
             for lane in full.tolist():
                 self._told[lane] = self.drain_events(lane)
             self._share("mg_advance_many", by_lane, threads)
+
+    def begin_again(self, lane: int, start: Array) -> None:
+        """Put a lane at a start (n_x,) at t = 0 and settle it; its inputs stay. Its events are dropped.
+
+        Raises SimulationError where the start is refused; the lane is left out from then on.
+        """
+        settings = self.arrays["input"][lane].copy()
+        for name, array in self.arrays.items():
+            array[lane] = -1 if name == "feature_pair" else 0
+        self.arrays["input"][lane], self.x[lane] = settings, start
+        self._runs[lane].t = self._runs[lane].h = 0.0
+        self._lists[lane].count, self._told[lane] = 0, []
+        if not self._scratch:
+            self._scratch.append(_Scratch(self._like))
+        head, events = self._head_at(lane), ctypes.byref(self._lists[lane])
+        scratch = map(ctypes.c_void_p, self._scratch[0].addresses)
+        self.codes[lane] = code = self.library.cdll.mg_begin(*head, events, *scratch)
+        if code in REFUSED:
+            raise self._refusal(lane, int(code))
+
+    def sense(self, threads: int = 1) -> Array:
+        """What the sensors of all lanes show, (n, n_sensor)."""
+        self._share("mg_sense_many", (self._sensed_at,), threads)
+        return self.sensed
 
     def drain_events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 from collections.abc import Mapping
 from typing import Unpack
 
@@ -10,6 +11,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
@@ -19,6 +21,7 @@ from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
+_HEAD = struct.Struct("<qdq")  # of a saved run: calls of the controller, time of its first, the core's code
 STEPS = 1_000_000  # in one call of the core
 START_KEYWORDS = ("inputs", "parameters", "accuracy", *STEPPING)  # of `start`
 
@@ -117,6 +120,26 @@ class Simulation:
         if code:
             self._stop(code)
         return events
+
+    @property
+    def contacts(self) -> Mapping[str, Contact]:
+        """The contacts with shapes and the limits of joints, by name, at the present state."""
+        return contacts_of(self.session)
+
+    def save(self) -> bytes:
+        """The state of the run, its inputs and the instants of its controller included. Loaded into a run of
+        the same library, parameters and settings, also in another process, it goes on bit for bit."""
+        calls, start = (0, 0.0) if self._controller is None else self._controller.instants
+        return _HEAD.pack(calls, start, self._code or 0) + self.session.save()
+
+    def load(self, mark: bytes) -> None:
+        """Go to a saved state. The controller stays the one that is set. Raises SimulationError where `mark`
+        is not what `save` returned for the same library, parameters and settings; it says what differs."""
+        self.session.load(mark[_HEAD.size :])
+        calls, start, code = _HEAD.unpack(mark[: _HEAD.size])
+        self._code, self._early = code or None, ()
+        if self._controller is not None:
+            self._controller.instants = calls, start
 
     def controller(self, function: ControlFunction, every: float) -> None:
         """Let a function set inputs at sampled instants: now and after each further time `every`, s.

@@ -45,3 +45,9 @@ MG_API void mg_sense(const mg_system *system, const mg_settings *settings, mg_ru
   c.kernels->sense(0, &run->t, c.bodies.pose, c.bodies.twist, c.sensors.pair, c.sensors.joint,
                    system->parameters + system->sensor_parameters, run->applied_input, sensors);
 }
+
+MG_API void mg_sense_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          mg_real *sensors, mg_real *work, int *iwork) {
+  for (int i = 0; i < n; i++)
+    mg_sense(systems[i], settings, runs + i, sensors + (long)i * systems[i]->kernels->n_sensor, work, iwork);
+}
