@@ -60,9 +60,9 @@ class Controller:
     def _entry(self, session: Session, function: ControlFunction) -> tuple[Any, int]:
         """What must be kept alive, and the address of a function of type mg_control."""
         if isinstance(function, Mapping):
-            from modelgen.runtime.expression_controllers import function_of
+            from modelgen.runtime.expression_functions import commands_function
 
-            function = function_of(function, self._inputs, session.instance["sensors"]["names"])
+            function = commands_function(function, self._inputs, session.instance["sensors"]["names"])
         if isinstance(function, ca.Function):
             from modelgen.codegen.controllers import ENTRY, compiled_controller  # needs a compiler
 

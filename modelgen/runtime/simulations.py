@@ -120,14 +120,16 @@ class Simulations:
             end += size
         return found
 
-    def step(self, duration: float) -> None:
-        """Let each lane go on by a duration, s; lanes that have ended stay where they are.
+    def step(self, duration: float, lanes: Array | None = None) -> None:
+        """Let each lane go on by a duration, s; lanes that have ended stay where they are, as do those that
+        are False in `lanes` (n,).
 
         Raises SimulationError where the duration is none, or an input is beyond its range.
         """
         check_span("step", duration, "give the duration in s")
         self.inputs.check()
-        self._group.advance(self._group.t + duration, self._threads)
+        going = True if lanes is None else np.asarray(lanes, dtype=bool)
+        self._group.advance(self._group.t + np.where(going, duration, 0.0), self._threads)
 
     def events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""
