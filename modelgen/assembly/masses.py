@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,6 @@ class Mass:
     inertia: Array | None = None
 
 
-@lru_cache(maxsize=4096)
 def pose_numbers(pose: Pose, shift: Vector = (0.0, 0.0, 0.0)) -> tuple[float, ...]:
     """The 12 numbers [p; R column by column] of a pose seen from a frame moved by `shift`."""
     position = (a - b for a, b in zip(pose.position, shift, strict=True))

@@ -68,7 +68,7 @@ def _checked(name: str, value: object, known: Mapping[str, Json]) -> float:
     where = f"parameters: {name}"
     if isinstance(value, bool) or not isinstance(value, Real):
         raise SimulationError(where, repr(value), "a number is allowed")
-    number = float(value)
+    number = float(value) + 0.0  # no negative zero, which equals zero and is another number
     if not isfinite(number) or abs(number) > HUGE:
         raise SimulationError(where, repr(number), f"a number from {-HUGE:g} to {HUGE:g} is allowed")
     if outside := out_of_range(number, known[name]["minimum"], known[name]["maximum"]):

@@ -193,27 +193,28 @@ def parse_expression(
 
     Raises ExpressionError with position, found, allowed, remedy.
     """
-    return _parsed(text, frozenset(names), tuple((constants or {}).items()))
-
-
-@lru_cache(maxsize=1024)
-def _parsed(text: str, names: frozenset[str], constants: tuple[tuple[str, float], ...]) -> Expression:
     _check_characters(text)
     flat = re.sub(r"\s", " ", text)
     indent = len(flat) - len(flat.lstrip())
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            tree = ast.parse(flat.strip(), mode="eval").body
+        tree = _syntax(flat.strip())
     except SyntaxError as error:
         column = error.offset - 1 if error.offset else len(flat.strip())  # no offset: the end came too early
-        found, remedy = _what_is_wrong(flat.strip(), names)
+        found, remedy = _what_is_wrong(flat.strip(), frozenset(names))
         raise _error(text, found, column + indent, remedy=remedy) from None
     except (RecursionError, MemoryError, ValueError):
         raise _error(text, "it is nested too deeply", None) from None
-    walker = _Walker(text, names, CONSTANTS | dict(constants), indent)
+    walker = _Walker(text, frozenset(names), CONSTANTS | dict(constants or {}), indent)
     node, _ = walker.visit(tree, 1)
     return Expression(text, node, frozenset(walker.used), frozenset(walker.replaced))
+
+
+@lru_cache(maxsize=1024)
+def _syntax(text: str) -> ast.expr:
+    """Python's syntax tree of a text, which nothing changes."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return ast.parse(text, mode="eval").body
 
 
 def _what_is_wrong(text: str, names: Collection[str]) -> tuple[str, str]:

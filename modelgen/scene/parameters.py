@@ -55,7 +55,8 @@ def _parameter(values: Mapping[str, Any], place: Place) -> Parameter:
     for key in ("value", "nominal"):
         if outside := out_of_range(values[key], low, high):
             raise place.key(key).error(f"the number {values[key]!r}", outside)
-    return Parameter(**values)
+    numbers = {key: values[key] + 0.0 for key in ("value", "nominal")}  # no negative zero
+    return Parameter(**{**values, **numbers})
 
 
 def out_of_range(value: float, minimum: float | None, maximum: float | None) -> str:

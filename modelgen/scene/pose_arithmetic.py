@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
@@ -18,7 +17,6 @@ def frame(origin: Sequence[float] | Array, x: Array, z: Array) -> Pose:
     return Pose(_vector(origin), quaternion_of(np.column_stack([x, np.cross(z, x), z])))
 
 
-@lru_cache(maxsize=4096)
 def compose(outer: Pose, inner: Pose) -> Pose:
     """The pose of `inner`, which is given in the frame `outer`, in the frame that `outer` is given in."""
     a, b = outer.quaternion, inner.quaternion
