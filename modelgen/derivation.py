@@ -13,6 +13,7 @@ from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
+from modelgen.dynamics.sensors import sensor_kernel
 from modelgen.errors import ModelgenError, expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points import is_point, point_kernel
@@ -23,7 +24,6 @@ from modelgen.joint.joint_limits import CITATION, limit_kernels
 from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
 from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import LoadKind, Model, ShapeKind
-from modelgen.sensing import sensor_kernel
 
 Role = Literal[
     "pose",

@@ -9,11 +9,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from modelgen.codegen.expression_functions import expressions_function
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, nearest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span
-from modelgen.runtime.expression_functions import expressions_function
 from modelgen.runtime.simulations import Simulations, start_many
 from modelgen.scene.scene_types import Scene
 

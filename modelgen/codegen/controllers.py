@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 import hashlib
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import casadi as ca
 
 from modelgen.codegen.compiler import LIBRARIES, SHARED, Compiler, find_compiler, run_compiler
 from modelgen.codegen.core_cache import cache_folder
+from modelgen.codegen.expression_functions import commands_function
 from modelgen.errors import SimulationError, nearest
 
 NAME, ENTRY = "controller", "mg_controller_call"
@@ -32,26 +32,32 @@ __attribute__((visibility("default"))) void {entry}(void *data, casadi_real t, c
 """
 
 
-def compiled_controller(function: ca.Function, sensors: Slots, inputs: Slots, real: str) -> ctypes.CDLL:
-    """The library of a controller, whose function ENTRY has the type mg_control.
+def compiled_controller(
+    function: ca.Function | Mapping[str, str], sensors: Slots, inputs: Sequence[str], real: str
+) -> Path:
+    """The shared library of a controller, whose function ENTRY has the type mg_control.
 
     Args:
-        function: inputs are `t` and sensors by name, outputs are inputs of the scene by name, any of each.
-        sensors, inputs: names and sizes, in the order of the scene.
+        function: its inputs are `t` and sensors, its outputs inputs of the scene, by name; or expressions of
+            `t` and components of sensors by input.
+        sensors: names and sizes, in the order of the scene.
+        inputs: names, in the order of the scene.
         real: real type of the scene's library.
 
     Raises:
         SimulationError: a name or size of the function is none of the scene.
         LibraryError: no compiler, or the compiler fails.
     """
-    text = _text(function, sensors, inputs, real)
+    if isinstance(function, Mapping):
+        function = commands_function(function, inputs, sensors)
+    text = _text(function, sensors, [(name, 1) for name in inputs], real)
     compiler = find_compiler()
     flags = (*compiler.flags(real), "-Wno-unused-parameter")
     key = "\0".join((text, *flags, *compiler.command, compiler.version))
     path = cache_folder() / f"controller-{hashlib.sha256(key.encode()).hexdigest()[:16]}.so"
     if not path.exists():
         _compile(compiler, flags, text, path)
-    return ctypes.CDLL(str(path))
+    return path
 
 
 def _compile(compiler: Compiler, flags: tuple[str, ...], text: str, path: Path) -> None:

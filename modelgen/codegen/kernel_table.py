@@ -14,6 +14,7 @@ from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
+from modelgen.dynamics.sensors import need_rates, sensor_names
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
 from modelgen.joint.joint_actuators import law_of
@@ -21,7 +22,6 @@ from modelgen.joint.joint_limits import is_turn
 from modelgen.joint.joint_rows import row_count
 from modelgen.joint.joint_table import FORMS
 from modelgen.model import ContactKind, JointKind, LoadKind, Model
-from modelgen.sensing import need_rates, sensor_names
 
 HEAD = """#ifndef MG_HASH
 #define MG_HASH ""

@@ -13,6 +13,7 @@ from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.separation import has_separation
+from modelgen.dynamics.sensors import sensor_names, sensor_parameters
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.extent import bounding_ball
@@ -38,7 +39,6 @@ from modelgen.model import (
 from modelgen.notation import ETA_SIZE
 from modelgen.scene.reading_again import SceneReader
 from modelgen.scene.scene_types import Scene, Shape
-from modelgen.sensing import sensor_names, sensor_parameters
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {

@@ -6,7 +6,6 @@ import ctypes
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from modelgen.errors import SimulationError, nearest
@@ -19,7 +18,7 @@ Commands = Mapping[str, float] | float | None
 C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]  # the base of all pointers to C functions
 PythonController = Callable[[float, Readings], Commands]
 Expressions = Mapping[str, str]  # by input: expressions of t and components of sensors
-ControlFunction = PythonController | ca.Function | int | Expressions
+ControlFunction = PythonController | int | Expressions | Any  # or a function of CasADi
 
 
 class Controller:
@@ -59,17 +58,13 @@ class Controller:
 
     def _entry(self, session: Session, function: ControlFunction) -> tuple[Any, int]:
         """What must be kept alive, and the address of a function of type mg_control."""
-        if isinstance(function, Mapping):
-            from modelgen.runtime.expression_functions import commands_function
+        if isinstance(function, Mapping) or _is_casadi_function(function):
+            from modelgen.codegen.controllers import ENTRY, compiled_controller  # needs CasADi and a compiler
 
-            function = commands_function(function, self._inputs, session.instance["sensors"]["names"])
-        if isinstance(function, ca.Function):
-            from modelgen.codegen.controllers import ENTRY, compiled_controller  # needs a compiler
-
-            inputs = [(name, 1) for name in self._inputs]
-            library = compiled_controller(
-                function, session.instance["sensors"]["names"], inputs, session.library.real
-            )
+            sensors = session.instance["sensors"]["names"]
+            given: Any = function
+            path = compiled_controller(given, sensors, self._inputs, session.library.real)
+            library = ctypes.CDLL(str(path))
             return library, _address(getattr(library, ENTRY))
         if isinstance(function, int) and not isinstance(function, bool):
             return None, function
@@ -110,6 +105,11 @@ class Controller:
             raise SimulationError(
                 "controller", f"the commands {commands!r}", "a dict of inputs and values, or None", ""
             )
+
+
+def _is_casadi_function(function: object) -> bool:
+    """Whether it is one, without an import of CasADi."""
+    return type(function).__module__.partition(".")[0] == "casadi"
 
 
 def _address(function: Any) -> int:

@@ -23,7 +23,7 @@ ROUTE = "homogeneous matrices and their derivatives along the motion"
 
 def sensor_inputs(model: Model, random: np.random.Generator) -> dict[str, Array]:
     """Arguments of the kernel at random poses, twists, gaps, forces and settings of inputs."""
-    from modelgen.sensing import sensor_parameters  # of the kernel, as the runtime passes them
+    from modelgen.dynamics.sensors import sensor_parameters  # of the kernel, as the runtime passes them
 
     kinds = _inputs(model)
     poses = [
