@@ -68,3 +68,30 @@ def escapement(lean: float, restitution: float, torque: float) -> Scene:
         ],
         torque=[{"body": "wheel", "torque": [0.0, 0.0, torque]}],
     )
+
+
+def links_and_dust(radius: float) -> Scene:
+    """A ring that swings and spins in a fixed ring, both of some 0.6 m, and a ball far from them.
+
+    Args:
+        radius: m, of the ball; 0: there is none.
+    """
+    link = make.torus(0.5, 0.1)
+    bodies = [
+        make.fixed("table", make.plane()),
+        make.fixed("hook", link, position=[0.0, 0.0, 2.0]),
+        make.dynamic(
+            "link",
+            link,
+            density=100.0,
+            position=[0.5, 0.0, 1.8],
+            axis_angle={"axis": [1.0, 0.0, 0.0], "angle": "pi/2"},
+            velocity=[0.0, 0.3, 0.0],
+            angular_velocity=[0.3, 0.1, 2.0],
+        ),
+    ]
+    contact = [{"between": ["hook", "link"], "restitution": 0.5}]
+    if radius:
+        bodies.append(make.dynamic("dust", make.sphere(radius), density=1000.0, position=[5.0, 0.0, radius]))
+        contact.append({"between": ["dust", "table"]})
+    return make.scene("links", bodies, contact=contact)
