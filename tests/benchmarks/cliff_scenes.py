@@ -13,29 +13,42 @@ PIVOT = TIP / cos(HALF_SPAN)  # m, where the tangents of the wheel below the pal
 PALLET_TIP, PALLET_BASE, PALLET_WIDTH = 0.044, 0.066, 0.006  # m, from the axis of the wheel; half its width
 
 
-def _pallet(name: str, side: int) -> Shape:
-    """A wedge that points to the axis of the wheel, in the axes of the anchor."""
+def wheel_corners() -> list[tuple[float, float]]:
+    """Corners of the escape wheel in its axes, m: tips and roots in turn."""
+    polar = ((TIP if k % 2 == 0 else ROOT, pi * k / TEETH) for k in range(2 * TEETH))
+    return [(r * cos(angle), r * sin(angle)) for r, angle in polar]
+
+
+def pallet_corners(side: int) -> list[tuple[float, float]]:
+    """Corners of a wedge that points to the axis of the wheel, in the axes of the anchor, m.
+
+    Args:
+        side: 1: the entry pallet, -1: the exit pallet.
+    """
     angle = pi / 2 - side * HALF_SPAN
     corners = [(PALLET_TIP, 0.0), (PALLET_BASE, -PALLET_WIDTH), (PALLET_BASE, PALLET_WIDTH)]
-    points = [[r * cos(angle) - t * sin(angle), r * sin(angle) + t * cos(angle) - PIVOT] for r, t in corners]
-    return make.extrusion(0.02, points=points, name=name)
+    return [(r * cos(angle) - t * sin(angle), r * sin(angle) + t * cos(angle) - PIVOT) for r, t in corners]
 
 
-def escapement(lean: float, restitution: float, torque: float) -> Scene:
-    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints, without
-    friction. The pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of
-    which the joints make redundant.
+def _pallet(name: str, side: int) -> Shape:
+    return make.extrusion(0.02, points=[list(corner) for corner in pallet_corners(side)], name=name)
+
+
+def escapement(lean: float, restitution: float, torque: float, friction: float = 0.0) -> Scene:
+    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints. The
+    pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of which the joints
+    make redundant.
 
     Args:
         lean: rad, of the anchor at the start.
         restitution: of the teeth.
         torque: N m, on the wheel.
+        friction: of the teeth; 0: there is none.
     """
-    corners = [(TIP if k % 2 == 0 else ROOT, pi * k / TEETH) for k in range(2 * TEETH)]
     axis = [0.0, 0.0, 1.0]
     wheel = make.dynamic(
         "wheel",
-        make.extrusion(0.01, points=[[r * cos(angle), r * sin(angle)] for r, angle in corners]),
+        make.extrusion(0.01, points=[list(corner) for corner in wheel_corners()]),
         mass=0.1,
         inertia=[6e-5, 6e-5, 1.2e-4],
         axis_angle={"axis": axis, "angle": -pi / TEETH / 2},
@@ -55,6 +68,7 @@ def escapement(lean: float, restitution: float, torque: float) -> Scene:
         gravity=[0.0, 0.0, 0.0],
         contact=[
             {"between": ["wheel", f"anchor/{pallet}"], "restitution": restitution}
+            | ({"friction": friction} if friction else {})
             for pallet in ("entry", "exit")
         ],
         joint=[
