@@ -35,9 +35,10 @@ def _pallet(name: str, side: int) -> Shape:
 
 
 def escapement(lean: float, restitution: float, torque: float, friction: float = 0.0) -> Scene:
-    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints. The
-    pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of which the joints
-    make redundant.
+    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints.
+
+    The pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of which the
+    joints make redundant.
 
     Args:
         lean: rad, of the anchor at the start.
